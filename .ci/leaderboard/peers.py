@@ -79,7 +79,7 @@ def write_swept(folder):
         section = [f"[detector.{name}-swept]", f"command = {json.dumps(known[name]['command'])}", f"parameters = {inline(parameters)}"]
         if "time_limit_s" in known[name]:
             section.append(f"time_limit_s = {known[name]['time_limit_s']}")
-        sections.append("\n".join(section) + "\n")
+        sections.append("\n".join([*section, 'vehicles = "size"']) + "\n")
         # The same clusters, and our model tells the vehicles among them.
         of_model = [section[0].replace("-swept]", "-swept-model]"), *section[1:], 'vehicles = "model"']
         sections.append("\n".join(of_model) + "\n")

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::markup::commands;
 use super::run_facts::RunFacts;
 use crate::run_folder::command_line::shell_word;
-use crate::run_folder::manifest::{DatasetEntry, Manifest};
+use crate::run_folder::manifest::{DatasetEntry, ForeignEntry, Manifest};
 
 pub(super) fn reproduction(facts: &RunFacts) -> Markup {
     let manifest = &facts.manifest;
@@ -17,6 +17,9 @@ pub(super) fn reproduction(facts: &RunFacts) -> Markup {
                 Some(git) if git.dirty => p { "The source had uncommitted changes, so the numbers may differ." },
                 Some(_) => p { "All numbers are reproduced to the last digit, except times." },
                 None => p { "The commit that the program was built from is not known." },
+            }
+            @for entry in &manifest.detectors {
+                @if let Some(foreign) = &entry.foreign { (not_built_in(&entry.name, foreign)) }
             }
             (data_table(manifest))
             @if facts.has_recording { (recording(manifest)) }
@@ -31,6 +34,31 @@ fn command_lines(manifest: &Manifest) -> String {
     lines.push_str("cargo run --release -- ");
     lines.push_str(&arguments.join(" "));
     lines
+}
+
+/// What else a detector is made of that no checkout of ours has.
+fn not_built_in(name: &str, foreign: &ForeignEntry) -> Markup {
+    let command: Vec<String> = foreign.command.iter().map(|it| shell_word(it)).collect();
+    html! {
+        p {
+            "No checkout of scanbench has the detector " code { (name) } ": "
+            @match &foreign.results {
+                Some(results) => {
+                    "its results were read from " code { (results) }
+                    @if let Some(checksum) = &foreign.results_checksum { ", SHA-256 " code { (checksum) } }
+                },
+                None => {
+                    "it is " code { (command.join(" ")) }
+                    @if let Some(version) = &foreign.version { ", version " (version) }
+                    @if foreign.files.is_empty() { ", whose files are not known" }
+                    @for (file, checksum) in &foreign.files {
+                        ", " code { (file) } " of SHA-256 " code { (checksum) }
+                    }
+                },
+            }
+            "."
+        }
+    }
 }
 
 fn data_table(manifest: &Manifest) -> Markup {
@@ -89,5 +117,30 @@ fn recording(manifest: &Manifest) -> Markup {
                 "Commands that open the recording"
             ))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    #[test]
+    fn a_detector_of_others_is_named_with_its_files() {
+        let program = ForeignEntry {
+            command: vec!["python3".to_owned(), "my detector.py".to_owned()],
+            files: BTreeMap::from([("my detector.py".to_owned(), "f00d".to_owned())]),
+            ..ForeignEntry::default()
+        };
+        let text = not_built_in("mine", &program).into_string();
+        assert!(text.contains("<code>python3 'my detector.py'</code>, <code>my detector.py</code> of SHA-256 <code>f00d</code>"), "{text}");
+        let results = ForeignEntry {
+            results: Some("out".to_owned()),
+            results_checksum: Some("beef".to_owned()),
+            ..ForeignEntry::default()
+        };
+        let text = not_built_in("deep", &results).into_string();
+        assert!(text.contains("read from <code>out</code>, SHA-256 <code>beef</code>"), "{text}");
     }
 }

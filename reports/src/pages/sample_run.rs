@@ -93,6 +93,7 @@ impl SampleRun<'_> {
             name: (*name).to_owned(),
             parameters: serde_json::Value::Null,
             rules: Vec::new(),
+            vehicles: None,
             foreign: None,
         };
         manifest.detectors = self.detectors.iter().map(detector).collect();

@@ -1,5 +1,6 @@
 //! What shards say of themselves, as far as all of one run, or of one study, have to say the same.
 
+use crate::run_folder::detector_changes::detector_changes;
 use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, GitState, Manifest};
 use crate::run_folder::partial_manifest::PartialManifest;
 use crate::run_folder::shard_record::ShardRecord;
@@ -70,8 +71,12 @@ impl MadeInShards for Manifest {
         }
         let of_detectors = self.detectors.iter().zip(&other.detectors);
         let detector = { of_detectors }.find(|(ours, theirs)| !is_same_detector(ours, theirs));
-        if let Some((detector, _)) = detector {
-            return Some(format!("those of {}", detector.name));
+        if let Some((ours, theirs)) = detector {
+            let changes = detector_changes(ours, theirs);
+            return Some(match &changes[..] {
+                [] => format!("those of {}", ours.name),
+                changes => format!("configuration changed: {}", changes.join("; ")),
+            });
         }
         if self.sweep != other.sweep {
             return Some("those that are swept".to_owned());

@@ -219,13 +219,16 @@ pub struct DetectorEntry {
     /// What it does beside finding clusters, which others may not.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rules: Vec<String>,
+    /// By what its vehicles are classified, in words; `None` in manifests from before this was said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vehicles: Option<String>,
     /// Where it comes from if it is not built in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foreign: Option<ForeignEntry>,
 }
 
 /// A detector that is not built in.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForeignEntry {
     /// The program and its arguments.
@@ -243,6 +246,15 @@ pub struct ForeignEntry {
     /// Its version, as it says.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
+    /// SHA-256 of the files that its command and its parameters name, by these names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, String>,
+    /// How long it may take from its start until it can be asked, in seconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_limit_s: Option<f64>,
+    /// How long it may take for a scan, in seconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_limit_s: Option<f64>,
     /// How many threads it should use at most.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threads: Option<u32>,
@@ -353,6 +365,7 @@ mod tests {
                 name: "kd-tree".to_owned(),
                 parameters: serde_json::json!({"tolerance_m": 0.5}),
                 rules: vec!["completion".to_owned()],
+                vehicles: None,
                 foreign: None,
             }],
             git: Some(GitState { commit: "c0ffee".to_owned(), dirty: true }),

@@ -10,6 +10,7 @@ mod folder_in_place;
 pub mod run_directory;
 pub mod run_archive;
 pub mod partial_manifest;
+pub mod detector_changes;
 pub mod made_in_shards;
 pub mod shard_check;
 pub mod partial_archive;

@@ -286,7 +286,7 @@ fn check_scans<M: MadeInShards>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run_folder::manifest::Manifest;
+    use crate::run_folder::manifest::{ForeignEntry, Manifest};
     use crate::run_folder::shard_record::{ShardPart, WorkMeasure};
     use crate::tables::sample;
     use proptest::prelude::*;
@@ -377,6 +377,22 @@ mod tests {
         check_refused(
             &shards,
             "1-of-2 and 2-of-2 are of different data: \"main_road\" was opened in another way",
+        );
+    }
+
+    #[test]
+    fn a_detector_of_others_has_the_same_files_in_all_shards() {
+        let mut shards = [shard(1, 2, 0..30), shard(2, 2, 30..60)];
+        let name = shards[0].manifest.detectors[0].name.clone();
+        for (shard, checksum) in shards.iter_mut().zip(["f00d", "beef"]) {
+            let files = [("mine.py".to_owned(), checksum.to_owned())].into();
+            shard.manifest.detectors[0].foreign = Some(ForeignEntry { files, ..ForeignEntry::default() });
+        }
+        check_refused(
+            &shards,
+            &format!(
+                "1-of-2 and 2-of-2 have different parameters: configuration changed: {name}: mine.py: SHA-256 f00d… → SHA-256 beef…"
+            ),
         );
     }
 

@@ -7,6 +7,7 @@ use crate::tables::grid::{Cell, Grid, Line, LineKind, Mark, Undefined};
 use crate::tables::task_table::{MeasuredRow, TableRow, TaskTable};
 use crate::uncertainty::bootstrap::N_RESAMPLES;
 use crate::vocabulary::extent::Extent;
+use crate::vocabulary::task::Task;
 
 /// The label of intervals.
 pub(crate) const INTERVAL_TITLE: &str = "95 % interval";
@@ -70,6 +71,7 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
         let asked = "Published numbers of the papers stand beside their own method: -d paper,hierarchical,kd-tree,pca.";
         notes.sentences.push(asked.to_owned());
     }
+    notes.sentences.extend(vehicles(table));
     notes.sentences.extend(rules(table));
     notes.sentences.extend(table.foreign.iter().filter_map(|(detector, results)| {
         Some(format!("{detector} did not run here: its results were read from {}.", results.as_ref()?))
@@ -81,9 +83,17 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
     notes
 }
 
-/// What is whose beside the clusters; `None` where nobody has anything.
+/// By what each detector's vehicles are classified; `None` where that is not known, or nobody is asked for them.
+fn vehicles(table: &TaskTable) -> Option<String> {
+    let of_words = table.vehicles.iter().map(|(words, names)| format!("{}: {words}", names.join(", ")));
+    let of_words: Vec<String> = of_words.collect();
+    (table.task == Task::Vehicles && !of_words.is_empty())
+        .then(|| format!("Vehicles classified by: {}.", of_words.join(" · ")))
+}
+
+/// What is whose beside the clusters; `None` where nobody has anything. What programs of others do is not known.
 fn rules(table: &TaskTable) -> Option<String> {
-    let ours = || table.detectors.iter().filter(|it| table.foreign.iter().all(|(name, _)| name != *it));
+    let is_ours = |it: &&String| table.foreign.iter().all(|(name, _)| name != *it);
     let whose = |names: &[String]| match names {
         [only] => format!("only {only}"),
         names if names.len() == table.detectors.len() => "all".to_owned(),
@@ -92,8 +102,13 @@ fn rules(table: &TaskTable) -> Option<String> {
     let rules: Vec<String> =
         table.rules.iter().map(|(rule, names)| format!("{rule}: {}", whose(names))).collect();
     let has_any = |detector: &&String| table.rules.iter().any(|(_, names)| names.contains(detector));
-    let without: Vec<&str> = ours().filter(|it| !has_any(it)).map(String::as_str).collect();
-    let without = if without.is_empty() { String::new() } else { format!("; none: {}", without.join(", ")) };
+    let (ours, theirs): (Vec<&String>, Vec<&String>) = table.detectors.iter().partition(is_ours);
+    let without: Vec<&String> = ours.into_iter().filter(|it| !has_any(it)).collect();
+    let listed = |title: &str, names: &[&String]| {
+        let names: Vec<&str> = names.iter().map(|it| it.as_str()).collect();
+        if names.is_empty() { String::new() } else { format!("; {title}: {}", names.join(", ")) }
+    };
+    let without = format!("{}{}", listed("none", &without), listed("of their own, unknown here", &theirs));
     (!rules.is_empty()).then(|| format!("Rules besides clustering: {}{without}.", rules.join("; ")))
 }
 
@@ -210,26 +225,41 @@ mod tests {
     }
 
     #[test]
-    fn what_did_not_run_here_is_said_and_nothing_of_its_rules() {
+    fn what_did_not_run_here_is_said_and_that_its_rules_are_its_own() {
         let mut manifest = manifest();
         manifest.detectors[0].rules = vec!["completion".to_owned()];
         manifest.detectors[2].foreign = Some(ForeignEntry {
-            command: Vec::new(),
             results: Some("results/deep".to_owned()),
-            results_checksum: None,
-            reported_name: None,
-            version: None,
-            threads: None,
             vehicles: "size".to_owned(),
+            ..ForeignEntry::default()
         });
         let table = task_tables(&report(), &manifest).unwrap().remove(0);
         let sentences = notes(&table, &[]).sentences;
         for expected in [
-            "Rules besides clustering: completion: only paper; none: kd-tree.",
+            "Rules besides clustering: completion: only paper; none: kd-tree; of their own, unknown here: pca.",
             "pca did not run here: its results were read from results/deep.",
         ] {
             assert!(sentences.contains(&expected.to_owned()), "{sentences:?}");
         }
+    }
+
+    #[test]
+    fn how_vehicles_are_classified_is_said_of_every_detector() {
+        let mut manifest = manifest();
+        let said = |manifest: &_| {
+            let tables = task_tables(&report(), manifest).unwrap();
+            let of_table = |it: &TaskTable| {
+                notes(it, &[]).sentences.into_iter().find(|it| it.starts_with("Vehicles classified"))
+            };
+            [0, 1].map(|it| of_table(&tables[it]))
+        };
+        // As of a run of an earlier version.
+        assert_eq!(said(&manifest), [None, None]);
+        for (entry, words) in manifest.detectors.iter_mut().zip(["its own forests", "an SVM", "an SVM"]) {
+            entry.vehicles = Some(words.to_owned());
+        }
+        let expected = "Vehicles classified by: hierarchical: its own forests · kd-tree, pca: an SVM.";
+        assert_eq!(said(&manifest), [None, Some(expected.to_owned())]);
     }
 
     #[test]

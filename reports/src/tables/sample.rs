@@ -36,6 +36,7 @@ pub(crate) fn manifest() -> Manifest {
                 name: name.to_owned(),
                 parameters: serde_json::Value::Null,
                 rules: Vec::new(),
+                vehicles: None,
                 foreign: None,
             })
             .to_vec(),

@@ -4,7 +4,7 @@ use crate::numbers::blocks::{BlockKind, Interval};
 use crate::numbers::pools::pools;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
-use crate::run_folder::manifest::{DatasetEntry, Manifest};
+use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
 use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, PaperRow, PaperTable, Recordings};
 use crate::tables::table_error::TableError;
 use crate::vocabulary::extent::Extent;
@@ -25,7 +25,9 @@ pub struct TaskTable {
     pub detectors: Vec<String>,
     /// What some of them do beside finding clusters, with the names of those that do.
     pub rules: Vec<(String, Vec<String>)>,
-    /// Detectors that are not built in, with where their results were read if they did not run here. Nobody knows their rules.
+    /// By what vehicles are classified, in words, with the names of the detectors; nothing of runs that do not say.
+    pub vehicles: Vec<(String, Vec<String>)>,
+    /// Detectors that are not built in, with where their results were read if they did not run here. Nobody knows all their rules.
     pub foreign: Vec<(String, Option<String>)>,
     /// Detectors that gave no answer to some scans, with the numbers of these and of all scans.
     pub failures: Vec<(String, [u64; 2])>,
@@ -187,6 +189,7 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
         matching_criterion: manifest.matching_criterion.clone(),
         cpu_model: manifest.machine.cpu_model.clone(),
         rules: rules(manifest, &detectors),
+        vehicles: vehicles(manifest, &detectors),
         foreign: foreign(manifest, &detectors),
         failures: failures(report, task, &detectors),
         detectors,
@@ -199,16 +202,30 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
 
 /// The rules of `detectors` in the order in which these have them, each with those that do.
 fn rules(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Vec<String>)> {
-    let mut rules: Vec<(String, Vec<String>)> = Vec::new();
+    by_word(manifest, detectors, |it| it.rules.iter())
+}
+
+/// By what the vehicles of `detectors` are classified.
+fn vehicles(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Vec<String>)> {
+    by_word(manifest, detectors, |it| it.vehicles.iter())
+}
+
+/// What `words_of` the entries of `detectors` has, in this order, each word with the names of those that have it.
+fn by_word<'a, I: Iterator<Item = &'a String>>(
+    manifest: &'a Manifest,
+    detectors: &[String],
+    words_of: impl Fn(&'a DetectorEntry) -> I,
+) -> Vec<(String, Vec<String>)> {
+    let mut words: Vec<(String, Vec<String>)> = Vec::new();
     for entry in manifest.detectors.iter().filter(|it| detectors.contains(&it.name)) {
-        for rule in &entry.rules {
-            match rules.iter_mut().find(|(name, _)| name == rule) {
+        for word in words_of(entry) {
+            match words.iter_mut().find(|(name, _)| name == word) {
                 Some((_, names)) => names.push(entry.name.clone()),
-                None => rules.push((rule.clone(), vec![entry.name.clone()])),
+                None => words.push((word.clone(), vec![entry.name.clone()])),
             }
         }
     }
-    rules
+    words
 }
 
 /// Those of `detectors` that are not built in, with where their results were read.

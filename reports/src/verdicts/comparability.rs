@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
+use crate::run_folder::detector_changes::detector_changes;
 use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
 use crate::run_folder::run_archive::RunArchive;
 use crate::vocabulary::task::Task;
@@ -148,6 +149,13 @@ pub fn detectors_with_other_results(baseline: &RunArchive, run: &RunArchive) -> 
         before.zip(checksum(it)).is_some_and(|(before, now)| before != now)
     };
     run.manifest.detectors.iter().filter(differs).map(|it| it.name.clone()).collect()
+}
+
+/// What changed in the configuration of detectors of both runs, a text each.
+pub fn configuration_changes(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
+    let of_run = |name: &str| run.manifest.detectors.iter().find(|it| it.name == name);
+    let pairs = baseline.manifest.detectors.iter().filter_map(|it| Some((it, of_run(&it.name)?)));
+    pairs.flat_map(|(before, now)| detector_changes(before, now)).collect()
 }
 
 /// Detectors with results in `run`, but not in `other`, by name.

@@ -9,8 +9,8 @@ use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::pipeline::paper_detector::PaperDetector;
 use detector::pipeline::tree_detector::TreeDetector;
 
-use crate::run::config::{DETECTOR_TABLE, RunConfig};
-use crate::run::foreign_detector::{ForeignDetector, ForeignWork};
+use crate::run::config::{DETECTOR_TABLE, RunConfig, TrainedModel};
+use crate::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
 
 /// A detector that can be asked for by name.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +21,7 @@ pub struct ListedDetector {
     pub table: &'static str,
     /// Parameters of the table that it has whatever the configuration says, with their values.
     pub fixed: &'static [(&'static str, &'static str)],
+    model: fn(&RunConfig) -> TrainedModel,
     build: fn(&RunConfig, f32) -> Box<dyn Detector>,
 }
 
@@ -29,6 +30,7 @@ pub const PAPER: ListedDetector = ListedDetector {
     name: "paper",
     table: "paper",
     fixed: &[],
+    model: |_| TrainedModel::Paper,
     build: |config, sensor_height_m| {
         let by_size = PaperDetector::new(&config.paper, &config.hierarchical, sensor_height_m);
         match &config.vehicle_models {
@@ -44,6 +46,13 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "hierarchical",
         table: "hierarchical",
         fixed: &[],
+        model: |config| {
+            if config.hierarchical.grouping.enabled {
+                TrainedModel::Groupings
+            } else {
+                TrainedModel::Clusters
+            }
+        },
         build: |config, sensor_height_m| {
             let params = config.hierarchical.clone();
             match &config.vehicle_models {
@@ -67,6 +76,7 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "kd-tree-same-walls",
         table: "kd_tree",
         fixed: &[("foreground", "refined")],
+        model: |_| TrainedModel::Clusters,
         build: |config, sensor_height_m| {
             let params = config.baselines.kd_tree.clone();
             let by_size =
@@ -81,6 +91,7 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "kd-tree",
         table: "kd_tree",
         fixed: &[],
+        model: |_| TrainedModel::Clusters,
         build: |config, sensor_height_m| {
             let params = config.baselines.kd_tree.clone();
             let by_size = KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m);
@@ -94,6 +105,7 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "pca",
         table: "pca",
         fixed: &[],
+        model: |_| TrainedModel::Pca,
         build: |config, _| {
             let vehicle_size = config.hierarchical.vehicle_size.clone();
             let by_size = PcaDetector::new(config.baselines.pca.clone(), vehicle_size);
@@ -108,6 +120,7 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "simple-grid",
         table: "hierarchical",
         fixed: &[],
+        model: |_| TrainedModel::Clusters,
         build: |config, sensor_height_m| {
             let by_size = SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m);
             match &config.vehicle_models {
@@ -175,6 +188,29 @@ impl ChosenDetector {
         match self {
             Self::BuiltIn(listed) => listed.name,
             Self::Foreign(foreign) => foreign.name,
+        }
+    }
+
+    /// The model that tells its vehicles with the parameters of `config`; `None` if their size does.
+    pub fn vehicle_model(&self, config: &RunConfig) -> Option<TrainedModel> {
+        config.vehicle_models.as_ref()?;
+        match self {
+            Self::BuiltIn(listed) => Some((listed.model)(config)),
+            Self::Foreign(foreign) => {
+                (foreign.vehicles == VehicleRule::Model).then_some(TrainedModel::Clusters)
+            }
+        }
+    }
+
+    /// By what its vehicles are classified with the parameters of `config`, for people.
+    pub fn vehicles_in_words(&self, config: &RunConfig) -> String {
+        let model = self.vehicle_model(config);
+        let by = model.map_or("size", TrainedModel::in_words);
+        let from = model.and_then(|it| config.directory_of(it)).map(|it| format!(" from {it:?}"));
+        let by = format!("{by}{}", from.unwrap_or_default());
+        match self {
+            Self::BuiltIn(_) => by,
+            Self::Foreign(_) => format!("its own classes, else {by}"),
         }
     }
 

@@ -8,6 +8,7 @@ use scans::foreign::foreign_results::ForeignResults;
 use super::config::{DETECTOR_TABLE, RunConfig};
 use super::detector_list::ChosenDetector;
 use super::foreign_detector::{ForeignDetector, ForeignProcess, ForeignWork, VehicleRule};
+use super::foreign_files::{ForeignFileError, files_of};
 use super::found_objects::ForeignVehicles;
 #[cfg(target_os = "linux")]
 use super::process_detector::ProcessDetector;
@@ -106,6 +107,20 @@ impl Entrant {
 }
 
 impl ForeignDetector {
+    /// The same, with the checksums of the files that it is made of with the parameters of `config`.
+    ///
+    /// # Errors
+    ///
+    /// [`ForeignFileError`] if one of them cannot be read.
+    pub fn identified(mut self, config: &RunConfig) -> Result<Self, ForeignFileError> {
+        let parameters = self.parameters(config);
+        if let ForeignWork::Process(process) = &mut self.work {
+            let texts = parameters.values().filter_map(|it| it.as_str());
+            process.files = files_of(&process.command, texts, &self.folder)?;
+        }
+        Ok(self)
+    }
+
     /// The detector, called `name`, for scans of `dataset`.
     fn begin(
         &self,

@@ -1,5 +1,6 @@
 //! A detector that somebody else wrote, as a configuration file tells of it.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
@@ -39,6 +40,8 @@ pub struct ForeignProcess {
     pub time_limit: Duration,
     /// How many threads it should use at most.
     pub threads: u32,
+    /// SHA-256 of the files that the command and text among the parameters name; none before it is chosen.
+    pub files: BTreeMap<String, String>,
     /// What it said of itself, once it has been started.
     pub introduction: Arc<OnceLock<Introduction>>,
 }
@@ -47,9 +50,9 @@ pub struct ForeignProcess {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum VehicleRule {
     /// Their size.
-    #[default]
     Size,
-    /// The model that our own detectors have, on the foreign objects.
+    /// The model of our own clusterings.
+    #[default]
     Model,
 }
 

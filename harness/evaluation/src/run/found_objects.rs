@@ -139,12 +139,15 @@ impl ForeignVehicles {
         self.box_fit.fit(positions_m.map(|[x_m, y_m, _]| [x_m, y_m]), z_range_m)
     }
 
-    /// What the model takes each object for, and how surely; `None` without a model.
+    /// What the model takes each object for, and how surely; `None` without a model, or where every class is told.
     fn classes_by_model(
         &mut self,
         objects: &[WholeObject],
         cloud: &PointCloud,
     ) -> Option<Vec<(DetectedClass, Option<f32>)>> {
+        if objects.iter().all(|it| it.class.is_some()) {
+            return None;
+        }
         let mut by_model = self.by_model.take()?;
         let ByModel { foreground, objects: stages, output } = &mut by_model;
         output.clear();

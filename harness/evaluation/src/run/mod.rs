@@ -3,6 +3,7 @@
 pub mod kept_names;
 pub mod foreign_detector;
 pub mod config;
+pub mod foreign_files;
 pub mod detector_list;
 pub mod cpu_time;
 pub mod running_detector;

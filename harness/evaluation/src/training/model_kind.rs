@@ -4,11 +4,11 @@ use detector::classify::nu_svc_solver::Tolerance;
 
 use crate::object_box::ObjectBox;
 
-/// A detector with a vehicle model of its own.
+/// A vehicle model that is a support vector machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelKind {
-    /// By the shape of its clusters (VM sections 4 and 5).
-    Hierarchical,
+    /// By the shape of clusters of grids, of the kd-tree, or of others (VM sections 4 and 5).
+    Clusters,
     /// By the eight values of the paper (VM section 5).
     Paper,
     /// By how points lie in their neighbourhoods (VM section 6, the rival).
@@ -16,10 +16,19 @@ pub enum ModelKind {
 }
 
 impl ModelKind {
-    /// The detector.
+    /// The detector that it is trained for; others read it, too.
     pub fn detector(self) -> &'static str {
         match self {
-            Self::Hierarchical => "hierarchical",
+            Self::Clusters => "kd-tree",
+            Self::Paper => "paper",
+            Self::Pca => "pca",
+        }
+    }
+
+    /// The detector whose clusters are the examples.
+    pub fn clusters(self) -> &'static str {
+        match self {
+            Self::Clusters => "hierarchical",
             Self::Paper => "paper",
             Self::Pca => "pca",
         }
@@ -28,7 +37,7 @@ impl ModelKind {
     /// The box that it puts around its clusters.
     pub fn object_box(self) -> ObjectBox {
         match self {
-            Self::Hierarchical | Self::Paper => ObjectBox::ConvexHull,
+            Self::Clusters | Self::Paper => ObjectBox::ConvexHull,
             Self::Pca => ObjectBox::PrincipalAxes,
         }
     }
@@ -36,7 +45,7 @@ impl ModelKind {
     /// Width of the Gaussian kernel, chosen by held-out simulated drives, or that of the paper.
     pub fn gamma(self) -> f32 {
         match self {
-            Self::Hierarchical => 0.054,
+            Self::Clusters => 0.054,
             Self::Paper | Self::Pca => 0.1078,
         }
     }
@@ -45,7 +54,7 @@ impl ModelKind {
     /// between objects as mixed as these.
     pub fn nu(self) -> f64 {
         match self {
-            Self::Hierarchical => 0.12,
+            Self::Clusters => 0.12,
             Self::Paper => 0.0377,
             Self::Pca => 0.2,
         }
@@ -55,7 +64,7 @@ impl ModelKind {
     /// reach, so its model is trained as far as the library of the paper goes by default (VM section 5, reference 15).
     pub fn tolerance(self) -> Tolerance {
         match self {
-            Self::Hierarchical | Self::Pca => Tolerance::OfMargin(0.1),
+            Self::Clusters | Self::Pca => Tolerance::OfMargin(0.1),
             Self::Paper => Tolerance::OfGradients(0.001),
         }
     }

@@ -20,7 +20,7 @@ pub struct TrainArgs {
     #[arg(short, long, value_enum, value_name = "NAME", default_value = "hierarchical")]
     #[arg(help_heading = DETECTORS_HEADING)]
     pub detector: ModelName,
-    /// Detector whose clusters are the examples [default: that of --detector]
+    /// Detector whose clusters are the examples [default: that of --detector; for kd-tree the grid of hierarchical]
     #[arg(long, value_name = "NAME", value_parser = DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>())]
     #[arg(help_heading = DETECTORS_HEADING, hide_short_help = true)]
     pub clusters: Option<String>,
@@ -32,7 +32,7 @@ pub struct TrainArgs {
     #[arg(long, value_name = "N", default_value_t = OTHERS_PER_VEHICLE, value_parser = others_per_vehicle)]
     #[arg(help_heading = TRAINING, hide_short_help = true)]
     pub others: f64,
-    /// Train on parts and pairs of clusters, too, as regrouping makes them; always for hierarchical
+    /// Train on parts and pairs of clusters, too, as regrouping makes them; always for kd-tree
     #[arg(long, help_heading = TRAINING, hide_short_help = true)]
     pub parts_and_pairs: bool,
     /// Train on objects of any size, even if no vehicle has it; always for paper and pca
@@ -62,7 +62,7 @@ pub struct TrainArgs {
     /// Scans to take from the data sets of --held-out, written as in --scans
     #[arg(long, value_name = "RANGE", requires = "held_out", help_heading = JUDGING, hide_short_help = true)]
     pub held_out_scans: Option<String>,
-    /// Sensors to simulate, one after the other; only for groupings
+    /// Sensors to simulate, one after the other; only for hierarchical
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "sensor", help_heading = TRAINING)]
     pub sensors: Vec<String>,
     /// Hold out the last of every N drives of each data set
@@ -83,14 +83,15 @@ pub const DEFAULT_VEHICLES: u32 = 3000;
 /// Detectors with a vehicle model of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ModelName {
-    /// Features of shape, size and surroundings; kd-tree and simple-grid use this model, too
+    /// Boosted trees over its tree of groupings: what is an object, and what a vehicle
+    #[value(alias = "groupings")]
     Hierarchical,
+    /// Features of shape, size and surroundings; kd-tree-same-walls, simple-grid and detectors of your own use this model, too
+    KdTree,
     /// The eight values of the paper: box, corner spheres and side profile
     Paper,
     /// Features of size, and of the shape of point neighbourhoods
     Pca,
-    /// Boosted trees over the tree of groupings of hierarchical: what is an object, and what a vehicle
-    Groupings,
 }
 
 fn others_per_vehicle(text: &str) -> Result<f64, String> {
@@ -100,30 +101,30 @@ fn others_per_vehicle(text: &str) -> Result<f64, String> {
 
 const TRAIN_EXAMPLES: &str = "\
 Examples:
-  scanbench train training-streets --scans 0..300:6 -o model
-  scanbench train ~/data/kitti_tracking -o model
-  scanbench train training-streets --seed 3000 --scans 0..300:6 --nu 0.3 --gamma 0.1078
+  scanbench train training-streets --scans 0..300:6 --sensors vlp-16,os1-128 -o model
+  scanbench train training-streets --scans 0..300:6 -d kd-tree -o model-clusters
+  scanbench train training-streets --seed 3000 --scans 0..300:6 -d kd-tree --nu 0.3 --gamma 0.1078
   scanbench train training-streets --scans 0..300:6 --held-out ~/data/kitti_tracking -d pca
-  scanbench train training-streets --scans 0..300:6 -d groupings --sensors vlp-16,os1-128
   scanbench train --task partial -o model";
 
 const TRAIN_DETAILS: &str = "\
-Examples of vehicles are clusters that match an annotated car, van, truck or bus.
-Examples of other objects are clusters without points of any, and regions cut out at
-random places. Writes model.toml and prototypes.toml, objects.csv with every held-out
-object, importance.csv, curves.csv, curves.svg and manifest.json.
-
-To run the model, give -P vehicle_model.directory=DIR; for paper, give
--P vehicle_model.paper_directory=DIR; for pca, which has no prototypes.toml, give
--P vehicle_model.pca_directory=DIR. The same scans and options write the same bytes,
-except the date in the manifest.
-
-Groupings are trained on all groups of every scan: how well each fits an annotated object,
-and whether it shows a vehicle. Three looks tell how well: the second and the third also
-see what the one before said of the groups around. Writes objects.toml,
+The model of hierarchical is trained on all groups of every scan: how well each fits an
+annotated object, and whether it shows a vehicle. Three looks tell how well: the second and
+the third also see what the one before said of the groups around. Writes objects.toml,
 objects_second_look.toml, objects_third_look.toml, vehicles.toml, prototypes.toml,
 calibration.csv and manifest.json; run them with
 -P vehicle_model.groupings_directory=DIR.
+
+The other models are support vector machines. Examples of vehicles are clusters that match
+an annotated car, van, truck or bus. Examples of other objects are clusters without points
+of any, and regions cut out at random places. Writes model.toml and prototypes.toml,
+objects.csv with every held-out object, importance.csv, curves.csv, curves.svg and
+manifest.json. To run the model of kd-tree, give -P vehicle_model.directory=DIR; for paper,
+give -P vehicle_model.paper_directory=DIR; for pca, which has no prototypes.toml, give
+-P vehicle_model.pca_directory=DIR.
+
+A run refuses a model that none of its detectors reads. The same scans and options write
+the same bytes, except the date in the manifest.
 
 --task partial trains what tells objects of which a part has been seen. Without
 --objects and --per-class this is the model that comes with the program. Writes

@@ -21,7 +21,7 @@ use scans::dataset::source::DamagePolicy;
 
 use crate::cli::AblationArgs;
 use crate::commands::chosen_shard::chosen_shard;
-use crate::commands::config::{built_in_detectors, choose_criterion};
+use crate::commands::config::{built_in_methods, choose_criterion, refuse_unread_models};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
@@ -84,10 +84,11 @@ struct Ablation<'a> {
 impl<'a> Ablation<'a> {
     fn open(arguments: &'a AblationArgs) -> Result<Self, Failure> {
         let started = Timestamp::now();
-        let (listed, mut config) = built_in_detectors(&arguments.config, &[METHOD.to_owned()])?;
+        let (listed, mut config) = built_in_methods(&arguments.config, &[METHOD.to_owned()])?;
         choose_criterion(&mut config, &arguments.matching);
         let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
         let variants = variants(listed[0], &config)?;
+        refuse_unread_models(variants.iter().map(|it| (&it.chosen, &it.config)))?;
         Ok(Self { arguments, config, datasets, variants, results: OpenedResults::default(), started })
     }
 }

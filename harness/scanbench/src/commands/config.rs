@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use detector::params::PAPER_SENSOR;
 use evaluation::matching::criterion::Criterion;
-use evaluation::run::config::RunConfig;
+use evaluation::run::config::{RunConfig, TrainedModel};
 use evaluation::run::detector_list::{ChosenDetector, ListedDetector, built_in_named, detectors_named};
 use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
 use evaluation::run::kept_names::kept;
@@ -25,6 +25,20 @@ pub const CONFIGURATION_FILE: &str = "scanbench.toml";
 /// If there is no such detector, it left results and does not run here, an override names no parameter, or has a value that cannot
 /// be worked with.
 pub fn chosen_detectors(
+    arguments: &ConfigArgs,
+    names: &[String],
+) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
+    let (chosen, config) = runnable_detectors(arguments, names)?;
+    refuse_unread_models(chosen.iter().map(|it| (it, &config)))?;
+    Ok((chosen, config))
+}
+
+/// The same before anybody has looked at which models they read: they may get more parameters.
+///
+/// # Errors
+///
+/// As [`chosen_detectors`], but for models.
+pub fn runnable_detectors(
     arguments: &ConfigArgs,
     names: &[String],
 ) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
@@ -66,7 +80,38 @@ pub fn chosen_with_results(
             names.push(name.clone());
         }
     }
-    choose(&config, arguments, &names)
+    let (chosen, config) = choose(&config, arguments, &names)?;
+    refuse_unread_models(chosen.iter().map(|it| (it, &config)))?;
+    Ok((chosen, config))
+}
+
+/// Refuses the directories of models that none of `entrants`, with their parameters, reads: they would change nothing.
+///
+/// # Errors
+///
+/// [`Usage`] with the first of them.
+pub fn refuse_unread_models<'a>(
+    entrants: impl Iterator<Item = (&'a ChosenDetector, &'a RunConfig)> + Clone,
+) -> Result<(), Failure> {
+    for model in TrainedModel::ALL {
+        let directory = entrants.clone().find_map(|(_, config)| config.directory_of(model));
+        let is_read =
+            |(chosen, config): (&ChosenDetector, &RunConfig)| chosen.vehicle_model(config) == Some(model);
+        let Some(directory) = directory.filter(|_| !entrants.clone().any(is_read)) else { continue };
+        let mut reads: Vec<String> = Vec::new();
+        for (chosen, config) in entrants.clone() {
+            let read = chosen.vehicle_model(config).map_or("no model", TrainedModel::parameter);
+            let line = format!("{} reads {read}", chosen.name());
+            if !reads.contains(&line) {
+                reads.push(line);
+            }
+        }
+        let parameter = model.parameter();
+        let problem =
+            format!("{parameter} = {directory:?}: no chosen detector reads it; {}", reads.join(", "));
+        return Err(Usage(problem).into());
+    }
+    Ok(())
 }
 
 fn choose(
@@ -74,10 +119,16 @@ fn choose(
     arguments: &ConfigArgs,
     names: &[String],
 ) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
-    let chosen = detectors_named(names, config)?;
+    let mut chosen = detectors_named(names, config)?;
     let tables: Vec<String> = chosen.iter().map(ChosenDetector::table).collect();
     let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
-    Ok((chosen, config.overridden(&arguments.parameters, &tables)?))
+    let config = config.overridden(&arguments.parameters, &tables)?;
+    for it in &mut chosen {
+        if let ChosenDetector::Foreign(foreign) = it {
+            *foreign = foreign.clone().identified(&config)?;
+        }
+    }
+    Ok((chosen, config))
 }
 
 /// The same of built-in detectors alone.
@@ -86,6 +137,21 @@ fn choose(
 ///
 /// As [`chosen_detectors`]; also if one of them is not built in.
 pub fn built_in_detectors(
+    arguments: &ConfigArgs,
+    names: &[String],
+) -> Result<(Vec<ListedDetector>, RunConfig), Failure> {
+    let (listed, config) = built_in_methods(arguments, names)?;
+    let chosen: Vec<ChosenDetector> = listed.iter().map(|it| ChosenDetector::BuiltIn(*it)).collect();
+    refuse_unread_models(chosen.iter().map(|it| (it, &config)))?;
+    Ok((listed, config))
+}
+
+/// The same before anybody has looked at which models they read: variants of them may read others.
+///
+/// # Errors
+///
+/// As [`built_in_detectors`], but for models.
+pub fn built_in_methods(
     arguments: &ConfigArgs,
     names: &[String],
 ) -> Result<(Vec<ListedDetector>, RunConfig), Failure> {

@@ -14,6 +14,7 @@ use evaluation::protocols::chosen_protocols::ProtocolError;
 use evaluation::realism::survey::SurveyError;
 use evaluation::run::config::ConfigError;
 use evaluation::run::detector_list::DetectorListError;
+use evaluation::run::foreign_files::ForeignFileError;
 use evaluation::run::side_by_side::RunError;
 use evaluation::run::single_scan::SingleScanError;
 use evaluation::sweep::quality_pass::SweepError;
@@ -263,6 +264,12 @@ impl From<ConfigError> for Failure {
 
 impl From<DetectorListError> for Failure {
     fn from(error: DetectorListError) -> Self {
+        Self::Usage(error.into())
+    }
+}
+
+impl From<ForeignFileError> for Failure {
+    fn from(error: ForeignFileError) -> Self {
         Self::Usage(error.into())
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 
+use detector::Rule;
 use evaluation::matching::criterion::Criterion;
 use evaluation::metrics::counts::SCORING_VERSION;
 use evaluation::run::config::RunConfig;
@@ -95,7 +96,8 @@ pub fn detector_entry(entrant: &Entrant) -> DetectorEntry {
     // Rules do not depend on the height.
     let rules = listed.build(config, 0.0).rules();
     let rules = rules.iter().map(ToString::to_string).collect();
-    DetectorEntry { name: (*name).to_owned(), parameters, rules, foreign: None }
+    let vehicles = Some(chosen.vehicles_in_words(config));
+    DetectorEntry { name: (*name).to_owned(), parameters, rules, vehicles, foreign: None }
 }
 
 fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> DetectorEntry {
@@ -105,28 +107,28 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
             let introduction = process.introduction.get();
             ForeignEntry {
                 command: process.command.clone(),
-                results: None,
-                results_checksum: None,
+                files: process.files.clone(),
                 reported_name: introduction.map(|it| it.name.clone()),
                 version: introduction.and_then(|it| it.version.clone()),
+                start_limit_s: Some(process.start_limit.as_secs_f64()),
+                time_limit_s: Some(process.time_limit.as_secs_f64()),
                 threads: Some(process.threads),
                 vehicles,
+                ..ForeignEntry::default()
             }
         }
-        ForeignWork::Results(path) => ForeignEntry {
-            command: Vec::new(),
-            results: Some(path.display().to_string()),
-            results_checksum: None,
-            reported_name: None,
-            version: None,
-            threads: None,
-            vehicles,
-        },
+        ForeignWork::Results(path) => {
+            ForeignEntry { results: Some(path.display().to_string()), vehicles, ..ForeignEntry::default() }
+        }
     };
+    let chosen = ChosenDetector::Foreign(foreign.clone());
+    // What our model does with objects of others; what their program does is its own.
+    let has_bounds = chosen.vehicle_model(config).is_some() && config.hierarchical.vehicle_bounds.enabled;
     DetectorEntry {
         name: name.to_owned(),
         parameters: foreign.parameters(config).into(),
-        rules: Vec::new(),
+        rules: has_bounds.then(|| Rule::SizeBounds.to_string()).into_iter().collect(),
+        vehicles: Some(chosen.vehicles_in_words(config)),
         foreign: Some(entry),
     }
 }

@@ -58,11 +58,17 @@ fn other_parameters(plan: &SweepPlan) -> Value {
 /// What a detector of others is beside its parameters; `None` of ours.
 fn of_others(detector: &ChosenDetector) -> Option<Value> {
     let ChosenDetector::Foreign(ForeignDetector { name, work, vehicles, .. }) = detector else { return None };
-    let (command, threads) = match work {
-        ForeignWork::Process(process) => (&process.command[..], process.threads),
-        ForeignWork::Results(_) => (&[][..], 0),
-    };
-    Some(json!({"name": name, "command": command, "threads": threads, "vehicles": vehicles.name()}))
+    // A sweep takes no results of others.
+    let ForeignWork::Process(process) = work else { return None };
+    Some(json!({
+        "name": name,
+        "command": process.command,
+        "files": process.files,
+        "start_limit_s": process.start_limit.as_secs_f64(),
+        "time_limit_s": process.time_limit.as_secs_f64(),
+        "threads": process.threads,
+        "vehicles": vehicles.name(),
+    }))
 }
 
 fn data_set(opened: &OpenedDataset) -> Value {

@@ -18,7 +18,9 @@ use reports::run_folder::sweep_entry::{SweepEntry, SweptParameter};
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::{ConfigArgs, SweepArgs};
-use crate::commands::config::{choose_criterion, chosen_detectors, warn_of_unknown_sensor};
+use crate::commands::config::{
+    choose_criterion, refuse_unread_models, runnable_detectors, warn_of_unknown_sensor,
+};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
@@ -69,10 +71,13 @@ impl SweepResults {
 /// If there is no such detector or parameter, or nothing is swept.
 pub fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
     let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
-    let (detectors, mut config) = chosen_detectors(&file, &arguments.detectors)?;
+    let (detectors, mut config) = runnable_detectors(&file, &arguments.detectors)?;
     choose_criterion(&mut config, &arguments.matching);
     let lists: Vec<SweptValues> = arguments.lists.iter().map(|it| it.0.clone()).collect();
-    Ok(SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?)
+    let plan = SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?;
+    let at_points = |it| plan.points.iter().map(move |point| (it, &point.config));
+    refuse_unread_models(plan.detectors.iter().flat_map(at_points))?;
+    Ok(plan)
 }
 
 impl<'a> Sweep<'a> {

@@ -55,10 +55,10 @@ pub fn train(arguments: &TrainArgs) -> Result<(), Failure> {
         return train_partial(arguments);
     }
     match arguments.detector {
-        ModelName::Hierarchical => train_svm(arguments, ModelKind::Hierarchical),
+        ModelName::Hierarchical => train_groupings(arguments),
+        ModelName::KdTree => train_svm(arguments, ModelKind::Clusters),
         ModelName::Paper => train_svm(arguments, ModelKind::Paper),
         ModelName::Pca => train_svm(arguments, ModelKind::Pca),
-        ModelName::Groupings => train_groupings(arguments),
     }
 }
 
@@ -66,7 +66,7 @@ fn train_svm(arguments: &TrainArgs, kind: ModelKind) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     if !arguments.sensors.is_empty() {
-        let problem = "--sensors is for --detector groupings; --sensor names one for the others";
+        let problem = "--sensors is for --detector hierarchical; --sensor names one for the others";
         return Err(Usage(problem.to_owned()).into());
     }
     let named = claim_named(&arguments.output)?;
@@ -97,7 +97,7 @@ fn train_svm(arguments: &TrainArgs, kind: ModelKind) -> Result<(), Failure> {
     let taught: Vec<&Candidate> = taught.into_iter().map(|(_, it)| it).collect();
     let training = Training { arguments, kind, settings, taught, judged };
     let (files, printed) = match kind {
-        ModelKind::Hierarchical => {
+        ModelKind::Clusters => {
             let library = training.prototypes()?;
             let named = (VehicleFeatures::NAMES, VehicleDescriber::name(&library));
             training.fit_and_judge(&mut VehicleDescriber::new(library.clone()), named, Some(&library))?
@@ -133,19 +133,19 @@ fn collect_all<'a>(
     // The tree of groupings has models of its own.
     config.hierarchical.grouping.enabled = false;
     let min_points = match kind {
-        ModelKind::Hierarchical => config.hierarchical.cluster.min_points,
+        ModelKind::Clusters => config.hierarchical.cluster.min_points,
         ModelKind::Paper => config.paper.cluster.min_points,
         ModelKind::Pca => config.baselines.pca.cluster.min_points,
     };
-    let clusters = arguments.clusters.as_deref().unwrap_or(kind.detector());
+    let clusters = arguments.clusters.as_deref().unwrap_or(kind.clusters());
     let listed = built_in_named(&[clusters.to_owned()], &config)?[0];
-    let boxes = if clusters == kind.detector() {
+    let boxes = if clusters == kind.clusters() {
         CandidateBoxes::OfDetector(kind.object_box())
     } else {
         CandidateBoxes::Fitted(kind.object_box())
     };
     // Only this model is asked about what regrouping might make of its own clusters; another may learn from it.
-    let is_asked = kind == ModelKind::Hierarchical && clusters == kind.detector();
+    let is_asked = kind == ModelKind::Clusters && clusters == kind.clusters();
     let is_regrouped = is_asked || arguments.parts_and_pairs;
     let regrouping = is_regrouped.then(|| config.hierarchical.regrouping.clone());
     let mut candidates = Vec::new();
@@ -179,8 +179,8 @@ fn provenance(
     parted: &HeldOut,
 ) -> Provenance {
     let unless = |value: u64, standard: u64| (value != standard).then(|| value.to_string());
-    let detector = (kind != ModelKind::Hierarchical).then(|| kind.detector().to_owned());
-    let mut options = vec![("--detector", detector), ("--clusters", arguments.clusters.clone())];
+    let mut options =
+        vec![("--detector", Some(kind.detector().to_owned())), ("--clusters", arguments.clusters.clone())];
     options.extend(arguments.held_out.iter().map(|it| ("--held-out", Some(it.clone()))));
     options.extend([
         ("--held-out-format", arguments.held_out_format.clone()),

@@ -1,4 +1,4 @@
-//! `scanbench train --detector groupings`.
+//! `scanbench train --detector hierarchical`.
 
 use std::sync::atomic::AtomicBool;
 
@@ -145,8 +145,10 @@ fn check_options(arguments: &TrainArgs) -> Result<(), Failure> {
     ];
     match given.iter().find(|it| it.1) {
         Some((option, _)) => {
-            let problem =
-                format!("{option} says nothing about --detector groupings, which is trained on all groups");
+            let problem = format!(
+                "{option} says nothing about --detector hierarchical, which is trained on all groups; --detector kd-tree, paper and pca \
+                 have it"
+            );
             Err(Usage(problem).into())
         }
         None => Ok(()),

@@ -583,3 +583,30 @@ fn what_cannot_be_made_again_or_compared_is_not_accepted() {
     accept("seed", &["--new-baseline"], 0, "cannot read the accepted run golden/run");
     check_gate(&workplace, "seed", 0, "PASSED\n");
 }
+
+#[test]
+fn what_changed_in_a_detector_of_others_is_told() {
+    let workplace = Workplace::new();
+    let served = env!("CARGO_BIN_EXE_scanbench");
+    let run = |script: &str, vehicles: &str, name: &str| {
+        workplace.write("mine.sh", script);
+        let told = format!("[detector.mine]\ncommand = [\"sh\", \"mine.sh\"]\nvehicles = {vehicles:?}\n");
+        workplace.write("scanbench.toml", &told);
+        run(&workplace, name, &["-d", "mine"]);
+    };
+    let script = format!("exec {served:?} serve kd-tree\n");
+    run(&script, "size", "first");
+    run(&format!("# Mine.\n{script}"), "model", "second");
+    let said = "Configuration changed: mine: vehicles: size → model; mine: mine.sh: SHA-256 ";
+    for full in [&[][..], &["--full"]] {
+        let gate = workplace.succeed(&[&["gate", "second", "-b", "first"], full].concat());
+        assert!(gate.stdout.contains("PASSED\n") && gate.stdout.contains(said), "{gate:#?}");
+    }
+    let compared = workplace.succeed(&["compare", "first", "second"]);
+    assert!(compared.stdout.contains(said), "{compared:#?}");
+    let page = workplace.read("second/report.html");
+    assert!(page.contains("<code>sh mine.sh</code>") && page.contains("<code>mine.sh</code> of SHA-256 "));
+    let table = workplace.read("second/table_vehicles.md");
+    let classified = "Vehicles classified by: mine: its own classes, else SVM of grid clusters.";
+    assert!(table.contains(classified), "{table}");
+}

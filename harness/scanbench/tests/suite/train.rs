@@ -3,8 +3,20 @@
 use crate::program::{Ended, Workplace};
 
 /// Three simulated drives, of which the last is held out.
-const TRAIN: [&str; 10] =
-    ["train", "streets", "--seed", "7", "--simulated-scans", "4", "--nu", "0.3", "-o", "model"];
+const TRAIN: [&str; 12] = [
+    "train",
+    "streets",
+    "--seed",
+    "7",
+    "--simulated-scans",
+    "4",
+    "-d",
+    "kd-tree",
+    "--nu",
+    "0.3",
+    "-o",
+    "model",
+];
 /// The same drives for the model of the other detector.
 const TRAIN_PCA: [&str; 8] =
     ["train", "streets", "--seed", "7", "--simulated-scans", "4", "--detector", "pca"];
@@ -24,7 +36,7 @@ fn a_model_says_what_it_was_made_of_and_what_was_held_out() {
     let (workplace, ended) = trained();
     let model: toml::Table = workplace.read("model/model.toml").parse().expect("it is TOML");
     let made = &model["made"];
-    let command = "scanbench train streets --seed 7 --simulated-scans 4 --vehicles 3000 --others 1.5 --gamma 0.054 --nu 0.3";
+    let command = "scanbench train streets --seed 7 --simulated-scans 4 --detector kd-tree --vehicles 3000 --others 1.5 --gamma 0.054 --nu 0.3";
     assert_eq!(made["command"].as_str(), Some(command));
     assert_eq!(made["data"][0].as_str(), Some("street-main-road (simulated, seeds from 7)"));
     let split = made["split"].as_str().expect("text");
@@ -67,28 +79,47 @@ fn the_same_scans_give_the_same_bytes_with_any_number_of_threads() {
 #[test]
 fn a_run_takes_the_model() {
     let (workplace, _) = trained();
-    let n_vehicles = |option: &str, name: &str| {
-        workplace.succeed(&[
-            "run",
-            "street-narrow",
-            "--simulated-scans",
-            "2",
-            "-d",
-            "hierarchical",
-            "--no-rrd",
-            "-P",
-            option,
-            "-o",
-            name,
-        ]);
-        let manifest: serde_json::Value =
-            serde_json::from_str(&workplace.read(&format!("{name}/manifest.json"))).expect("JSON");
-        (workplace.read(&format!("{name}/matches.csv")), manifest["config"]["vehicle_model"].clone())
+    let run = ["run", "street-narrow", "--simulated-scans", "2", "-d", "kd-tree", "--no-rrd"];
+    let matches = |options: &[&str], name: &str| {
+        workplace.succeed(&[&run[..], options, &["-o", name]].concat());
+        workplace.read(&format!("{name}/matches.csv"))
     };
-    let (by_size, _) = n_vehicles("vehicle_model.enabled=false", "by-size");
-    let (by_model, config) = n_vehicles("vehicle_model.directory=model", "by-model");
-    assert_eq!(config["directory"].as_str(), Some("model"));
-    assert_ne!(by_size, by_model);
+    let shipped = matches(&[], "shipped");
+    assert_ne!(matches(&["-P", "vehicle_model.directory=model"], "trained"), shipped);
+    let table = workplace.read("trained/table_vehicles.md");
+    let said = "Vehicles classified by: kd-tree: SVM of grid clusters from \"model\".";
+    assert!(table.contains(said), "{table}");
+}
+
+#[test]
+fn a_model_that_no_chosen_detector_reads_is_refused_by_name() {
+    let workplace = Workplace::new();
+    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params/vehicle_model");
+    workplace.write("mine.toml", &format!("[vehicle_model]\ndirectory = {shipped:?}"));
+    let of_clusters = format!("vehicle_model.directory={shipped}");
+    let switched_off = [of_clusters.as_str(), "-P", "vehicle_model.enabled=false"];
+    for (options, reads) in [
+        (
+            &["-d", "hierarchical", "-P", &of_clusters][..],
+            "hierarchical reads vehicle_model.groupings_directory",
+        ),
+        (&["-d", "hierarchical,pca", "-c", "mine.toml"], "pca reads vehicle_model.pca_directory"),
+        (&[&["-d", "kd-tree", "-P"][..], &switched_off].concat(), "kd-tree reads no model"),
+    ] {
+        let ended = workplace.run(&[&["run", "street-narrow", "-o", "out"], options].concat());
+        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+        let said = format!("vehicle_model.directory = {shipped:?}: no chosen detector reads it; ");
+        assert!(ended.stderr.contains(&said) && ended.stderr.contains(reads), "{ended:#?}");
+        assert!(!workplace.path("out").exists());
+    }
+    // Some of the variants read it.
+    let ablation =
+        ["ablation", "street-narrow", "--simulated-scans", "1", "-q", "-o", "ablation", "-P", &of_clusters];
+    workplace.succeed(&ablation);
+    let sweep = ["sweep", "street-narrow", "-d", "hierarchical", "-P", &of_clusters, "-P"];
+    let ended = workplace.run(&[&sweep[..], &["object_cost=0.3:0.4:0.1"]].concat());
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(ended.stderr.contains("no chosen detector reads it"), "{ended:#?}");
 }
 
 #[test]
@@ -198,7 +229,7 @@ fn more_kinds_of_objects_may_be_trained_with() {
     assert_eq!(more_command, expected);
     // Of objects that no vehicle has the size of, the other model is not asked, unless it is to be.
     let by_shape = |options: &[&str], name: &str| {
-        workplace.succeed(&[&TRAIN[..8], options, &["-o", name]].concat()).stdout
+        workplace.succeed(&[&TRAIN[..10], options, &["-o", name]].concat()).stdout
     };
     let bounded = by_shape(&[], "bounded");
     assert!(bounded.contains("no vehicle has their size"), "{bounded}");
@@ -268,23 +299,14 @@ fn what_cannot_be_trained_leaves_nothing() {
     let workplace = Workplace::new();
     check_refused(&workplace, &["street-narrow", "--scans", "0..2", "-o", "model"], 2, "one drive");
     check_refused(&workplace, &["nowhere", "-o", "model"], 2, "nowhere");
-    let too_much = ["streets", "--simulated-scans", "4", "--seed", "7", "--nu", "1.5", "-o", "model"];
+    let too_much = [&TRAIN[1..8], &["--nu", "1.5", "-o", "model"]].concat();
     check_refused(&workplace, &too_much, 4, "nu = 1.5");
 }
 
 #[test]
 fn groupings_are_trained_for_several_sensors_and_run() {
     let workplace = Workplace::new();
-    let train = [
-        "train",
-        "street-narrow",
-        "--simulated-scans",
-        "6",
-        "-d",
-        "groupings",
-        "--sensors",
-        "vlp-16,hdl-32e",
-    ];
+    let train = ["train", "street-narrow", "--simulated-scans", "6", "--sensors", "vlp-16,hdl-32e"];
     let ended = workplace.succeed(&[&train[..], &["-o", "model"]].concat());
     assert!(ended.stdout.contains("Probability of a vehicle"), "{ended:#?}");
     let forest: toml::Table = workplace.read("model/objects.toml").parse().expect("it is TOML");
@@ -312,10 +334,10 @@ fn groupings_are_trained_for_several_sensors_and_run() {
 fn options_of_other_models_say_nothing_about_groupings() {
     let workplace = Workplace::new();
     for option in [&["--nu", "0.3"][..], &["--vehicles", "50"], &["--parts-and-pairs"]] {
-        let ended = workplace.run(&[&["train", "streets", "-d", "groupings"], option].concat());
+        let ended = workplace.run(&[&["train", "streets"], option].concat());
         assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-        assert!(ended.stderr.contains(&format!("{} says nothing about --detector groupings", option[0])));
+        assert!(ended.stderr.contains(&format!("{} says nothing about --detector hierarchical", option[0])));
     }
-    let ended = workplace.run(&["train", "streets", "--sensors", "vlp-16"]);
+    let ended = workplace.run(&["train", "streets", "-d", "kd-tree", "--sensors", "vlp-16"]);
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
 }

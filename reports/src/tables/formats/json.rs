@@ -23,6 +23,7 @@ struct VerdictRecord<'a> {
     speeds: Vec<SpeedRecord<'a>>,
     /// Why times were not compared, where a rule is about them.
     speed_not_compared: Option<&'a str>,
+    configuration_changes: &'a [String],
     /// Whether results that changed fail or warn.
     drift_rule: &'static str,
     drift: Vec<DriftRecord<'a>>,
@@ -99,6 +100,7 @@ impl Format<Verdict> for Json {
                 SpeedComparison::NotCompared { reason } => Some(reason),
                 SpeedComparison::NotAsked | SpeedComparison::Compared(_) => None,
             },
+            configuration_changes: &verdict.configuration_changes,
             drift_rule: verdict.tolerances.drift.name(),
             drift: verdict
                 .drift

@@ -7,11 +7,12 @@ use crate::run_folder::run_archive::RunArchive;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::verdict::wording::{
-    about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
+    about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text,
+    value_text,
 };
 use crate::uncertainty::sample::Question;
 use crate::verdicts::comparability::{
-    NotComparable, check_comparable, detectors_only_in, detectors_with_other_results,
+    NotComparable, check_comparable, configuration_changes, detectors_only_in, detectors_with_other_results,
 };
 use crate::verdicts::drift::drift;
 use crate::verdicts::gated_metrics::{about, judged};
@@ -29,6 +30,8 @@ pub struct Comparison {
     /// Number of scans on which results of a detector changed; `None` where two detectors are compared, of which that is
     /// expected.
     pub n_changed_scans: Option<usize>,
+    /// What changed in the configuration of detectors, a text each.
+    pub configuration_changes: Vec<String>,
     /// Detectors that only the later run has.
     pub new_detectors: Vec<String>,
     /// Detectors whose results were read from other files than before.
@@ -104,7 +107,15 @@ pub fn compare_runs(
     let n_changed_scans = Some(drift(before, after).len());
     let new_detectors = detectors_only_in(after, before);
     let other_results = detectors_with_other_results(before, after);
-    Ok(Comparison { title, differences, n_changed_scans, new_detectors, other_results })
+    let configuration_changes = configuration_changes(before, after);
+    Ok(Comparison {
+        title,
+        differences,
+        n_changed_scans,
+        configuration_changes,
+        new_detectors,
+        other_results,
+    })
 }
 
 /// Compares detector `second` of `run` with detector `first`, over all data sets of one origin together.
@@ -139,6 +150,7 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
         title,
         differences,
         n_changed_scans: None,
+        configuration_changes: Vec::new(),
         new_detectors: Vec::new(),
         other_results: Vec::new(),
     }
@@ -200,7 +212,10 @@ impl Comparison {
                 self.other_results.join(", ")
             )
         });
-        [about_numbers].into_iter().chain(about_scans).chain(about_new).chain(about_results).collect()
+        let about_configuration = about_configuration(&self.configuration_changes);
+        let of_sides =
+            about_scans.into_iter().chain(about_configuration).chain(about_new).chain(about_results);
+        [about_numbers].into_iter().chain(of_sides).collect()
     }
 
     fn grid(&self) -> Grid {

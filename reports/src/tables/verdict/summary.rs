@@ -5,7 +5,8 @@ use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
 use crate::tables::verdict::tolerated::about_tolerances;
 use crate::tables::verdict::wording::{
-    about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
+    about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text,
+    value_text,
 };
 use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
@@ -87,7 +88,7 @@ pub(crate) fn about_judging(verdict: &Verdict) -> Vec<String> {
 
 /// What could not be judged although no number is missing.
 fn caveats(verdict: &Verdict) -> Vec<String> {
-    let mut lines = Vec::new();
+    let mut lines: Vec<String> = about_configuration(&verdict.configuration_changes).into_iter().collect();
     match &verdict.speed {
         SpeedComparison::NotCompared { reason } => lines.push(format!("Speed was not compared: {reason}.")),
         SpeedComparison::NotAsked | SpeedComparison::Compared(_) => {}

@@ -7,6 +7,9 @@ use crate::tables::notes::about_interval;
 use crate::verdicts::paired_difference::PairedDifference;
 use crate::vocabulary::metric::Metric;
 
+/// Changes of a configuration that are named.
+const MOST_CHANGES: usize = 12;
+
 /// A value: rates in %, all else in the unit of the metric.
 pub(crate) fn value_text(metric: &Metric, value: f64) -> String {
     match metric.unit() {
@@ -46,6 +49,14 @@ pub(crate) fn least_effect_text(difference: &PairedDifference) -> String {
     difference
         .least_effect
         .map_or_else(|| "–".to_owned(), |it| difference_text(metric, it).trim_start_matches('+').to_owned())
+}
+
+/// What changed in the configuration of detectors, as one sentence; `None` if nothing did.
+pub(crate) fn about_configuration(changes: &[String]) -> Option<String> {
+    let n_more = changes.len().saturating_sub(MOST_CHANGES);
+    let more = (n_more > 0).then(|| format!("; and {n_more} more")).unwrap_or_default();
+    let named = changes[..changes.len() - n_more].join("; ");
+    (!changes.is_empty()).then(|| format!("Configuration changed: {named}{more}."))
 }
 
 /// A metric with its unit.

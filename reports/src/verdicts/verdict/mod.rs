@@ -6,7 +6,7 @@ use crate::numbers::blocks::BlockCount;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
 use crate::verdicts::comparability::{
-    NotComparable, check_comparable, check_same_results, detectors_only_in,
+    NotComparable, check_comparable, check_same_results, configuration_changes, detectors_only_in,
 };
 use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::finding::Finding;
@@ -34,6 +34,8 @@ pub struct Verdict {
     pub speed: SpeedComparison,
     /// Scans on which results of a detector changed.
     pub drift: Vec<ScanDrift>,
+    /// What changed in the configuration of detectors, a text each.
+    pub configuration_changes: Vec<String>,
     /// Detectors that only the later run has.
     pub new_detectors: Vec<String>,
     /// What it was judged by.
@@ -193,6 +195,7 @@ pub fn judge(
             [&baseline.manifest, &run.manifest].map(|it| &it.machine),
         ),
         drift: drift(baseline, run),
+        configuration_changes: configuration_changes(baseline, run),
         new_detectors: detectors_only_in(run, baseline),
         tolerances: tolerances.clone(),
     })

@@ -294,21 +294,48 @@ fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
 }
 
 #[test]
+fn a_changed_configuration_is_told_with_both_values() {
+    let with = |vehicles: &str| {
+        let mut run = USUAL.archive();
+        let foreign = ForeignEntry { vehicles: vehicles.to_owned(), ..ForeignEntry::default() };
+        let entry = DetectorEntry {
+            name: "pca".to_owned(),
+            parameters: serde_json::Value::Null,
+            rules: Vec::new(),
+            vehicles: None,
+            foreign: Some(foreign),
+        };
+        run.manifest.detectors = vec![entry];
+        run
+    };
+    let (before, after) = (with("size"), with("model"));
+    let expected = "Configuration changed: pca: vehicles: size → model.";
+    let verdict = judge(&before, &after, &tolerances()).unwrap();
+    let brief = Brief { verdict: &verdict, sides: ["run", "baseline"], in_full: "gate --full" };
+    let comparison = compare_runs(&before, &after, ComparedSlices::All).unwrap();
+    let terminal = Terminal::UNFOLDED;
+    for text in [terminal.text(&verdict), terminal.text(&brief), terminal.text(&comparison)] {
+        assert!(text.contains(expected), "{text}");
+    }
+    assert!(Json.text(&verdict).contains("\"pca: vehicles: size → model\""));
+    let same = judge(&before, &before, &tolerances()).unwrap();
+    assert!(!terminal.text(&same).contains("Configuration changed"));
+}
+
+#[test]
 fn results_of_other_files_are_not_gated() {
     let with = |checksum: &str| {
         let mut run = USUAL.archive();
         let foreign = ForeignEntry {
-            command: Vec::new(),
             results: Some("found".to_owned()),
             results_checksum: Some(checksum.to_owned()),
-            reported_name: None,
-            version: None,
-            threads: None,
             vehicles: "size".to_owned(),
+            ..ForeignEntry::default()
         };
         let (name, parameters) = ("pca".to_owned(), serde_json::Value::Null);
+        let foreign = Some(foreign);
         run.manifest.detectors =
-            vec![DetectorEntry { name, parameters, rules: Vec::new(), foreign: Some(foreign) }];
+            vec![DetectorEntry { name, parameters, rules: Vec::new(), vehicles: None, foreign }];
         run
     };
     assert!(judge(&with("a"), &with("a"), &tolerances()).is_ok());

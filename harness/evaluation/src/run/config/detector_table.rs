@@ -1,5 +1,6 @@
 //! `[detector.NAME]`: detectors that are not built in.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -81,6 +82,7 @@ impl DetectorTable<'_> {
                 start_limit: self.limit("start_limit_s", table.remove("start_limit_s"), START_LIMIT)?,
                 time_limit: self.limit("time_limit_s", table.remove("time_limit_s"), TIME_LIMIT)?,
                 threads: self.threads(table.remove("threads"))?,
+                files: BTreeMap::new(),
                 introduction: Arc::default(),
             }),
             (None, None) => {

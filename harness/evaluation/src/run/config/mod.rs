@@ -13,4 +13,4 @@ pub mod run_config;
 pub use detector_table::{DETECTOR_TABLE, TAKEN_NAMES, check_name};
 pub use error::ConfigError;
 pub use run_config::RunConfig;
-pub use vehicle_model_table::VehicleModels;
+pub use vehicle_model_table::{TrainedModel, VehicleModels};

@@ -18,7 +18,7 @@ use super::override_file::OverrideFile;
 use super::override_option::{OverrideOption, OverrideOptions};
 use super::parameter_tree::parameters;
 use super::value_problem::ValueProblem;
-use super::vehicle_model_table::{VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
+use super::vehicle_model_table::{TrainedModel, VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
 use crate::matching::assign::MatchingParams;
 use crate::matching::criterion::Criterion;
 use crate::run::foreign_detector::ForeignDetector;
@@ -159,6 +159,11 @@ impl RunConfig {
     pub fn value_of(&self, full_name: &str) -> Option<&Value> {
         let (first, rest) = full_name.split_once('.')?;
         rest.split('.').try_fold(self.resolved.get(first)?, |table, key| table.get(key))
+    }
+
+    /// The directory that `model` is from; `None` of one that comes with the program.
+    pub fn directory_of(&self, model: TrainedModel) -> Option<&str> {
+        self.value_of(model.parameter()).and_then(Value::as_str).filter(|it| !it.is_empty())
     }
 
     fn resolve(overrides: &str, path: &Path) -> Result<Self, ConfigError> {

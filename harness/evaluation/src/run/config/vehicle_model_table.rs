@@ -37,6 +37,43 @@ struct VehicleModelTable {
     groupings_directory: String,
 }
 
+/// A model that tells vehicles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum TrainedModel {
+    /// The SVM of the clusters of grids and kd-tree, and of detectors that are not built in.
+    Clusters,
+    /// The SVM of the detector paper.
+    Paper,
+    /// The SVM of the detector pca.
+    Pca,
+    /// The forests of the detector hierarchical.
+    Groupings,
+}
+
+impl TrainedModel {
+    /// All models.
+    pub const ALL: [Self; 4] = [Self::Clusters, Self::Paper, Self::Pca, Self::Groupings];
+
+    /// The parameter that names its directory.
+    pub fn parameter(self) -> &'static str {
+        match self {
+            Self::Clusters => "vehicle_model.directory",
+            Self::Paper => "vehicle_model.paper_directory",
+            Self::Pca => "vehicle_model.pca_directory",
+            Self::Groupings => "vehicle_model.groupings_directory",
+        }
+    }
+
+    /// What it is, for people.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Clusters => "SVM of grid clusters",
+            Self::Paper | Self::Pca => "its own SVM",
+            Self::Groupings => "its own forests",
+        }
+    }
+}
+
 /// What tells vehicles. The models that come with the program are read when a detector first asks for one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleModels {
