@@ -79,7 +79,7 @@ fn about_failure(failed: &FailedDetector) -> String {
 /// What is to be said of the intervals, after `before`; nothing if there is nothing to be said.
 pub(super) fn caveat(facts: &RunFacts, before: &str) -> String {
     let caveat = facts.caveat_of_intervals();
-    caveat.map_or_else(String::new, |it| format!("{before} {it}, too few for conclusions"))
+    caveat.map_or_else(String::new, |it| format!("{before} {it}"))
 }
 
 /// Units stay with their numbers.

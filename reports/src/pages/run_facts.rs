@@ -174,7 +174,7 @@ impl RunFacts {
 
     /// What is to be said of intervals over all data sets together; `None` if nothing is.
     pub(super) fn caveat_of_intervals(&self) -> Option<String> {
-        self.blocks.and_then(BlockCount::caveat)
+        self.blocks.and_then(BlockCount::caveat_of_conclusions)
     }
 
     /// Place of `detector` in the order of the run.

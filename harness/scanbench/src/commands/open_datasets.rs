@@ -41,6 +41,8 @@ pub struct OpenedDataset {
     pub points_left_out: PointsLeftOut,
     /// What the user said names of classes in its labels stand for.
     pub classes: ClassTable,
+    /// SHA-256 of the file that names blocks of its scans, if the user gave one.
+    pub blocks_checksum: Option<String>,
     /// Who says how its sensor is mounted.
     pub stated: Stated,
     /// What its first scans show, once they have been looked at.
@@ -58,6 +60,7 @@ impl OpenedDataset {
             skipped: RefCell::default(),
             points_left_out,
             classes: ClassTable::default(),
+            blocks_checksum: None,
             stated: Stated::ALL,
             first_look: FirstLook::default(),
         }
@@ -207,6 +210,7 @@ pub fn open_datasets_past_damage(
             skipped: RefCell::new(left_out.into_iter().collect()),
             points_left_out,
             classes: options.of_files().classes_of(name, &catalogue).table,
+            blocks_checksum: None,
             stated,
             first_look: FirstLook::default(),
         });

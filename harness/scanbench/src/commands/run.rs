@@ -1,7 +1,6 @@
 //! `scanbench run`.
 
 use jiff::Timestamp;
-use reports::numbers::tally::Tally;
 use reports::protocols::protocol_tally::ProtocolTally;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
@@ -47,7 +46,8 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let unnamed = format!("{}-{}", compact_utc(started), ids_of(datasets));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
     let progress = RunProgress::new();
-    let (mut tally, mut served, mut agreement) = (Tally::default(), None, Vec::new());
+    let mut tally = opened.manifest(arguments, started).tally();
+    let (mut served, mut agreement) = (None, Vec::new());
     let mut protocol_tally = ProtocolTally::default();
     let name = directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned();
     let recorder = opened.begin_recording(arguments, &name, directory.path_of("run.rrd"))?;

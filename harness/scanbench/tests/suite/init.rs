@@ -103,11 +103,12 @@ fn a_new_folder_below_new_folders_is_made() {
 #[test]
 fn nothing_is_installed_by_a_name_that_anybody_may_take() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let listed = std::process::Command::new("git").args(["ls-files", "-z"]).current_dir(&root).output().unwrap();
+    let listed =
+        std::process::Command::new("git").args(["ls-files", "-z"]).current_dir(&root).output().unwrap();
     let names = String::from_utf8(listed.stdout).unwrap();
-    let texts = names.split_terminator('\0').filter_map(|name| {
-        Some((name, std::fs::read_to_string(root.join(name)).ok()?))
-    });
+    let texts = names
+        .split_terminator('\0')
+        .filter_map(|name| Some((name, std::fs::read_to_string(root.join(name)).ok()?)));
     let is_bare = |word: &str| {
         word.trim_matches(|it: char| !it.is_ascii_alphanumeric()) == "scanbench" && !word.contains('/')
     };
