@@ -119,7 +119,7 @@ impl Accepted {
                 let Ok(before) = PartialArchive::read(&target) else { return Ok(None) };
                 let tolerances = partial_tolerances(directory, None)?;
                 let Ok(verdict) = judge_partial(&before, result, &tolerances) else { return Ok(None) };
-                let summary = PartialSummary { verdict: &verdict, extent: SummaryExtent::Brief };
+                let summary = PartialSummary { verdict: &verdict, extent: SummaryExtent::Accept };
                 Ok(Some(Judged { text: terminal().text(&summary), n_worse: verdict.n_worse() }))
             }
         }

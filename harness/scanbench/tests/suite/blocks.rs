@@ -11,7 +11,7 @@ use crate::program::{Ended, Workplace};
 use crate::shard_folders::{check_same_but_times, make_shards, merge_whole};
 
 const N_SCANS: u32 = 12;
-const RUN: [&str; 6] = ["run", "street", "-d", "simple-grid,pca", "--no-rrd", "-q"];
+const RUN: [&str; 6] = ["run", "street", "-d", "hierarchical,simple-grid", "--no-rrd", "-q"];
 
 /// A workplace with twelve scans in the layout of the object benchmark.
 fn objects() -> (Workplace, DrawnDataset) {
@@ -74,7 +74,7 @@ fn scans_picked_out_of_drives_have_no_times_and_decide_nothing() {
     let ended = workplace.succeed(&["data", "check", "street"]);
     assert!(ended.stdout.contains("12, no times known: they may be neighbours\n"), "{ended:#?}");
     // However large a loss is, it is not called sure.
-    check_run(&workplace, &["-o", "worse", "-P", "pca.cluster.min_points=500"]);
+    check_run(&workplace, &["-o", "worse", "-P", "hierarchical.cluster.min_points=5000"]);
     let ended = workplace.run(&["gate", "worse", "-b", "run"]);
     assert_eq!(ended.exit_code, Some(101), "{ended:#?}");
     let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
