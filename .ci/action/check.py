@@ -159,6 +159,11 @@ def check_install(server: Server) -> None:
     assert noted.read_text() == (
         f"python3 -m pip install --quiet --disable-pip-version-check a wheel.whl in {server.workspace}\n"
     )
+    # A name alone would be looked up on a package index, where anybody may have taken it.
+    noted.write_text("")
+    ended = server.bash(f"{script} install", variables | {"WHEEL": "scanbench"})
+    assert ended.returncode == 2 and "neither a path nor an address" in ended.stderr, ended
+    assert not noted.read_text(), noted.read_text()
     assert server.bash(f"{script} instal", {}).returncode == 2
     assert "the folder of the baseline" in server.bash(f"{script} gate", {}).stderr
 
@@ -168,6 +173,8 @@ def check_gitlab(server: Server) -> None:
     variables = job["variables"] | {"RUN": SCANS.replace("'", ""), "BASELINE": "first"}
     [install, *script] = job["script"]
     assert "pip install" in install
+    ended = server.bash(install, variables)
+    assert ended.returncode and "the path or address of a wheel" in ended.stderr, ended
     ended = server.bash("\n".join(script), variables)
     assert ended.returncode == 0 and "\nPASSED\n" in f"\n{ended.stdout}", ended
     paths = [*job["artifacts"]["paths"], job["artifacts"]["reports"]["junit"]]
@@ -182,6 +189,9 @@ def check_written_workflow(server: Server) -> None:
     assert ended.returncode == 0, ended
     workflow = yaml.safe_load((server.workspace / "ci/scanbench.yml").read_text())
     steps = workflow["jobs"]["gate"]["steps"]
+    [install] = [it["run"] for it in steps if "pip install" in it.get("run", "")]
+    ended = server.bash(install, {"WHEEL": ""})
+    assert ended.returncode and "SCANBENCH_WHEEL" in ended.stderr, ended
     scripts = [it["run"] for it in steps if "run" in it and "pip install" not in it["run"]]
     assert len(scripts) == 2, scripts
     ended = server.bash("\n".join(scripts), {})

@@ -20,6 +20,11 @@ set_output() {
 
 install() {
     if [[ -n "${WHEEL:-}" ]]; then
+        # No package index has scanbench: whoever takes the name there could run anything here.
+        if [[ "$WHEEL" != *.whl && "$WHEEL" != */* ]]; then
+            echo "wheel is '$WHEEL', which is neither a path nor an address" >&2
+            exit 2
+        fi
         python3 -m pip install --quiet --disable-pip-version-check "$WHEEL"
     elif ! command -v scanbench > /dev/null; then
         local target

@@ -15,14 +15,23 @@ use crate::surface_class::SurfaceClass;
 
 /// A scan, and all that comes of it up to the tree.
 pub struct DrawnGroups {
+    /// The points.
     pub cloud: PointCloud,
+    /// Its grid.
     pub grid: HierarchicalGrid,
+    /// The road below it.
     pub terrain: Terrain,
+    /// What each cell is of.
     pub classes: Vec<SurfaceClass>,
+    /// Its walls.
     pub walls: WallRefinement,
+    /// The cells that may be of objects.
     pub candidates: Candidates,
+    /// The dense cells of these.
     pub dense: DenseCells,
+    /// The gaps between dense cells.
     pub gaps: DenseGaps,
+    /// The tree over them.
     pub tree: GroupingTree,
 }
 

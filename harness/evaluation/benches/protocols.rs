@@ -103,7 +103,7 @@ fn scan_row(name: &ScanName) -> ScanRow {
         dataset: name.dataset.clone(),
         sequence: name.sequence.clone(),
         scan: name.scan,
-        time_s: f64::from(name.scan) / 2.0,
+        time_s: Some(f64::from(name.scan) / 2.0),
         detector: "drawn".to_owned(),
         task: Task::Vehicles,
         outcome: ScanOutcome::Skipped { reason: "it is drawn".to_owned() },

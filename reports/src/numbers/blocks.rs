@@ -1,7 +1,8 @@
 //! Which scans are drawn together when it is estimated how sure a number is.
 //!
 //! Scans of one drive show the same street and, close together, the same objects. So whole drives are drawn where a data set
-//! has enough of them; where it has not, seconds of its drives are.
+//! has enough of them; where it has not, seconds of its drives are. Where nobody knows when scans were taken, each is drawn by
+//! itself, and nothing may rest on that: it may be the neighbour of another.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,12 +13,23 @@ pub const FEWEST_DRIVES: usize = 10;
 /// Blocks of one data set that it takes before anything may rest on an interval.
 pub const FEWEST_BLOCKS: u64 = 10;
 
-/// Scans of one drive that were taken within one second.
+/// Scans of one drive that were taken within one second; or what stands for it where times are not known.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriveSecond {
     drive: String,
-    second: i64,
+    part: DrivePart,
+}
+
+/// A part of a drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+enum DrivePart {
+    /// A second of it.
+    Second(i64),
+    /// The scan with this number: nobody knows which others are near.
+    Scan(u32),
+    /// All of it: the user has named it as a block.
+    Whole,
 }
 
 impl DriveSecond {
@@ -25,7 +37,17 @@ impl DriveSecond {
     pub fn of(drive: &str, time_s: f64) -> Self {
         // Times are whole milliseconds, and the same before and after they were written with three decimals.
         let second = (time_s * 1000.0).round().div_euclid(1000.0) as i64;
-        Self { drive: drive.to_owned(), second }
+        Self { drive: drive.to_owned(), part: DrivePart::Second(second) }
+    }
+
+    /// What scan number `scan` of `drive` belongs to, as far as is known: `block` is what has been said about it, `time_s` when it
+    /// was taken.
+    pub fn of_scan((drive, scan): (&str, u32), block: Option<&str>, time_s: Option<f64>) -> Self {
+        match (block, time_s) {
+            (_, Some(time_s)) => Self::of(block.unwrap_or(drive), time_s),
+            (Some(block), None) => Self { drive: block.to_owned(), part: DrivePart::Whole },
+            (None, None) => Self { drive: drive.to_owned(), part: DrivePart::Scan(scan) },
+        }
     }
 
     /// The drive.
@@ -45,10 +67,14 @@ pub enum BlockKind {
     Both,
     /// Single objects, each in all scans that show it, where a number is of objects and drives are too few.
     Tracks,
+    /// Blocks that the user has named.
+    Named,
+    /// Single scans of which nobody knows when they were taken: they may be neighbours, and nothing may rest on an interval.
+    Scans,
 }
 
 impl BlockKind {
-    const ALL: [Self; 4] = [Self::Drives, Self::Seconds, Self::Both, Self::Tracks];
+    const ALL: [Self; 6] = [Self::Drives, Self::Seconds, Self::Both, Self::Tracks, Self::Named, Self::Scans];
 
     /// The name used in files.
     pub fn name(self) -> &'static str {
@@ -57,6 +83,18 @@ impl BlockKind {
             Self::Seconds => "seconds",
             Self::Both => "drives and seconds",
             Self::Tracks => "tracks",
+            Self::Named => "named blocks",
+            Self::Scans => "scans without times",
+        }
+    }
+
+    /// The kind of this and `other` blocks together.
+    pub fn with(self, other: Self) -> Self {
+        match (self, other) {
+            _ if self == other => self,
+            // Doubt stays, whatever is added.
+            (Self::Scans, _) | (_, Self::Scans) => Self::Scans,
+            _ => Self::Both,
         }
     }
 
@@ -90,19 +128,51 @@ impl BlockCount {
         Self {
             n_blocks: self.n_blocks + other.n_blocks,
             degrees_of_freedom: if is_known { degrees_of_freedom } else { 0 },
-            kind: if self.kind == other.kind { self.kind } else { BlockKind::Both },
+            kind: self.kind.with(other.kind),
         }
     }
 
     /// What is to be said of an interval of these; `None` if nothing is.
     pub fn caveat(self) -> Option<String> {
+        if self.may_be_neighbours() {
+            return Some("over scans that may be neighbours".to_owned());
+        }
+        self.are_too_few().then(|| format!("from only {}", self.counted()))
+    }
+
+    /// The same, and that nothing follows.
+    pub fn caveat_of_conclusions(self) -> Option<String> {
+        let end = if self.may_be_neighbours() { "no basis" } else { "too few" };
+        self.caveat().map(|it| format!("{it}, {end} for conclusions"))
+    }
+
+    /// Why no verdict may rest on them, as the beginning of a sentence: they are not enough "to show …"; `None` if one may.
+    pub fn shortfall(self) -> Option<String> {
+        if self.may_be_neighbours() {
+            return Some("scans without known times, which may be neighbours, are not enough".to_owned());
+        }
+        let verb = if self.n_blocks == 1 { "is" } else { "are" };
+        self.are_too_few().then(|| format!("{} {verb} too few", self.counted()))
+    }
+
+    fn counted(self) -> String {
         let what = match (self.kind, self.n_blocks) {
             (BlockKind::Tracks, 1) => "object",
             (BlockKind::Tracks, _) => "objects",
             (_, 1) => "block of scans",
             _ => "blocks of scans",
         };
-        self.are_too_few().then(|| format!("from only {} {what}", self.n_blocks))
+        format!("{} {what}", self.n_blocks)
+    }
+
+    /// Whether no verdict may rest on them.
+    pub fn decide_nothing(self) -> bool {
+        self.are_too_few() || self.may_be_neighbours()
+    }
+
+    /// Whether nobody knows which of the scans are near others.
+    pub fn may_be_neighbours(self) -> bool {
+        self.kind == BlockKind::Scans
     }
 
     /// Whether these are too few for conclusions: fewer than [`FEWEST_BLOCKS`] of one data set, or as few degrees of
@@ -125,7 +195,7 @@ impl BlockCount {
 pub struct Interval {
     /// Lower and upper end of the 95 % interval.
     pub ends: [f64; 2],
-    /// The blocks that it was estimated from. Where these are too few, nothing follows from it.
+    /// The blocks that it was estimated from. Where these decide nothing, nothing follows from it.
     pub blocks: BlockCount,
 }
 
@@ -144,7 +214,8 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// The blocks that scans of these seconds are in: drives if there are [`FEWEST_DRIVES`] or more, else the seconds.
+    /// The blocks that scans of these seconds are in: drives if there are [`FEWEST_DRIVES`] or more, else the seconds. Blocks that
+    /// the user has named are drives in this, however few they are.
     ///
     /// Blocks are in the order of drives and times, whatever the order of `seconds`.
     pub fn of(seconds: impl IntoIterator<Item = DriveSecond>) -> Self {
@@ -152,11 +223,18 @@ impl Blocks {
         let drives: BTreeSet<&str> = seconds.iter().map(|it| it.drive.as_str()).collect();
         let place_of_drive: BTreeMap<&str, usize> = drives.into_iter().zip(0..).collect();
         let n_drives = place_of_drive.len();
-        let (places, kind, n_blocks): (Vec<usize>, _, _) = if n_drives >= FEWEST_DRIVES {
-            let places = seconds.iter().map(|it| place_of_drive[it.drive.as_str()]);
-            (places.collect(), BlockKind::Drives, n_drives)
+        let kind = |part: DrivePart| match part {
+            DrivePart::Whole => BlockKind::Named,
+            _ if n_drives >= FEWEST_DRIVES => BlockKind::Drives,
+            DrivePart::Second(_) => BlockKind::Seconds,
+            DrivePart::Scan(_) => BlockKind::Scans,
+        };
+        let kind =
+            seconds.iter().map(|it| kind(it.part)).reduce(BlockKind::with).unwrap_or(BlockKind::Seconds);
+        let (places, n_blocks): (Vec<usize>, _) = if n_drives >= FEWEST_DRIVES {
+            (seconds.iter().map(|it| place_of_drive[it.drive.as_str()]).collect(), n_drives)
         } else {
-            ((0..seconds.len()).collect(), BlockKind::Seconds, seconds.len())
+            ((0..seconds.len()).collect(), seconds.len())
         };
         let count = BlockCount::of_dataset(n_blocks as u64, kind);
         Self { place_of_second: seconds.into_iter().zip(places).collect(), count }
@@ -233,6 +311,34 @@ mod tests {
         // Ten blocks of five data sets leave five degrees of freedom.
         let five = (1..5).fold(of(2), |sum, _| sum.with(of(2)));
         assert!(five.n_blocks == 10 && five.are_too_few());
+    }
+
+    #[test]
+    fn scans_without_times_stand_alone_and_decide_nothing() {
+        let alone = |n: u32| (0..n).map(|scan| DriveSecond::of_scan(("training", scan), None, None));
+        let many = Blocks::of(alone(30));
+        check(&many, 30, BlockKind::Scans);
+        assert!(many.count().decide_nothing() && !many.count().are_too_few());
+        assert_eq!(many.count().caveat().as_deref(), Some("over scans that may be neighbours"));
+        // Neither do they where others are added whose times are known.
+        assert!(many.count().with(BlockCount::of_dataset(40, BlockKind::Drives)).decide_nothing());
+    }
+
+    #[test]
+    fn named_blocks_are_drawn_whole_however_few_they_are() {
+        let named = |n: u32, n_blocks: u32| {
+            let block = move |scan: u32| format!("block {}", scan % n_blocks);
+            Blocks::of(
+                (0..n).map(move |scan| DriveSecond::of_scan(("training", scan), Some(&block(scan)), None)),
+            )
+        };
+        check(&named(30, 4), 4, BlockKind::Named);
+        check(&named(30, 12), 12, BlockKind::Named);
+        assert_eq!([4, 12].map(|it| named(30, it).count().decide_nothing()), [true, false]);
+        // A drive of its own with a time is a drive, as that of a raw scan.
+        let raw =
+            |scan: u32| DriveSecond::of_scan(("training", scan), Some("0005"), Some(f64::from(scan) / 10.0));
+        check(&Blocks::of((0..25).map(raw)), 3, BlockKind::Seconds);
     }
 
     #[test]

@@ -50,7 +50,7 @@ use crate::vocabulary::task::Task;
 ///     dataset: "street".to_owned(),
 ///     sequence: "0000".to_owned(),
 ///     scan: 0,
-///     time_s: 0.0,
+///     time_s: Some(0.0),
 ///     detector: "mine".to_owned(),
 ///     task: Task::Vehicles,
 ///     outcome: ScanOutcome::Evaluated(numbers),
@@ -65,8 +65,12 @@ pub struct Tally {
     datasets: Vec<String>,
     tasks: Vec<Task>,
     detectors: Vec<String>,
-    // Of each of `datasets`, the scans of each drive with when they were taken, in seconds.
-    scans: Vec<BTreeMap<String, BTreeMap<u32, f64>>>,
+    // Of each of `datasets`, the scans of each sequence with what they are drawn with.
+    scans: Vec<BTreeMap<String, BTreeMap<u32, DriveSecond>>>,
+    // Of each of `datasets`, the drives that are drawn from.
+    drives: Vec<BTreeSet<String>>,
+    // By id of the data set and name of the scan, as far as the user or the data set says.
+    blocks: BTreeMap<String, BTreeMap<String, String>>,
     // Of each of `datasets`.
     times: Vec<Times>,
     of_key: BTreeMap<Key, Gathered>,
@@ -111,11 +115,17 @@ impl Tally {
         Self { processors, simulated, ..Self::default() }
     }
 
+    /// The same, where what the scans of a data set are drawn with has names of its own: by id of the data set and name of the
+    /// scan.
+    pub fn with_blocks(self, blocks: BTreeMap<String, BTreeMap<String, String>>) -> Self {
+        Self { blocks, ..self }
+    }
+
     /// Adds what one detector made of one scan in one task.
     pub fn add_scan(&mut self, row: &ScanRow) {
         let key = self.key(&row.dataset, row.task, &row.detector);
-        let block = DriveSecond::of(&row.sequence, row.time_s);
-        let has_enough_drives = self.add_time(key.dataset, row);
+        let block = self.block_of(row);
+        let has_enough_drives = self.add_block(key.dataset, row, &block);
         let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
         let gathered =
             self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task, has_enough_drives));
@@ -179,32 +189,31 @@ impl Tally {
     /// is left out.
     pub fn add_match(&mut self, row: &MatchRow) {
         let key = self.key(&row.dataset, row.task, &row.detector);
-        let drives = &self.scans[key.dataset];
-        let Some(time_s) = drives.get(&row.sequence).and_then(|scans| scans.get(&row.scan)) else { return };
-        let block = DriveSecond::of(&row.sequence, *time_s);
-        let has_enough_drives = drives.len() >= FEWEST_DRIVES;
+        let of_sequence = self.scans[key.dataset].get(&row.sequence);
+        let Some(block) = of_sequence.and_then(|scans| scans.get(&row.scan)) else { return };
+        let has_enough_drives = self.drives[key.dataset].len() >= FEWEST_DRIVES;
         let gathered =
             self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task, has_enough_drives));
         match &row.outcome {
             MatchOutcome::Matched { annotation, detection, .. } => {
-                gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
-                gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Matched);
+                gathered.add_to_slices(&slices_of_annotation(annotation), block, Term::Annotations);
+                gathered.add_to_slices(&slices_of_annotation(annotation), block, Term::Matched);
                 gathered.rank(detection, true);
                 if let Some(labelled) = &annotation.bounding_box {
-                    add_box_errors(gathered.sums(Slice::All, &block), labelled, &detection.bounding_box);
+                    add_box_errors(gathered.sums(Slice::All, block), labelled, &detection.bounding_box);
                 }
             }
             MatchOutcome::Missed { annotation, .. } => {
-                gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
+                gathered.add_to_slices(&slices_of_annotation(annotation), block, Term::Annotations);
             }
             MatchOutcome::False { detection, .. } => {
-                gathered.add_to_slices(&slices_of_detection(detection), &block, Term::False);
+                gathered.add_to_slices(&slices_of_detection(detection), block, Term::False);
                 gathered.rank(detection, false);
             }
             MatchOutcome::Tall { found_by, .. } => {
-                gathered.add_to_slices(&[Slice::Tall], &block, Term::Annotations);
+                gathered.add_to_slices(&[Slice::Tall], block, Term::Annotations);
                 if found_by.is_some() {
-                    gathered.add_to_slices(&[Slice::Tall], &block, Term::Matched);
+                    gathered.add_to_slices(&[Slice::Tall], block, Term::Matched);
                 }
             }
             MatchOutcome::IgnoredAnnotation { .. }
@@ -213,15 +222,18 @@ impl Tally {
         }
     }
 
-    /// Notes when a scan was taken, and returns whether whole drives of its data set will be drawn.
-    fn add_time(&mut self, dataset_idx: usize, row: &ScanRow) -> bool {
-        let drives = &mut self.scans[dataset_idx];
-        if let Some(scans) = drives.get_mut(&row.sequence) {
-            scans.insert(row.scan, row.time_s);
-            return drives.len() >= FEWEST_DRIVES;
-        }
-        drives.insert(row.sequence.clone(), BTreeMap::from([(row.scan, row.time_s)]));
-        if drives.len() == FEWEST_DRIVES {
+    /// What the scan of a row is drawn with.
+    fn block_of(&self, row: &ScanRow) -> DriveSecond {
+        let named = self.blocks.get(&row.dataset);
+        let named = named.and_then(|it| it.get(&format!("{}/{:06}", row.sequence, row.scan)));
+        DriveSecond::of_scan((&row.sequence, row.scan), named.map(String::as_str), row.time_s)
+    }
+
+    /// Notes what a scan is drawn with, and returns whether whole drives of its data set will be drawn.
+    fn add_block(&mut self, dataset_idx: usize, row: &ScanRow, block: &DriveSecond) -> bool {
+        self.scans[dataset_idx].entry(row.sequence.clone()).or_default().insert(row.scan, block.clone());
+        let drives = &mut self.drives[dataset_idx];
+        if drives.insert(block.drive().to_owned()) && drives.len() == FEWEST_DRIVES {
             let of_dataset = self.of_key.iter_mut().filter(|(key, _)| key.dataset == dataset_idx);
             of_dataset.for_each(|(_, gathered)| gathered.forget_seconds());
         }
@@ -246,6 +258,7 @@ impl Tally {
     fn dataset_place(&mut self, dataset: &str) -> usize {
         let dataset = place_of(&mut self.datasets, dataset);
         self.scans.resize(self.datasets.len(), BTreeMap::new());
+        self.drives.resize(self.datasets.len(), BTreeSet::new());
         self.times.resize(self.datasets.len(), Times::default());
         dataset
     }
@@ -298,27 +311,19 @@ impl Tally {
 
     /// Which scans of each data set are drawn together, in the order of the data sets.
     pub fn blocks(&self) -> Vec<Blocks> {
-        let seconds = |drives: &BTreeMap<String, BTreeMap<u32, f64>>| {
-            let of_drives = drives.iter().flat_map(|(drive, scans)| {
-                let mut seconds: Vec<DriveSecond> = Vec::new();
-                for second in scans.values().map(|it| DriveSecond::of(drive, *it)) {
-                    if seconds.last() != Some(&second) {
-                        seconds.push(second);
-                    }
-                }
-                seconds
-            });
-            Blocks::of(of_drives)
+        let blocks = |scans: &BTreeMap<String, BTreeMap<u32, DriveSecond>>| {
+            let seconds: BTreeSet<&DriveSecond> = scans.values().flat_map(BTreeMap::values).collect();
+            Blocks::of(seconds.into_iter().cloned())
         };
-        self.scans.iter().map(seconds).collect()
+        self.scans.iter().map(blocks).collect()
     }
 
-    /// The scans of a data set, given by its place: the drive, the number and the second of each, by drive and number.
+    /// The scans of a data set, given by its place: the sequence and the number of each, and what it is drawn with, by sequence and
+    /// number.
     pub(crate) fn scans(&self, dataset_idx: usize) -> impl Iterator<Item = (&str, u32, DriveSecond)> {
-        let drives = self.scans[dataset_idx].iter();
-        drives.flat_map(|(drive, scans)| {
-            let of_drive = scans.iter();
-            of_drive.map(move |(scan, time_s)| (drive.as_str(), *scan, DriveSecond::of(drive, *time_s)))
+        let sequences = self.scans[dataset_idx].iter();
+        sequences.flat_map(|(sequence, scans)| {
+            scans.iter().map(move |(scan, second)| (sequence.as_str(), *scan, second.clone()))
         })
     }
 

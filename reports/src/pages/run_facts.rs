@@ -195,12 +195,11 @@ impl RunFacts {
     /// What is to be said of intervals, after `before`; nothing if there is nothing to be said.
     pub(super) fn caveat(&self, before: &str) -> String {
         let caveats = self.pools.iter().filter_map(|it| {
-            let of_pool =
-                if self.pools.len() > 1 { format!(" of {}", it.pool.in_words()) } else { String::new() };
-            Some(format!("{}{of_pool}", it.caveat_of_intervals()?))
+            let on = if self.pools.len() > 1 { format!(" on {}", it.pool.in_words()) } else { String::new() };
+            Some(format!("{}{on}", it.caveat_of_intervals()?))
         });
         let caveats: Vec<String> = caveats.collect();
-        if caveats.is_empty() { String::new() } else { too_few(before, &caveats.join(", ")) }
+        if caveats.is_empty() { String::new() } else { format!("{before} {}", caveats.join("; ")) }
     }
 
     /// The name of `pool` in file names and in titles: nothing if there is no other.
@@ -227,17 +226,13 @@ impl RunFacts {
 impl PoolFacts {
     /// What is to be said of intervals; `None` if nothing is.
     pub(super) fn caveat_of_intervals(&self) -> Option<String> {
-        self.blocks.and_then(BlockCount::caveat)
+        self.blocks.and_then(BlockCount::caveat_of_conclusions)
     }
 
     /// The same after `before`; nothing if there is nothing to be said.
     pub(super) fn caveat(&self, before: &str) -> String {
-        self.caveat_of_intervals().map_or_else(String::new, |it| too_few(before, &it))
+        self.caveat_of_intervals().map_or_else(String::new, |it| format!("{before} {it}"))
     }
-}
-
-fn too_few(before: &str, caveat: &str) -> String {
-    format!("{before} {caveat}, too few for conclusions")
 }
 
 fn task_ranges(

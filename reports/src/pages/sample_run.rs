@@ -137,7 +137,7 @@ impl SampleRun<'_> {
                 dataset,
                 sequence,
                 scan,
-                time_s: f64::from(scan) / 10.0,
+                time_s: Some(f64::from(scan) / 10.0),
                 detector,
                 task,
                 outcome: ScanOutcome::Evaluated(numbers),

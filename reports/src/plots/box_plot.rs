@@ -74,9 +74,16 @@ fn draw_panel(area: &Area<'_>, lines: &[&BoxErrorLine], (error, by): (BoxError, 
         let is_slice = (place - place.round()).abs() < 1e-6 && *place > -0.1;
         let line = if is_slice { lines.get(place.round() as usize) } else { None };
         line.map_or_else(String::new, |it| {
-            let few = it.fits.iter().filter_map(|(_, it)| (*it)?.within).any(|it| it.blocks.are_too_few());
-            // As in tables: too few for the interval to be relied on.
-            format!("{} (n {}{})", it.slice, it.n_pairs, if few { " §" } else { "" })
+            let blocks: Vec<_> = it.fits.iter().filter_map(|(_, it)| Some((*it)?.within?.blocks)).collect();
+            // As in tables: nothing rests on the interval.
+            let sign = if blocks.iter().any(|it| it.may_be_neighbours()) {
+                " ¶"
+            } else if blocks.iter().any(|it| it.are_too_few()) {
+                " §"
+            } else {
+                ""
+            };
+            format!("{} (n {}{sign})", it.slice, it.n_pairs)
         })
     };
     chart

@@ -29,11 +29,8 @@ pub(crate) fn heading(curves: &[SweepCurve<'_>]) -> String {
 
 /// What bars are, with what is to be said of them.
 pub(crate) fn about_bars(curves: &[SweepCurve<'_>]) -> String {
-    let caveat = curves.first().and_then(|it| it.points[0].score.blocks.caveat());
-    caveat.map_or_else(
-        || "Bars: 95 % intervals".to_owned(),
-        |it| format!("Bars: 95 % intervals {it}, too few for conclusions"),
-    )
+    let caveat = curves.first().and_then(|it| it.points[0].score.blocks.caveat_of_conclusions());
+    caveat.map_or_else(|| "Bars: 95 % intervals".to_owned(), |it| format!("Bars: 95 % intervals {it}"))
 }
 
 /// What stands on the axis where the values are no numbers.

@@ -34,8 +34,8 @@ fn title(first: &NumberCurve<'_>) -> String {
         Origin::Recorded => String::new(),
         origin => format!(" ({})", origin.name()),
     };
-    let caveat = first.number.interval.and_then(|it| it.caveat());
-    let caveat = caveat.map_or_else(String::new, |it| format!(", {it}, too few for conclusions"));
+    let caveat = first.number.interval.and_then(|it| it.blocks.caveat_of_conclusions());
+    let caveat = caveat.map_or_else(String::new, |it| format!(", interval {it}"));
     let (protocol, dataset) = (first.number.protocol, &first.number.dataset);
     format!("{dataset}{origin}, protocol {protocol}. Ring: best. Bars: 95 % intervals{caveat}")
 }

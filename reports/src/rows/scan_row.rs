@@ -17,8 +17,9 @@ pub struct ScanRow {
     pub sequence: String,
     /// Number of the scan within the drive.
     pub scan: u32,
-    /// When it was taken, in seconds since the first scan of the drive, in whole milliseconds.
-    pub time_s: f64,
+    /// When it was taken, in seconds since the first scan of the drive, in whole milliseconds; `None` where nobody knows, or the
+    /// user says otherwise which scans belong together.
+    pub time_s: Option<f64>,
     /// Name of the detector.
     pub detector: String,
     /// The task.
@@ -171,7 +172,7 @@ struct ScanRecord {
     dataset: String,
     sequence: String,
     scan: u32,
-    time_s: Fixed<3>,
+    time_s: Option<Fixed<3>>,
     detector: String,
     task: Task,
     status: Status,
@@ -223,7 +224,7 @@ impl From<ScanRow> for ScanRecord {
             dataset: row.dataset,
             sequence: row.sequence,
             scan: row.scan,
-            time_s: Fixed::rounded(row.time_s),
+            time_s: row.time_s.map(Fixed::rounded),
             detector: row.detector,
             task: row.task,
             status,
@@ -268,8 +269,9 @@ impl TryFrom<ScanRecord> for ScanRow {
                 ScanOutcome::Skipped { reason }
             }
         };
-        let ScanRecord { dataset, sequence, scan, time_s: Fixed(time_s), detector, task, .. } = record;
-        if !time_s.is_finite() {
+        let ScanRecord { dataset, sequence, scan, time_s, detector, task, .. } = record;
+        let time_s = time_s.map(|Fixed(time_s)| time_s);
+        if time_s.is_some_and(|it| !it.is_finite()) {
             return Err("time_s is not a time");
         }
         Ok(Self { dataset, sequence, scan, time_s, detector, task, outcome })
@@ -320,7 +322,7 @@ mod tests {
     fn row(scan: u32, outcome: ScanOutcome) -> ScanRow {
         let [dataset, sequence, detector] = ["kitti, tracking", "0000", "kd-tree"].map(str::to_owned);
         let task = Task::Objects;
-        ScanRow { dataset, sequence, scan, time_s: f64::from(scan) / 10.0, detector, task, outcome }
+        ScanRow { dataset, sequence, scan, time_s: Some(f64::from(scan) / 10.0), detector, task, outcome }
     }
 
     fn numbers(latency_ms: Option<f64>, n_false: Option<u64>) -> ScanOutcome {
@@ -431,8 +433,12 @@ mod tests {
     }
 
     #[test]
-    fn a_scan_without_a_time_is_refused() {
-        check_refused("0000,1,0.100,", "0000,1,,", "line: 3");
+    fn a_time_that_is_no_number_is_refused_and_none_is_read() {
+        let (_, rows) = written_and_read(&rows(), "0000,1,0.100,", "0000,1,,");
+        assert_eq!(
+            rows.unwrap().iter().map(|it| it.time_s).collect::<Vec<_>>()[..3],
+            [Some(0.0), None, Some(0.2)]
+        );
         check_refused("0000,1,0.100,", "0000,1,NaN,", "time_s is not a time");
     }
 

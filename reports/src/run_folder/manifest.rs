@@ -109,6 +109,13 @@ pub struct DatasetEntry {
     pub classes: BTreeMap<String, AnnotationClass>,
     /// Which scans were selected, as the command line writes it; `None` for all.
     pub selection: Option<String>,
+    /// What is known better than drives say of which scans are drawn together: names of blocks, or of the drives that scans come
+    /// from, each with its scans.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub blocks: BTreeMap<String, Vec<String>>,
+    /// SHA-256 of the file that the user gave for that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blocks_checksum: Option<String>,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
     /// The sensor: its id, or the file that describes it.
@@ -302,8 +309,16 @@ impl Manifest {
     /// Nothing yet, for rows of this run.
     pub fn tally(&self) -> Tally {
         let processors = if self.is_of_like_processors() { Processors::Alike } else { Processors::Unlike };
+        let of_dataset = |it: &DatasetEntry| {
+            let of_scans = it
+                .blocks
+                .iter()
+                .flat_map(|(block, scans)| scans.iter().map(move |scan| (scan.clone(), block.clone())));
+            (it.id.clone(), of_scans.collect())
+        };
         let simulated = self.datasets.iter().filter(|it| it.simulated).map(|it| it.id.clone());
         Tally::of_run(processors, simulated.collect())
+            .with_blocks(self.datasets.iter().map(of_dataset).collect())
     }
 
     /// The content of `manifest.json`.
@@ -356,6 +371,8 @@ mod tests {
                 n_points_left_out: 0,
                 classes: BTreeMap::new(),
                 selection: Some("0..80:2".to_owned()),
+                blocks: BTreeMap::new(),
+                blocks_checksum: None,
                 sensor_height_m: 1.73,
                 sensor: "hdl-64e-s2".to_owned(),
                 licence: None,

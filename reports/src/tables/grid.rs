@@ -65,6 +65,8 @@ pub(crate) enum Mark {
     FewScans,
     /// An interval of fewer blocks of scans than it takes for anything to rest on it.
     FewBlocks,
+    /// An interval over scans of which nobody knows which are near others.
+    MaybeNeighbours,
     /// There is no such number.
     Undefined(Undefined),
 }
@@ -78,6 +80,16 @@ pub(crate) enum Undefined {
     ZeroDenominator,
     /// No scan was timed.
     NotTimed,
+}
+
+impl Mark {
+    /// That of an interval drawn from these blocks of scans; `None` if nothing is to be said about it.
+    pub(crate) fn of_blocks(blocks: BlockCount) -> Option<Self> {
+        if blocks.may_be_neighbours() {
+            return Some(Self::MaybeNeighbours);
+        }
+        blocks.are_too_few().then_some(Self::FewBlocks)
+    }
 }
 
 impl Column {
@@ -108,8 +120,7 @@ impl Cell {
 
     /// From a number to another, drawn from these blocks of scans.
     pub(crate) fn interval(text: String, blocks: BlockCount) -> Self {
-        let mark = blocks.are_too_few().then_some(Mark::FewBlocks);
-        Self { text, mark, is_interval: true }
+        Self { text, mark: Mark::of_blocks(blocks), is_interval: true }
     }
 
     /// From the decimal point on; nothing of an interval.

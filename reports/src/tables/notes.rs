@@ -126,6 +126,10 @@ pub(crate) fn about_interval_of(n_resamples: usize, kind: BlockKind) -> String {
         BlockKind::Seconds => {
             format!("{of} seconds, because there are fewer than {FEWEST_DRIVES} drives: {same_drives}.")
         }
+        BlockKind::Named => format!("{of} the blocks of --blocks."),
+        BlockKind::Scans => {
+            format!("{of} single scans, because when they were taken is not known: they may be neighbours.")
+        }
         BlockKind::Tracks => format!("{of} objects, each with all its scans: {same_drives}."),
         BlockKind::Both => format!(
             "{of} whole drives, or of seconds for data sets with fewer than {FEWEST_DRIVES} drives: {same_drives}."
@@ -179,6 +183,7 @@ impl Notes {
             Mark::Undefined(_) => {}
             Mark::FewScans => return "‡".to_owned(),
             Mark::FewBlocks => return "§".to_owned(),
+            Mark::MaybeNeighbours => return "¶".to_owned(),
             Mark::Recorded | Mark::Simulated | Mark::NotPublic => return "†".to_owned(),
         }
         let is_number = |it: &&Mark| matches!(it, Mark::Undefined(_));
@@ -198,6 +203,10 @@ impl Notes {
                 return format!(
                     "{sign} from fewer than {FEWEST_BLOCKS} blocks: too few for a reliable interval and for conclusions."
                 );
+            }
+            Mark::MaybeNeighbours => {
+                "over scans that may be neighbours, because their times are not known: no basis for conclusions. --blocks FILE \
+                 says which scans belong together; KITTI's mapping files do, too."
             }
             Mark::Undefined(Undefined::FalseObjectsUnknown) => {
                 "undefined: not every class of object is annotated, so false objects cannot be counted."

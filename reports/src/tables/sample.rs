@@ -72,6 +72,8 @@ fn dataset(id: &str) -> DatasetEntry {
         n_points_left_out: 0,
         classes: std::collections::BTreeMap::new(),
         selection: None,
+        blocks: std::collections::BTreeMap::new(),
+        blocks_checksum: None,
         sensor_height_m: 1.73,
         sensor: "hdl-64e-s2".to_owned(),
         licence: None,

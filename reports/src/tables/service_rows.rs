@@ -11,7 +11,7 @@ use crate::vocabulary::slice::Slice;
 
 /// Its interval, unless that is of too few blocks of scans: services would draw conclusions from it.
 pub(crate) fn reliable_interval(row: &MetricRow) -> Option<Interval> {
-    row.interval().filter(|it| !it.blocks.are_too_few())
+    row.interval().filter(|it| !it.blocks.decide_nothing())
 }
 
 /// The ratios and the median time, over all data sets; of recorded and simulated ones also of each.

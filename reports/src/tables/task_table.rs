@@ -116,7 +116,7 @@ impl TaskTable {
         });
         let intervals = scores.flat_map(|it| [it.intervals.f_rate, it.intervals.recall]).flatten();
         let kinds = intervals.map(|it| it.blocks.kind);
-        kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both })
+        kinds.reduce(BlockKind::with)
     }
 
     /// Name of the files it is written to, without the ending.

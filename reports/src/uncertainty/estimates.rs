@@ -220,7 +220,7 @@ mod tests {
             n_dropped_too_small: 0,
             n_dropped_too_large: 0,
         };
-        let (time_s, outcome) = (f64::from(scan) / 10.0, ScanOutcome::Evaluated(numbers));
+        let (time_s, outcome) = (Some(f64::from(scan) / 10.0), ScanOutcome::Evaluated(numbers));
         ScanRow { dataset, sequence, scan, time_s, detector, task, outcome }
     }
 
@@ -473,7 +473,7 @@ mod tests {
         let mut tally = Tally::default();
         for (scan, (drive, time_s)) in (0_u32..).zip(scans) {
             let row = scan_row(scan, 4, 1 + u64::from(scan % 2), Some(1));
-            tally.add_scan(&ScanRow { sequence: (*drive).to_owned(), time_s: *time_s, ..row });
+            tally.add_scan(&ScanRow { sequence: (*drive).to_owned(), time_s: Some(*time_s), ..row });
         }
         let row = tally.metric_rows().into_iter().find(|it| it.metric == Metric::FRate);
         row.unwrap().interval()
@@ -506,7 +506,7 @@ mod tests {
         // Scan 3 of the scene is at 0.3 s by its number, and at 20.3 s by its time stamp.
         let mut tally = Tally::default();
         for (scan, time_s) in [(3, 20.3), (4, 0.4)] {
-            tally.add_scan(&ScanRow { time_s, ..scan_row(scan, 1, 0, Some(0)) });
+            tally.add_scan(&ScanRow { time_s: Some(time_s), ..scan_row(scan, 1, 0, Some(0)) });
             let annotation = annotation(AnnotationClass::Car, 30, boxed(10.0, 4.0, 0.0));
             let reason = MissReason::Split;
             tally.add_match(&match_row(scan, MatchOutcome::Missed { annotation, reason }));

@@ -104,7 +104,7 @@ mod tests {
             least_latency_ms: latency_ms,
             ..ScanNumbers::of_counts(Counts::new(4, 3, Some(2)).unwrap())
         };
-        let (time_s, outcome) = (f64::from(scan), ScanOutcome::Evaluated(numbers));
+        let (time_s, outcome) = (Some(f64::from(scan)), ScanOutcome::Evaluated(numbers));
         ScanRow { dataset, sequence, scan, time_s, detector, task, outcome }
     }
 

@@ -132,7 +132,7 @@ pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) ->
 /// # Errors
 ///
 /// [`AcceptError::Dirty`] if there were some.
-pub(super) fn refuse_uncommitted(git: Option<&GitState>) -> Result<(), AcceptError> {
+pub fn refuse_uncommitted(git: Option<&GitState>) -> Result<(), AcceptError> {
     match git {
         Some(git) if git.dirty => Err(AcceptError::Dirty { commit: git.commit.clone() }),
         _ => Ok(()),

@@ -72,6 +72,9 @@ fn difference(before: &DatasetEntry, now: &DatasetEntry) -> Option<String> {
     if before.classes != now.classes {
         return Some(format!("the mapping of class names of {id} changed"));
     }
+    if before.blocks != now.blocks {
+        return Some(format!("the blocks of scans of {id} that intervals are drawn from changed"));
+    }
     if (before.sensor_height_m, &before.sensor) != (now.sensor_height_m, &now.sensor) {
         return Some(format!("the sensor of {id} or its height changed"));
     }
@@ -92,6 +95,19 @@ fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
             before.len(),
             now.len()
         )];
+    }
+    let times = |it: &RunArchive| {
+        let rows = it.scans.iter().map(|row| (&row.dataset, &row.sequence, row.scan, row.time_s));
+        // Rows of other detectors and tasks say the same.
+        rows.map(|(dataset, sequence, scan, time_s)| {
+            ((dataset.clone(), sequence.clone(), scan), time_s.map(|it| (it * 1000.0).round() as i64))
+        })
+        .collect::<BTreeMap<_, _>>()
+    };
+    let (before, now) = (times(baseline), times(run));
+    if let Some((name, _)) = before.iter().find(|(name, time_ms)| now.get(*name) != Some(*time_ms)) {
+        let (dataset, sequence, scan) = name;
+        return vec![format!("the time of scan {sequence}/{scan:06} of {dataset} changed")];
     }
     missing_detectors(baseline, run)
 }

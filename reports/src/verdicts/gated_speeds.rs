@@ -111,7 +111,7 @@ impl Sides<'_> {
             (None, None) => Err(Missing::InBoth),
         };
         let finding = slowdown.as_ref().map_or(Finding::Incomparable, |it| {
-            let sure = it.interval.filter(|it| !it.blocks.are_too_few()).map(|it| it.ends[0]);
+            let sure = it.interval.filter(|it| !it.blocks.decide_nothing()).map(|it| it.ends[0]);
             Finding::of(it.share(), sure, rule.relative)
         });
         let [detector, reference] = [question.detector, &rule.reference].map(str::to_owned);

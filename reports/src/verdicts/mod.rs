@@ -13,6 +13,7 @@ pub mod tolerances;
 pub mod tolerances_file;
 pub mod built_in_tolerances;
 pub mod annotated_tolerances;
+pub mod least_loss;
 pub mod finding;
 pub mod gated_metrics;
 mod gated_protocols;

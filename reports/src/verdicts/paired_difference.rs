@@ -50,15 +50,15 @@ impl PairedDifference {
     }
 
     /// How much worse it has become at least: the lower end of the 95 % interval of [`Self::worsening`]. `None` where there is no
-    /// interval, or it is of too few blocks of scans for anything to rest on it.
+    /// interval, or nothing may rest on the blocks of scans that it is of.
     pub fn sure_worsening(&self) -> Option<f64> {
-        let interval = self.interval.filter(|it| !it.blocks.are_too_few())?;
+        let interval = self.interval.filter(|it| !it.blocks.decide_nothing())?;
         interval.ends.map(|it| self.sign() * it).into_iter().reduce(f64::min)
     }
 
     /// Whether `after` is surely larger than `before`.
     pub fn is_surely_larger(&self) -> bool {
-        self.interval.is_some_and(|it| !it.blocks.are_too_few() && it.ends[0] > 0.0)
+        self.interval.is_some_and(|it| !it.blocks.decide_nothing() && it.ends[0] > 0.0)
     }
 
     fn sign(&self) -> f64 {

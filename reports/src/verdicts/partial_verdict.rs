@@ -130,6 +130,11 @@ impl PartialVerdict {
         }
     }
 
+    /// How many numbers are worse than tolerated, whether or not that may be chance.
+    pub fn n_worse(&self) -> usize {
+        self.n(Finding::Regression) + self.n(Finding::Inconclusive)
+    }
+
     /// Number of numbers with this finding.
     pub fn n(&self, finding: Finding) -> usize {
         self.findings.iter().filter(|it| it.1 == finding).count()

@@ -169,22 +169,21 @@ impl Standing {
                 only.detector,
                 indefinite(metric),
                 only.text(),
-                only.interval.filter(|it| it.blocks.are_too_few()).map_or_else(String::new, |it| format!(
-                    "; {} too few for the interval to be reliable",
-                    blocks_are(it.blocks.n_blocks)
-                )),
+                only.interval
+                    .and_then(|it| it.blocks.shortfall())
+                    .map_or_else(String::new, |it| format!("; {it} for the interval to be reliable")),
             ),
-            ([first, second, ..], lead) if lead.as_ref().is_none_or(PairedDifference::is_of_few_blocks) => {
+            ([first, second, ..], lead) if lead.as_ref().is_none_or(PairedDifference::decides_nothing) => {
                 format!(
-                    "{about}{} has {} {}, {} has {}; {} too few to show which one leads.",
+                    "{about}{} has {} {}, {} has {}; {} to show which one leads.",
                     first.detector,
                     indefinite(metric),
                     first.text(),
                     second.detector,
                     second.text(),
                     lead.as_ref()
-                        .and_then(|it| it.interval)
-                        .map_or_else(|| "these scans are".to_owned(), |it| blocks_are(it.blocks.n_blocks)),
+                        .and_then(|it| it.interval?.blocks.shortfall())
+                        .unwrap_or_else(|| "these scans are too few".to_owned()),
                 )
             }
             ([first, second, ..], Some(lead)) if lead.is_surely_larger() => format!(
@@ -222,14 +221,10 @@ fn points(difference: f64) -> String {
     fixed_decimals(100.0 * difference, 1).replace('-', "−")
 }
 
-fn blocks_are(n_blocks: u64) -> String {
-    if n_blocks == 1 { "1 block of scans is".to_owned() } else { format!("{n_blocks} blocks of scans are") }
-}
-
 impl PairedDifference {
     /// Whether nothing can rest on it.
-    fn is_of_few_blocks(&self) -> bool {
-        self.interval.is_none_or(|it| it.blocks.are_too_few())
+    fn decides_nothing(&self) -> bool {
+        self.interval.is_none_or(|it| it.blocks.decide_nothing())
     }
 
     fn interval_text(&self) -> String {

@@ -92,7 +92,7 @@ impl fmt::Display for DetectorFailure {
         }
         self.last_words.iter().try_for_each(|it| write!(formatter, "\n  {it}"))?;
         if self.last_words.iter().any(|it| it.contains("No module named 'scanbench'")) {
-            formatter.write_str("\nThe Python that it runs in lacks the package: pip install scanbench")?;
+            formatter.write_str("\nThe Python that it runs in lacks the package: pip install ./harness/python in a checkout of scanbench, or a wheel of it")?;
         }
         Ok(())
     }

@@ -5,12 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rayon::prelude::*;
-use reports::numbers::blocks::{BlockCount, BlockKind, FEWEST_DRIVES};
+use reports::numbers::blocks::{BlockCount, BlockKind, Blocks, DriveSecond, FEWEST_DRIVES};
 use reports::numbers::box_errors::{BoxError, BoxErrorLine};
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::Dataset;
+use scans::dataset::scan_times::scan_times;
 
 use crate::matching::assign::assign;
 use crate::matching::eligibility::counts_as_vehicle;
@@ -35,6 +36,8 @@ pub const RESAMPLING_SEED: u64 = 1;
 pub struct BoxPair {
     /// The scan.
     pub scan: ScanId,
+    /// What it is drawn with when intervals are estimated.
+    pub second: DriveSecond,
     /// What it is.
     pub class: AnnotationClass,
     /// Its number within the drive.
@@ -65,6 +68,7 @@ pub fn box_pairs(
     on_scan: impl Fn() + Sync,
 ) -> Result<Vec<BoxPair>, SurveyError> {
     let description = dataset.description();
+    let times = scan_times(dataset);
     let new_detector = || listed.build(config, description.sensor_height_m);
     let of_scan = |detector: &mut Box<dyn Detector>, &scan_idx: &usize| {
         if interrupted.load(Ordering::Relaxed) {
@@ -76,9 +80,10 @@ pub fn box_pairs(
         detector.detect(&scan.cloud, &mut output);
         let detections = &output.detections;
         let assignment = assign(&scan, detections, Task::Objects, &description.annotated, &config.matching);
+        let second = &times[scan_idx].second;
         let pairs = assignment.annotations.iter().enumerate().filter_map(|(annotation_idx, outcome)| {
             let AnnotationOutcome::Matched { detection_idx, .. } = *outcome else { return None };
-            box_pair(&scan, annotation_idx, detections.get(detection_idx).point_indices)
+            box_pair((&scan, second), annotation_idx, detections.get(detection_idx).point_indices)
         });
         let pairs: Vec<BoxPair> = pairs.collect();
         on_scan();
@@ -91,7 +96,11 @@ pub fn box_pairs(
 }
 
 /// `None` if the annotation is no vehicle, or has no box.
-fn box_pair(scan: &LabeledScan, annotation_idx: usize, point_indices: &[u32]) -> Option<BoxPair> {
+fn box_pair(
+    (scan, second): (&LabeledScan, &DriveSecond),
+    annotation_idx: usize,
+    point_indices: &[u32],
+) -> Option<BoxPair> {
     let annotation = &scan.annotations[annotation_idx];
     let annotated = annotation.bounding_box.filter(|_| counts_as_vehicle(annotation.class))?;
     let positions_m: Vec<[f32; 3]> =
@@ -103,6 +112,7 @@ fn box_pair(scan: &LabeledScan, annotation_idx: usize, point_indices: &[u32]) ->
     let [hull, pca] = ObjectBox::ALL.map(errors_of);
     Some(BoxPair {
         scan: scan.id.clone(),
+        second: second.clone(),
         class: annotation.class,
         track: annotation.track,
         occlusion: annotation.occlusion,
@@ -130,8 +140,12 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
         let of_slice = pairs.iter().filter(|it| (from_m..to_m).contains(&it.1.range_m)).collect();
         slices.push(("range", format!("{from_m}–{to_m} m"), of_slice));
     }
-    let drives: BTreeSet<(&str, &str)> = pairs.iter().map(|it| (it.0, it.1.scan.sequence.as_str())).collect();
-    let kind = if drives.len() >= FEWEST_DRIVES { BlockKind::Drives } else { BlockKind::Tracks };
+    let drives: BTreeSet<(&str, &str)> = pairs.iter().map(|it| (it.0, it.1.second.drive())).collect();
+    let kind = match Blocks::of(pairs.iter().map(|it| it.1.second.clone())).count().kind {
+        kind @ (BlockKind::Named | BlockKind::Scans) => kind,
+        _ if drives.len() >= FEWEST_DRIVES => BlockKind::Drives,
+        _ => BlockKind::Tracks,
+    };
     let lines_of = |(by, slice, pairs): &PairSlice<'_>| -> Vec<BoxErrorLine> {
         let n_tracks = blocks(pairs, BlockKind::Tracks).1.n_blocks;
         let (block_of_pair, count) = blocks(pairs, kind);
@@ -165,9 +179,10 @@ fn blocks(pairs: &[&(&str, BoxPair)], kind: BlockKind) -> (Vec<usize>, BlockCoun
     let mut numbers = BTreeMap::new();
     let of_pairs = pairs.iter().enumerate().map(|(place, (dataset, pair))| {
         let own_place = if pair.track.is_none() { Some(place) } else { None };
-        let within_drive = if kind == BlockKind::Drives { None } else { Some((pair.track, own_place)) };
+        let are_drives = matches!(kind, BlockKind::Drives | BlockKind::Named);
+        let within_drive = if are_drives { None } else { Some((pair.track, own_place)) };
         let next = numbers.len();
-        *numbers.entry((*dataset, &pair.scan.sequence, within_drive)).or_insert(next)
+        *numbers.entry((*dataset, pair.second.drive(), within_drive)).or_insert(next)
     });
     let of_pairs: Vec<usize> = of_pairs.collect();
     (of_pairs, BlockCount::of_dataset(numbers.len() as u64, kind))
@@ -199,6 +214,7 @@ mod tests {
         (
             "street",
             BoxPair {
+                second: DriveSecond::of(sequence, 0.0),
                 scan,
                 class,
                 track,
@@ -222,6 +238,23 @@ mod tests {
         };
         assert_eq!(of(10), (30, BlockCount::of_dataset(10, BlockKind::Drives)));
         assert_eq!(of(9), (27, BlockCount::of_dataset(27, BlockKind::Tracks)));
+    }
+
+    #[test]
+    fn of_scans_without_times_nothing_is_sure() {
+        let of = |block: Option<&str>| {
+            let pairs: Vec<_> = (0..12)
+                .map(|scan| {
+                    let (dataset, pair) = pair("training", None, 10.0, f64::from(scan));
+                    let second = DriveSecond::of_scan(("training", scan), block, None);
+                    (dataset, BoxPair { second, ..pair })
+                })
+                .collect();
+            box_error_lines(&pairs, "kitti", false)[0].fits[0].1.unwrap().within.map(|it| it.blocks)
+        };
+        assert_eq!(of(None), Some(BlockCount::of_dataset(12, BlockKind::Scans)));
+        // All in one block: there is no other to compare with.
+        assert_eq!(of(Some("crossing")), None);
     }
 
     #[test]

@@ -40,13 +40,13 @@ pub struct TaskRows {
 
 impl DetectorRows {
     /// The rows of what a detector made of a scan, which comes with the time it was taken at, in seconds since the first of its
-    /// drive.
+    /// drive, if that is known.
     ///
     /// They are as they are written, so that numbers made of the files are those of the run, to the last digit.
     pub fn new(
         dataset: &DatasetDescription,
         criterion: Criterion,
-        (scan, time_s): (&LabeledScan, f64),
+        (scan, time_s): (&LabeledScan, Option<f64>),
         result: &DetectorScan,
     ) -> Self {
         let of_task = |assignment: &Assignment| TaskRows {
@@ -81,7 +81,7 @@ fn ms(time: Duration) -> f64 {
 
 fn scan_row(
     dataset: &DatasetDescription,
-    (scan, time_s): (&LabeledScan, f64),
+    (scan, time_s): (&LabeledScan, Option<f64>),
     result: &DetectorScan,
     assignment: &Assignment,
 ) -> ScanRow {
@@ -287,7 +287,7 @@ mod tests {
             failure: None,
             assignments: vec![assignment],
         };
-        let mut rows = DetectorRows::new(&dataset(), Criterion::POINTS, (scan, 0.0), &result);
+        let mut rows = DetectorRows::new(&dataset(), Criterion::POINTS, (scan, Some(0.0)), &result);
         let TaskRows { scan, matches } = rows.tasks.remove(0);
         (scan, matches)
     }

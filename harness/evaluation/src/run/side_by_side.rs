@@ -9,7 +9,7 @@ use detector::DetectorOutput;
 use rayon::prelude::*;
 use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
-use scans::dataset::scan_times::scan_times_s;
+use scans::dataset::scan_times::{ScanTime, scan_times};
 use scans::dataset::{Dataset, DatasetError};
 
 use crate::matching::assign::{MatchingParams, assign};
@@ -89,8 +89,8 @@ pub struct ScanResults<'a> {
     pub run_idx: usize,
     /// The scan.
     pub scan: &'a LabeledScan,
-    /// When it was taken, in seconds since the first of its drive.
-    pub time_s: f64,
+    /// When it was taken.
+    pub time: &'a ScanTime,
     /// What each detector made of it, in the order of `detectors`.
     pub results: &'a [DetectorScan],
     /// The detectors, which still hold the stage products of this scan.
@@ -147,7 +147,7 @@ impl SideBySide<'_> {
         let mut is_warm = false;
         let mut reference = GridWrite::default();
         let mut outputs = vec![DetectorOutput::default(); detectors.len()];
-        let times_s = scan_times_s(self.dataset);
+        let times = scan_times(self.dataset);
         for (batch_idx, batch) in self.scan_indices[self.part.clone()].chunks(self.n_jobs.max(1)).enumerate()
         {
             let scans: Vec<_> = batch.par_iter().map(|&scan_idx| self.dataset.read_scan(scan_idx)).collect();
@@ -161,7 +161,8 @@ impl SideBySide<'_> {
                         continue;
                     }
                 };
-                let time_s = times_s[self.scan_indices[run_idx]];
+                let time = &times[self.scan_indices[run_idx]];
+                let time_s = time.time_s;
                 if !is_warm {
                     self.warm_up(detectors, &scan, time_s)?;
                     is_warm = true;
@@ -173,7 +174,7 @@ impl SideBySide<'_> {
                 let asked = (run_idx, &scan, time_s);
                 let turns = self.detect_all(asked, (detectors, &mut outputs), &mut reference)?;
                 let results = self.results(&scan, (detectors, &outputs), turns);
-                on_scan(ScanResults { run_idx, scan: &scan, time_s, results: &results, detectors })?;
+                on_scan(ScanResults { run_idx, scan: &scan, time, results: &results, detectors })?;
             }
         }
         Ok(())

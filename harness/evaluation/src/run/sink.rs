@@ -88,7 +88,7 @@ impl<'a> JudgedScan<'a> {
     /// Makes the rows of `results`.
     pub fn new(watched: WatchedDataset<'a>, results: &'a ScanResults<'a>) -> Self {
         let description = watched.dataset.description();
-        let scan = (results.scan, results.time_s);
+        let scan = (results.scan, results.time.known_s);
         let rows =
             results.results.iter().map(|it| DetectorRows::new(description, watched.criterion, scan, it));
         Self { watched, results, rows: rows.collect() }

@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use reports::numbers::blocks::DriveSecond;
 use reports::numbers::sweep_score::{SweepScores, SweepSubject};
 use reports::protocols::drawn_scans::DrawnScans;
 use reports::protocols::swept_numbers::{SweptNumber, SweptNumbers};
 use reports::rows::scan_name::ScanName;
 use reports::vocabulary::extent::Extent;
 use reports::vocabulary::origin::Origin;
-use scans::dataset::scan_times::scan_times_s;
+use scans::dataset::scan_times::scan_times;
 
 use crate::run::detector_list::ChosenDetector;
 use crate::sweep::quality_pass::SweptDataset;
@@ -57,11 +56,11 @@ impl SweptOfficially<'_> {
             }
         };
         DrawnScans::of_datasets(self.datasets.iter().filter(is_asked).map(|it| {
-            let (id, times_s) = (it.dataset.description().id.as_str(), scan_times_s(it.dataset));
+            let (id, times) = (it.dataset.description().id.as_str(), scan_times(it.dataset));
             let scan = |&scan_idx: &usize| {
                 let scan_id = &it.dataset.scan_ids()[scan_idx];
                 let sequence = scan_id.sequence.clone();
-                let second = DriveSecond::of(&sequence, times_s[scan_idx]);
+                let second = times[scan_idx].second.clone();
                 (ScanName { dataset: id.to_owned(), sequence, scan: scan_id.index }, second)
             };
             (id, it.scan_indices.iter().map(scan).collect())

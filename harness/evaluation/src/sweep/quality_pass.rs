@@ -5,8 +5,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use reports::numbers::blocks::DriveSecond;
-use scans::dataset::scan_times::scan_times_s;
+use scans::dataset::scan_times::{ScanTime, scan_times};
 use scans::dataset::{Dataset, DatasetError};
 
 use crate::journal::{Journal, JournalError};
@@ -99,10 +98,10 @@ impl SweepPass<'_> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_jobs).build();
         let pool = pool.map_err(|source| SweepError::Threads { n_jobs, source })?;
         let programs = Programs::default();
-        let times_s: Vec<Vec<f64>> = self.datasets.iter().map(|it| scan_times_s(it.dataset)).collect();
+        let times: Vec<Vec<ScanTime>> = self.datasets.iter().map(|it| scan_times(it.dataset)).collect();
         let look = |missing: &MissingScan| {
             let scan_idx = self.datasets[missing.dataset_idx].scan_indices[missing.scan_idx];
-            self.look(missing, times_s[missing.dataset_idx][scan_idx], &programs, &n_left)
+            self.look(missing, &times[missing.dataset_idx][scan_idx], &programs, &n_left)
         };
         let added: Vec<Result<Vec<ScanAtPoint>, SweepError>> =
             pool.install(|| missing.par_iter().with_max_len(1).map(look).collect());
@@ -137,7 +136,7 @@ impl SweepPass<'_> {
     fn look(
         &self,
         missing: &MissingScan,
-        time_s: f64,
+        time: &ScanTime,
         programs: &Programs,
         n_left: &AtomicUsize,
     ) -> Result<Vec<ScanAtPoint>, SweepError> {
@@ -149,8 +148,7 @@ impl SweepPass<'_> {
             Some(it) => Some(it.chosen.scan(dataset, (scan_indices[scan_idx], &scan))?),
             None => None,
         };
-        let looked_at = LookedAt { scan: &scan, time_s, official: official.as_ref() };
-        let second = DriveSecond::of(&dataset.scan_ids()[scan_indices[scan_idx]].sequence, time_s);
+        let looked_at = LookedAt { scan: &scan, time_s: time.time_s, official: official.as_ref() };
         let mut results = Vec::new();
         look_at_points(
             (self.plan, programs),
@@ -158,7 +156,7 @@ impl SweepPass<'_> {
             looked_at,
             point_idxs,
             |point_idx, detectors, official| {
-                let second = second.clone();
+                let second = time.second.clone();
                 let result = ScanAtPoint { dataset_idx, scan_idx, second, point_idx, detectors, official };
                 self.journal.add(&JournalEntry::Quality(result.clone()))?;
                 results.push(self.without_rows(result));

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
-use super::scans::DatasetArgs;
+use super::scans::{BlocksArgs, DatasetArgs};
 use super::shard::ShardArgs;
 use super::timing::TimingArgs;
 
@@ -15,6 +15,9 @@ pub struct AblationArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// Which of them belong together.
+    #[command(flatten)]
+    pub blocks: BlocksArgs,
     /// Which part of them.
     #[command(flatten)]
     pub shard: ShardArgs,
@@ -25,7 +28,7 @@ pub struct AblationArgs {
     #[command(flatten)]
     pub matching: MatchingArgs,
     /// Count the annotated objects that survive each step of the method, instead of leaving its parts out
-    #[arg(long, conflicts_with = "shard")]
+    #[arg(long, conflicts_with_all = ["shard", "blocks"])]
     pub oracle: bool,
     /// Where the table is written.
     #[command(flatten)]

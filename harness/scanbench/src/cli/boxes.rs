@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
-use super::scans::DatasetArgs;
+use super::scans::{BlocksArgs, DatasetArgs};
 
 /// Arguments of `scanbench boxes`.
 #[derive(Debug, Args)]
@@ -13,6 +13,9 @@ pub struct BoxesArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// Which of them belong together.
+    #[command(flatten)]
+    pub blocks: BlocksArgs,
     /// Parameters of the hierarchical detector and of matching.
     #[command(flatten)]
     pub config: ConfigArgs,

@@ -111,6 +111,9 @@ pub struct AcceptArgs {
     /// Why the scores changed; goes into SCORES.md
     #[arg(long, value_name = "TEXT", help_heading = JUDGING)]
     pub why: String,
+    /// Accept a run that has numbers worse than tolerated, sure or not
+    #[arg(long, help_heading = JUDGING)]
+    pub worse: bool,
     /// Accept a run that cannot be compared with the last one, because scans or rules of judging changed
     #[arg(long, help_heading = JUDGING)]
     pub new_baseline: bool,
@@ -123,10 +126,12 @@ const ACCEPT_EXAMPLES: &str = "\
 Example:
   scanbench baseline accept runs/latest --why 'fences are no longer walls'
 
-Copies the run into run/ of the baseline, without ignored objects, and adds a line to
-SCORES.md.
+Prints what changed since the run accepted before, copies the run into run/ of the
+baseline, without ignored objects, and adds a line to SCORES.md. A run with a number
+worse than tolerated, surely or not, is accepted only with --worse.
 
 Exit codes:
   0  accepted
   2  the program was built from uncommitted changes
-  5  the run cannot be compared with the last accepted one; --new-baseline allows it";
+  5  the run cannot be compared with the last accepted one; --new-baseline allows it
+  100  a number is worse than tolerated; --worse allows it";

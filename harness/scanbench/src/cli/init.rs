@@ -20,4 +20,5 @@ Examples:
 
 Writes a small detector in Python, a scanbench.toml that names it, a simulated street
 with labels in KITTI's format, and a workflow for GitHub that runs `scanbench gate`.
-Detectors in Python need the package: pip install scanbench.";
+Detectors in Python need the package: pip install ./harness/python in a checkout of
+scanbench. No package index has it.";

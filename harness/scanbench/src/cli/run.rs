@@ -12,7 +12,7 @@ use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
 use super::protocols::ProtocolArgs;
 use super::results::{ForeignArgs, ResultFilesArgs};
-use super::scans::{DamageArgs, DatasetArgs};
+use super::scans::{BlocksArgs, DamageArgs, DatasetArgs};
 use super::shard::ShardArgs;
 use super::stream::StreamArgs;
 use super::timing::TimingArgs;
@@ -24,6 +24,9 @@ pub struct RunArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// Which of them belong together.
+    #[command(flatten)]
+    pub blocks: BlocksArgs,
     /// Which part of them.
     #[command(flatten)]
     pub shard: ShardArgs,

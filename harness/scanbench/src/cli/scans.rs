@@ -40,6 +40,18 @@ pub struct DatasetArgs {
     pub source: SourceArgs,
 }
 
+/// Which scans are near one another.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = DATA)]
+pub struct BlocksArgs {
+    /// CSV file with the columns scan and block: which scans belong together where intervals are estimated
+    ///
+    /// A scan is called as in tables, such as `training/000310`; its number will do if no other scan has it. Scans of a drive, of a
+    /// place or of a day belong together if others of the kind would be different. Without the file it is drives or seconds.
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    pub blocks: Option<PathBuf>,
+}
+
 /// How data sets are opened.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = DATA)]

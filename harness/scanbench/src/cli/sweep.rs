@@ -10,7 +10,7 @@ use super::help_text::{DETECTORS as DETECTORS_HEADING, VIEWER, with_details};
 use super::output::OutputArgs;
 use super::parameters::MatchingArgs;
 use super::protocols::ProtocolArgs;
-use super::scans::{DamageArgs, DatasetArgs};
+use super::scans::{BlocksArgs, DamageArgs, DatasetArgs};
 use super::shard::ShardArgs;
 
 /// Arguments of `scanbench sweep`.
@@ -20,6 +20,9 @@ pub struct SweepArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// Which of them belong together.
+    #[command(flatten)]
+    pub blocks: BlocksArgs,
     /// Which part of them.
     #[command(flatten)]
     pub shard: ShardArgs,

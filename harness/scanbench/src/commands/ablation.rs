@@ -25,7 +25,8 @@ use crate::commands::config::{built_in_methods, choose_criterion, refuse_unread_
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets, tally_of};
+use crate::commands::named_blocks::with_named_blocks;
+use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::opened_results::OpenedResults;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
@@ -64,7 +65,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let unnamed = format!("{}-ablation-{}", compact_utc(ablation.started), ids_of(&ablation.datasets));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
     let progress = RunProgress::new();
-    let mut tally = tally_of(&ablation.datasets);
+    let mut tally = ablation.manifest().tally();
     let sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
     ablation.watched(WithoutLabels::Refuse, (interruption_flag(), &progress)).run(sinks)?;
     let numbers = write_numbers(&directory, &ablation.manifest(), &tally)?;
@@ -86,7 +87,9 @@ impl<'a> Ablation<'a> {
         let started = Timestamp::now();
         let (listed, mut config) = built_in_methods(&arguments.config, &[METHOD.to_owned()])?;
         choose_criterion(&mut config, &arguments.matching);
-        let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
+        let datasets = open_datasets(&arguments.data, &config.classes)?;
+        let datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
+        let datasets = look_first_at_all(datasets, &mut config);
         let variants = variants(listed[0], &config)?;
         refuse_unread_models(variants.iter().map(|it| (&it.chosen, &it.config)))?;
         Ok(Self { arguments, config, datasets, variants, results: OpenedResults::default(), started })

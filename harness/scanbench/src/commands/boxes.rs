@@ -24,6 +24,7 @@ use crate::commands::config::{built_in_detectors, choose_criterion, warn_of_unkn
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
+use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::progress_over_scans;
@@ -54,7 +55,9 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     choose_criterion(&mut config, &arguments.matching);
     // What clusters are taken for does not matter.
     config.vehicle_models = None;
-    let opened = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
+    let opened = open_datasets(&arguments.data, &config.classes)?;
+    let opened = with_named_blocks(opened, arguments.blocks.blocks.as_deref())?;
+    let opened = look_first_at_all(opened, &mut config);
     let unnamed = format!("{}-boxes-{}", compact_utc(started), ids_of(&opened));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
     let groups = collect_all(&opened, &detectors[0], &config, interrupted)?;

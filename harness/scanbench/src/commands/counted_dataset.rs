@@ -8,7 +8,7 @@ use scans::annotation::LabeledScan;
 use scans::dataset::foreign_frame::ForeignFrame;
 use scans::dataset::kitti::label::KittiLabel;
 use scans::dataset::official::OfficialScan;
-use scans::dataset::{Dataset, DatasetError, Listing};
+use scans::dataset::{Dataset, DatasetError, Listing, Nearness};
 
 /// How many points without a position each scan has, of the scans that were read and have any.
 #[derive(Debug, Clone, Default)]
@@ -22,11 +22,10 @@ impl PointsLeftOut {
         Some((by_scan.values().sum(), by_scan.len(), *first))
     }
 
-    /// The number of points in the scans at `scan_indices`, which ascend.
+    /// The number of points in the scans at `scan_indices`.
     pub fn n_points_in(&self, scan_indices: &[usize]) -> usize {
         let by_scan = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_in = |scan_idx: &&usize| scan_indices.binary_search(scan_idx).is_ok();
-        by_scan.iter().filter(|(scan_idx, _)| is_in(scan_idx)).map(|(_, n_points)| n_points).sum()
+        scan_indices.iter().filter_map(|it| by_scan.get(it)).sum()
     }
 
     fn note(&self, scan_idx: usize, n_points: usize) {
@@ -37,17 +36,24 @@ impl PointsLeftOut {
     }
 }
 
-/// A data set with that count.
+/// A data set with that count, and with blocks of scans if the user has named some.
 pub struct CountedDataset {
     dataset: Box<dyn Dataset>,
     points_left_out: PointsLeftOut,
+    // Of each scan.
+    blocks: Option<Vec<Option<String>>>,
 }
 
 impl CountedDataset {
     /// `dataset`, and the count that grows with the scans that are read.
     pub fn new(dataset: Box<dyn Dataset>) -> (Self, PointsLeftOut) {
         let points_left_out = PointsLeftOut::default();
-        (Self { dataset, points_left_out: points_left_out.clone() }, points_left_out)
+        (Self { dataset, points_left_out: points_left_out.clone(), blocks: None }, points_left_out)
+    }
+
+    /// `dataset`, each scan of which is in one of `blocks`, or is not taken.
+    pub fn with_blocks(dataset: Box<dyn Dataset>, blocks: Vec<Option<String>>) -> Self {
+        Self { dataset, points_left_out: PointsLeftOut::default(), blocks: Some(blocks) }
     }
 }
 
@@ -72,6 +78,17 @@ impl Dataset for CountedDataset {
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         self.dataset.oddities()
+    }
+
+    fn nearness(&self) -> Nearness {
+        if self.blocks.is_some() { Nearness::Named } else { self.dataset.nearness() }
+    }
+
+    fn scan_block(&self, scan_idx: usize) -> Option<&str> {
+        match &self.blocks {
+            Some(blocks) => blocks[scan_idx].as_deref(),
+            None => self.dataset.scan_block(scan_idx),
+        }
     }
 
     fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {

@@ -6,9 +6,9 @@ use evaluation::run::side_by_side::RunError;
 use rayon::prelude::*;
 use scans::data_check::check_report::{CheckReport, CheckedScan};
 use scans::data_check::scan_facts::ScanFacts;
-use scans::dataset::DatasetError;
 use scans::dataset::class_table::ClassTable;
 use scans::dataset::source::DamagePolicy;
+use scans::dataset::{DatasetError, Nearness};
 
 use crate::cli::CheckArgs;
 use crate::commands::failure::Failure;
@@ -78,13 +78,18 @@ fn check(
             .map(|&scan_idx| dataset.read_scan(scan_idx).map(|it| ScanFacts::of(&it)))
             .collect();
         for (&scan_idx, facts) in batch.iter().zip(facts) {
-            let (id, time_ns) = (dataset.scan_ids()[scan_idx].clone(), dataset.scan_time_ns(scan_idx));
+            let id = dataset.scan_ids()[scan_idx].clone();
+            let picked_from = dataset.scan_block(scan_idx);
+            // Scans that were picked out of a drive do not follow one another.
+            let time_ns = if picked_from.is_some() { None } else { dataset.scan_time_ns(scan_idx) };
+            let is_known = dataset.nearness() != Nearness::Unknown;
+            let drive = is_known.then(|| picked_from.unwrap_or(&id.sequence).to_owned());
             let facts = facts.map_err(|error| {
                 let why = error.to_string();
                 first_damage.get_or_insert(error);
                 why
             });
-            scans.push(CheckedScan { id, time_ns, facts });
+            scans.push(CheckedScan { id, drive, time_ns, facts });
         }
         progress.inc(batch.len() as u64);
     }

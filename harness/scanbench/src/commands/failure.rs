@@ -74,6 +74,17 @@ pub struct NothingEvaluated {
 #[error("gate {}", .0.in_words())]
 pub struct GateClosed(pub Conclusion);
 
+/// A run that is to be accepted is worse than the one before; the verdict has been printed.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{} worse than tolerated beside the accepted run; to accept the run all the same, give --worse",
+    if *n_worse == 1 { "1 number is".to_owned() } else { format!("{n_worse} numbers are") }
+)]
+pub struct WorseThanAccepted {
+    /// How many numbers are.
+    pub n_worse: usize,
+}
+
 /// A result of partial clouds and something else cannot be compared.
 #[derive(Debug, thiserror::Error)]
 #[error("{directory} is no result of `scanbench partial`, and only two of a kind can be compared")]
@@ -338,6 +349,12 @@ impl From<GateClosed> for Failure {
             Conclusion::Drift => Self::Drift(error.into()),
             Conclusion::AllowedDrift | Conclusion::Same => unreachable!("a run that passes is no failure"),
         }
+    }
+}
+
+impl From<WorseThanAccepted> for Failure {
+    fn from(error: WorseThanAccepted) -> Self {
+        Self::Regression(error.into())
     }
 }
 

@@ -9,7 +9,7 @@ use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::lists::{SERVICE_FORMATS, VERDICT_FORMATS};
 use reports::tables::formats::markdown::Markdown;
-use reports::tables::verdict::brief::Brief;
+use reports::tables::verdict::brief::{Brief, Purpose};
 use reports::tables::verdict::summary::InFull;
 use reports::verdicts::accept::{TOLERANCES_TOML, run_of_baseline};
 use reports::verdicts::tolerances::{DriftRule, Tolerances};
@@ -35,7 +35,7 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
         return gate_partial(arguments);
     }
     let baseline = open_baseline(directory)?;
-    let mut tolerances = tolerances(arguments, &baseline)?;
+    let mut tolerances = tolerances(directory, arguments.tolerances.as_deref(), &baseline)?;
     if let Some(is_allowed) = arguments.allow_drift {
         tolerances.drift = if is_allowed { DriftRule::Warn } else { DriftRule::Fail };
     }
@@ -59,7 +59,7 @@ fn printed(arguments: &GateArgs, verdict: &Verdict) -> String {
     }
     let [run, baseline] = [&arguments.run, &arguments.baseline.baseline].map(|it| it.display().to_string());
     let in_full = in_full(arguments);
-    terminal.text(&Brief { verdict, sides: [&run, &baseline], in_full: &in_full })
+    terminal.text(&Brief { verdict, sides: [&run, &baseline], purpose: Purpose::Gate { in_full: &in_full } })
 }
 
 /// The command that prints everything.
@@ -85,10 +85,18 @@ fn open_baseline(directory: &Path) -> Result<RunArchive, Failure> {
     open_run(&run_of_baseline(directory))
 }
 
-/// Those of the command line, else those beside the baseline, else the built-in ones.
-fn tolerances(arguments: &GateArgs, baseline: &RunArchive) -> Result<Tolerances, TolerancesError> {
-    let beside = arguments.baseline.baseline.join(TOLERANCES_TOML);
-    match &arguments.tolerances {
+/// Those of the command line, else those beside the baseline in `directory`, else the built-in ones.
+///
+/// # Errors
+///
+/// [`TolerancesError`] if there is a file of them that cannot be read.
+pub fn tolerances(
+    directory: &Path,
+    of_command_line: Option<&Path>,
+    baseline: &RunArchive,
+) -> Result<Tolerances, TolerancesError> {
+    let beside = directory.join(TOLERANCES_TOML);
+    match of_command_line {
         Some(path) => Tolerances::read(path),
         None if beside.exists() => Tolerances::read(&beside),
         None => Ok(Tolerances::built_in(baseline)),

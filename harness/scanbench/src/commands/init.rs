@@ -101,7 +101,7 @@ fn next_steps(folder: &Path, n_scans: usize) -> String {
     format!(
         "{folder}: a detector in Python, and {n_scans} simulated scans with labels.\n\n  \
            cd {folder}\n  \
-           pip install scanbench                             # the package, for detectors in Python\n  \
+           pip install CHECKOUT/harness/python          # the package for detectors in Python; CHECKOUT is scanbench's source\n  \
            scanbench run {DATA} -d cells,hierarchical   # a row for yours, and one for ours\n\n\
          {folder}/README.md goes on from there: look at mistakes, sweep parameters, gate changes."
     )

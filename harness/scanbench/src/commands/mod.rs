@@ -11,6 +11,7 @@ pub mod config;
 pub mod counted_dataset;
 pub mod frame_facts;
 pub mod open_datasets;
+pub mod named_blocks;
 pub mod opened_results;
 pub mod open_scan;
 pub mod first_look;

@@ -6,7 +6,6 @@ use std::path::Path;
 use std::str::FromStr as _;
 
 use reports::files::causes::with_causes;
-use reports::numbers::tally::{Processors, Tally};
 use reports::run_folder::manifest::SkippedScan;
 use scans::annotation::ScanId;
 use scans::dataset::catalogue::read_catalogue;
@@ -42,6 +41,8 @@ pub struct OpenedDataset {
     pub points_left_out: PointsLeftOut,
     /// What the user said names of classes in its labels stand for.
     pub classes: ClassTable,
+    /// SHA-256 of the file that names blocks of its scans, if the user gave one.
+    pub blocks_checksum: Option<String>,
     /// Who says how its sensor is mounted.
     pub stated: Stated,
     /// What its first scans show, once they have been looked at.
@@ -59,6 +60,7 @@ impl OpenedDataset {
             skipped: RefCell::default(),
             points_left_out,
             classes: ClassTable::default(),
+            blocks_checksum: None,
             stated: Stated::ALL,
             first_look: FirstLook::default(),
         }
@@ -208,6 +210,7 @@ pub fn open_datasets_past_damage(
             skipped: RefCell::new(left_out.into_iter().collect()),
             points_left_out,
             classes: options.of_files().classes_of(name, &catalogue).table,
+            blocks_checksum: None,
             stated,
             first_look: FirstLook::default(),
         });
@@ -282,13 +285,6 @@ pub fn refuse_simulation(source: &SourceArgs) -> Result<(), Failure> {
         }
         None => Ok(()),
     }
-}
-
-/// Nothing yet, for rows of `datasets`.
-pub fn tally_of(datasets: &[OpenedDataset]) -> Tally {
-    let descriptions = datasets.iter().map(|it| it.dataset.description());
-    let simulated = descriptions.filter(|it| it.is_simulated()).map(|it| it.id.clone());
-    Tally::of_run(Processors::Alike, simulated.collect())
 }
 
 /// The ids of `datasets`, joined by `+`.

@@ -89,12 +89,7 @@ pub fn gate_partial(arguments: &GateArgs) -> Result<(), Failure> {
         return Err(Usage(problem).into());
     }
     let baseline = open_partial(&run_of_baseline(directory))?;
-    let beside = directory.join(TOLERANCES_TOML);
-    let mut tolerances = match &arguments.tolerances {
-        Some(path) => PartialTolerances::read(path)?,
-        None if beside.exists() => PartialTolerances::read(&beside)?,
-        None => PartialTolerances::built_in(),
-    };
+    let mut tolerances = partial_tolerances(directory, arguments.tolerances.as_deref())?;
     if let Some(is_allowed) = arguments.allow_drift {
         tolerances.drift = if is_allowed { DriftRule::Warn } else { DriftRule::Fail };
     }
@@ -110,6 +105,23 @@ pub fn gate_partial(arguments: &GateArgs) -> Result<(), Failure> {
     match verdict.conclusion() {
         passed if passed.is_pass() => Ok(()),
         closed => Err(GateClosed(closed).into()),
+    }
+}
+
+/// Those of the command line, else those beside the baseline in `directory`, else the built-in ones.
+///
+/// # Errors
+///
+/// [`PartialTolerancesError`] if there is a file of them that cannot be used.
+pub fn partial_tolerances(
+    directory: &Path,
+    of_command_line: Option<&Path>,
+) -> Result<PartialTolerances, PartialTolerancesError> {
+    let beside = directory.join(TOLERANCES_TOML);
+    match of_command_line {
+        Some(path) => PartialTolerances::read(path),
+        None if beside.exists() => PartialTolerances::read(&beside),
+        None => Ok(PartialTolerances::built_in()),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::cli::{ResultFilesArgs, RunArgs};
 use crate::commands::chosen_shard::chosen_shard;
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, ids_of, tally_of};
+use crate::commands::open_datasets::{OpenedDataset, ids_of};
 use crate::commands::progress::RunProgress;
 use crate::commands::provenance::compact_utc;
 use crate::commands::recorder::serve_until_interrupted;
@@ -46,7 +46,8 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let unnamed = format!("{}-{}", compact_utc(started), ids_of(datasets));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
     let progress = RunProgress::new();
-    let (mut tally, mut served, mut agreement) = (tally_of(datasets), None, Vec::new());
+    let mut tally = opened.manifest(arguments, started).tally();
+    let (mut served, mut agreement) = (None, Vec::new());
     let mut protocol_tally = ProtocolTally::default();
     let name = directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned();
     let recorder = opened.begin_recording(arguments, &name, directory.path_of("run.rrd"))?;

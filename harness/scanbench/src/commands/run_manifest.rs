@@ -173,11 +173,24 @@ pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> Dataset
         classes: opened.classes.written(),
         n_points_left_out: opened.points_left_out.n_points_in(&opened.scan_indices) as u64,
         selection: selection.map(str::to_owned),
+        blocks: blocks(opened),
+        blocks_checksum: opened.blocks_checksum.clone(),
         sensor_height_m: description.sensor_height_m,
         sensor: description.sensor.clone(),
         licence: description.licence.clone(),
         simulation: StreetDrive::of(description).as_ref().map(simulation),
     }
+}
+
+/// The blocks or drives that scans are of, where they are others than their sequences, each with its scans.
+pub fn blocks(opened: &OpenedDataset) -> BTreeMap<String, Vec<String>> {
+    let mut blocks: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for &scan_idx in &opened.scan_indices {
+        if let Some(block) = opened.dataset.scan_block(scan_idx) {
+            blocks.entry(block.to_owned()).or_default().push(opened.dataset.scan_ids()[scan_idx].to_string());
+        }
+    }
+    blocks
 }
 
 fn simulation(drive: &StreetDrive) -> Simulation {

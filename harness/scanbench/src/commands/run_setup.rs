@@ -14,6 +14,7 @@ use crate::cli::RunArgs;
 use crate::commands::config::{choose_criterion, chosen_with_results};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
+use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::opened_results::OpenedResults;
 use crate::commands::progress::RunProgress;
@@ -49,7 +50,8 @@ impl ChosenRun {
     pub fn open(self, arguments: &RunArgs) -> Result<OpenedRun, Failure> {
         let Self { chosen, mut config } = self;
         let damage = arguments.damage.policy();
-        let mut datasets = open_datasets_past_damage(&arguments.data, damage, &config.classes)?;
+        let datasets = open_datasets_past_damage(&arguments.data, damage, &config.classes)?;
+        let mut datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
         let has_results = chosen.iter().any(ChosenDetector::is_of_results);
         for it in &mut datasets {
             it.stated.transform |= has_results;

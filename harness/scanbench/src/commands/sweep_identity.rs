@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::cli::SweepArgs;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::program_checksum;
-use crate::commands::run_manifest::criterion_in_words;
+use crate::commands::run_manifest::{blocks, criterion_in_words};
 
 /// What the sweep of `plan` over `datasets` depends on. Results of another sweep, or of another program, are none of it.
 pub fn sweep_identity(
@@ -80,5 +80,6 @@ fn data_set(opened: &OpenedDataset) -> Value {
         "sensor_height_m": description.sensor_height_m,
         "scans": opened.scan_indices,
         "classes": opened.classes.written(),
+        "blocks": blocks(opened),
     })
 }

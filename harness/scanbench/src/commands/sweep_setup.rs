@@ -23,6 +23,7 @@ use crate::commands::config::{
 };
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
+use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::machine;
@@ -88,7 +89,8 @@ impl<'a> Sweep<'a> {
     /// If one of them is not there or damaged, or has not what a protocol needs.
     pub fn open(arguments: &'a SweepArgs, mut plan: SweepPlan) -> Result<Self, Failure> {
         let policy = arguments.damage.policy();
-        let mut datasets = open_datasets_past_damage(&arguments.data, policy, &plan.base.classes)?;
+        let datasets = open_datasets_past_damage(&arguments.data, policy, &plan.base.classes)?;
+        let mut datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
         if policy == DamagePolicy::Skip {
             // Threads take scans in any order, so that it has to be known before which there are.
             datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;

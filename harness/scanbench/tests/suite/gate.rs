@@ -197,6 +197,31 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
     assert!(n_rows("golden/run/matches.csv") < n_rows("better/matches.csv"));
 }
 
+/// A worse run is accepted only by whoever says so, having seen what is worse.
+#[test]
+fn a_worse_run_is_accepted_only_by_name() {
+    let workplace = accepted();
+    let history = workplace.read("golden/SCORES.md");
+    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
+    let accept = ["baseline", "accept", "worse", "-b", "golden", "--why", "fewer is more"];
+    let ended = workplace.run(&accept);
+    assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
+    assert!(ended.stdout.contains(" losses:\n- ") && ended.stdout.contains(": worse\n"), "{ended:#?}");
+    assert!(!ended.stdout.contains("FAILED") && !ended.stdout.contains("PASSED"), "{ended:#?}");
+    assert!(ended.stderr.contains("to accept the run all the same, give --worse"), "{ended:#?}");
+    assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");
+    check_gate(&workplace, "first", 0, "PASSED\n");
+    let ended = workplace.succeed(&[&accept[..], &["--worse"]].concat());
+    assert!(ended.stdout.contains(": worse\n") && ended.stdout.contains(". fewer is more."), "{ended:#?}");
+    check_gate(&workplace, "worse", 0, "PASSED\n");
+    // The way back is a gain, and needs no word.
+    let back = ["baseline", "accept", "first", "-b", "golden", "--why", "more is more"];
+    let ended = workplace.run(&back);
+    let n_worse = ended.stdout.matches(": worse").count() + ended.stdout.matches(": inconclusive").count();
+    assert_eq!(ended.exit_code, Some(if n_worse == 0 { 0 } else { 100 }), "{ended:#?}");
+    assert!(ended.stdout.contains(": better\n"), "{ended:#?}");
+}
+
 /// What `baseline init` writes is about the detectors and tasks of the run, gates it, and names what a changed run did.
 #[test]
 fn a_first_baseline_gates_the_run_that_it_was_made_of() {
@@ -204,6 +229,10 @@ fn a_first_baseline_gates_the_run_that_it_was_made_of() {
     run(&workplace, "first", &["-P", "pca.cluster.min_points=15"]);
     let ended = workplace.succeed(&["baseline", "init", "first", "-o", "a b/ci/"]);
     assert!(ended.stdout.contains("mv 'a b/ci'/scanbench.yml .github/workflows/"), "{ended:#?}");
+    // It names the run that was written, and says what its scans can show.
+    assert!(ended.stdout.contains("scanbench gate first --baseline 'a b/ci' "), "{ended:#?}");
+    assert!(ended.stdout.contains("a smaller loss than about this cannot be sure"), "{ended:#?}");
+    assert!(ended.stdout.contains("\n  hierarchical, objects: "), "{ended:#?}");
     let names: Vec<String> = ["run/manifest.json", "SCORES.md", "tolerances.toml", "scanbench.yml"]
         .map(|it| format!("a b/ci/{it}"))
         .into();
@@ -338,7 +367,7 @@ fn damaged_files_and_wrong_usage_have_codes_of_their_own() {
     assert_eq!(workplace.run(&["compare", "first", "golden/run"]).exit_code, Some(3));
 }
 
-/// Twenty lines say it; the command that they end with prints the rest.
+/// Thirty lines say it; the command that they end with prints the rest.
 #[test]
 fn a_verdict_is_short_unless_all_of_it_is_asked_for() {
     let workplace = accepted();
@@ -351,8 +380,17 @@ fn a_verdict_is_short_unless_all_of_it_is_asked_for() {
         ended.stdout
     };
     let brief = print(&["gate", "worse", "-b", "golden", "--allow-drift"]);
-    assert!(brief.lines().count() <= 20 && brief.starts_with("FAILED: worse\n"), "{brief}");
-    assert_eq!(brief.lines().filter(|it| it.starts_with("- ")).count(), 5, "{brief}");
+    assert!(brief.lines().count() <= 30 && brief.starts_with("FAILED: worse\n"), "{brief}");
+    // Five losses and all two gains, each with its interval and what is tolerated.
+    assert_eq!(brief.lines().filter(|it| it.starts_with("- ")).count(), 7, "{brief}");
+    let losses_and_gains =
+        brief.split_once(" losses:\n").and_then(|(_, rest)| rest.split_once("All gains:\n"));
+    let (losses, gains) = losses_and_gains.unwrap_or_else(|| panic!("{brief}"));
+    let count =
+        |text: &str, part: &str| text.split_whitespace().collect::<Vec<_>>().join(" ").matches(part).count();
+    assert_eq!((count(losses, "(95 % "), count(losses, ", tolerated 0.10)")), (5, 5), "{losses}");
+    assert_eq!((count(losses, ": worse"), count(gains, ": better")), (5, 2), "{brief}");
+    assert!(count(&brief, "are called worse by chance, on average") == 1, "{brief}");
     let command = "scanbench gate worse --baseline golden --allow-drift=true --full";
     let said = brief.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.ends_with(&format!(" All of it: {command}")), "{brief}");

@@ -98,3 +98,34 @@ fn a_new_folder_below_new_folders_is_made() {
     workplace.succeed(&["-q", "init", "a/b"]);
     assert!(workplace.path("a/b/data/street/training/velodyne").is_dir());
 }
+
+/// No package index has scanbench. Whoever took the name there could run anything where it is installed by name.
+#[test]
+fn nothing_is_installed_by_a_name_that_anybody_may_take() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let listed =
+        std::process::Command::new("git").args(["ls-files", "-z"]).current_dir(&root).output().unwrap();
+    let names = String::from_utf8(listed.stdout).unwrap();
+    let texts = names
+        .split_terminator('\0')
+        .filter_map(|name| Some((name, std::fs::read_to_string(root.join(name)).ok()?)));
+    let is_bare = |word: &str| {
+        word.trim_matches(|it: char| !it.is_ascii_alphanumeric()) == "scanbench" && !word.contains('/')
+    };
+    let is_install = |line: &str| {
+        let installed = line.split_once("pip install ").or_else(|| line.split_once("WHEEL: "));
+        installed.is_some_and(|(_, words)| {
+            let command = words.split(['`', '#', '\\']).next().unwrap_or_default();
+            !command.contains("harness/python") && command.split_whitespace().any(is_bare)
+        })
+    };
+    let found: Vec<String> = texts
+        .filter(|(name, _)| !name.ends_with("init.rs") || !name.contains("/tests/"))
+        .flat_map(|(name, text)| {
+            let lines = text.lines().filter(|it| is_install(it));
+            lines.map(|it| format!("{name}: {it}")).collect::<Vec<_>>()
+        })
+        .collect();
+    assert!(names.len() > 1000, "the files of the repository are looked at");
+    assert!(found.is_empty(), "{found:#?}");
+}

@@ -27,6 +27,7 @@ mod readers;
 mod protocol_labels;
 mod fit_density;
 mod gate;
+mod blocks;
 mod protocols;
 mod init;
 #[cfg(unix)]

@@ -244,10 +244,16 @@ fn a_first_baseline_holds_later_results_to_it() {
     let allowed = workplace.succeed(&["gate", "first", "--baseline", "ci"]);
     assert!(allowed.stdout.starts_with("PASSED, results changed"), "{allowed:#?}");
     let accept = ["baseline", "accept", "first", "-b", "ci", "--why", "a tree less"];
-    let line = workplace.succeed(&accept).stdout;
+    let refused = workplace.run(&accept);
+    assert_eq!(refused.exit_code, Some(100), "{refused:#?}");
+    assert!(refused.stderr.contains("1 number is worse than tolerated"), "{refused:#?}");
+    assert!(!refused.stdout.contains("PASSED") && refused.stdout.contains("inconclusive"), "{refused:#?}");
+    let accepted = workplace.succeed(&[&accept[..], &["--worse"]].concat()).stdout;
+    let line = accepted.lines().last().expect("a line of the history");
     assert!(
-        line.contains("objects-vlp-16 from below") && workplace.read("ci/SCORES.md").ends_with(&line),
-        "{line}"
+        line.contains("objects-vlp-16 from below")
+            && workplace.read("ci/SCORES.md").ends_with(&format!("{line}\n")),
+        "{accepted}"
     );
     workplace.succeed(&["partial", "objects-air", "--per-class", "3", "--no-rrd", "-o", "other"]);
     let manifest = workplace.read("other/manifest.json").replace("\"dirty\": true", "\"dirty\": false");

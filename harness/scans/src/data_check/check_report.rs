@@ -1,6 +1,6 @@
 //! What all scans of a data set say together.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use super::empty_boxes::{EmptyBoxes, NEAR_M};
@@ -21,6 +21,8 @@ const GAP_FACTOR: f64 = 1.5;
 pub struct CheckedScan {
     /// Which it is.
     pub id: ScanId,
+    /// The drive that it was taken in; `None` where nobody knows, nor when.
+    pub drive: Option<String>,
     /// When it was taken, in nanoseconds.
     pub time_ns: Option<u64>,
     /// What it is like, or why it cannot be read.
@@ -92,9 +94,12 @@ impl CheckReport {
     }
 
     fn count_scans(&mut self, scans: &[CheckedScan]) {
-        let mut drives: Vec<&str> = scans.iter().map(|it| it.id.sequence.as_str()).collect();
-        drives.dedup();
-        self.line("scans", format!("{} of {}", scans.len(), plural(drives.len(), "drive")));
+        let drives: Option<BTreeSet<&str>> = scans.iter().map(|it| it.drive.as_deref()).collect();
+        let drives = drives.map_or_else(
+            || ", no times known: they may be neighbours".to_owned(),
+            |it| format!(" of {}", plural(it.len(), "drive")),
+        );
+        self.line("scans", format!("{}{drives}", scans.len()));
         let damaged: Vec<_> =
             scans.iter().filter_map(|it| it.facts.as_ref().err().map(|why| (&it.id, why))).collect();
         if let [(id, why), ..] = damaged[..] {
@@ -283,6 +288,7 @@ mod tests {
         };
         let scan = |index: u32| CheckedScan {
             id: ScanId { sequence: "0000".to_owned(), index },
+            drive: Some("0000".to_owned()),
             time_ns: Some(u64::from(index) * 100_000_000),
             facts: Ok(facts(u64::from(index))),
         };
@@ -319,6 +325,15 @@ mod tests {
         ] {
             assert!(report.lines().any(|it| it == line), "{line}\n{report}");
         }
+    }
+
+    #[test]
+    fn scans_without_times_are_of_no_drive() {
+        let mut scans = scans();
+        scans.iter_mut().for_each(|it| (it.drive, it.time_ns) = (None, None));
+        let report = CheckReport::of(&description(), &scans).to_string();
+        assert!(report.starts_with("data set"), "{report}");
+        assert!(report.contains("4, no times known: they may be neighbours\n"), "{report}");
     }
 
     #[test]

@@ -87,6 +87,17 @@ pub trait Dataset: Send + Sync {
         None
     }
 
+    /// What tells which scans are near one another.
+    fn nearness(&self) -> Nearness {
+        Nearness::Times
+    }
+
+    /// The drive, or the block that the user has named, that scan `scan_idx` is of when intervals are estimated; `None` where that is
+    /// its sequence.
+    fn scan_block(&self, _scan_idx: usize) -> Option<&str> {
+        None
+    }
+
     /// Size of the file that scan `scan_idx` has for itself, in bytes: how much work it is, without reading it. `None` where scans share a
     /// file, or have none.
     fn scan_n_bytes(&self, _scan_idx: usize) -> Option<u64> {
@@ -151,6 +162,17 @@ pub trait Dataset: Send + Sync {
     fn official_scan(&self, _scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
         Ok(None)
     }
+}
+
+/// What tells which scans of a data set are near one another, and so show the same objects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Nearness {
+    /// Time stamps; without them numbers, which count a tenth of a second each.
+    Times,
+    /// Nothing: scans were picked out of drives, and their numbers are no times.
+    Unknown,
+    /// The user, who has named a block for each.
+    Named,
 }
 
 /// The line of [`Dataset::oddities`] about labels of scans that are not there; none if `names` has none.

@@ -9,7 +9,7 @@ use super::foreign_frame::ForeignFrame;
 use super::kitti::label::KittiLabel;
 use super::official::OfficialScan;
 use super::upright_box::{pose_of_box, upright_box};
-use super::{Dataset, DatasetDescription, DatasetError, Listing};
+use super::{Dataset, DatasetDescription, DatasetError, Listing, Nearness};
 use crate::annotation::{LabeledArea, LabeledScan, ScanId};
 
 /// What is known better than files, catalogue and format have it.
@@ -77,6 +77,14 @@ impl Dataset for MountedDataset {
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
         self.dataset.scan_time_ns(scan_idx)
+    }
+
+    fn nearness(&self) -> Nearness {
+        self.dataset.nearness()
+    }
+
+    fn scan_block(&self, scan_idx: usize) -> Option<&str> {
+        self.dataset.scan_block(scan_idx)
     }
 
     fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {

@@ -2,29 +2,67 @@
 
 use std::collections::HashMap;
 
-use super::Dataset;
+use reports::numbers::blocks::DriveSecond;
+
+use super::{Dataset, Nearness};
 use crate::annotation::ScanId;
 
 /// Seconds from one scan number to the next where a data set does not say when scans were taken.
 const SECONDS_PER_NUMBER: f64 = 0.1;
 
+/// When a scan was taken, as far as is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScanTime {
+    /// In seconds since the first scan of its drive, in whole milliseconds; of a drive without time stamps a tenth of a second for
+    /// each scan number.
+    pub time_s: f64,
+    /// The same; `None` where that is no time, or does not matter because the user has named blocks.
+    pub known_s: Option<f64>,
+    /// What it is drawn with when intervals are estimated.
+    pub second: DriveSecond,
+}
+
+/// When each scan of `dataset` was taken, and what it is drawn with.
+pub fn scan_times(dataset: &dyn Dataset) -> Vec<ScanTime> {
+    let scan = |(scan_idx, time_s): (usize, f64)| {
+        let id = &dataset.scan_ids()[scan_idx];
+        let known_s = match dataset.nearness() {
+            Nearness::Times => Some(time_s),
+            Nearness::Unknown | Nearness::Named => None,
+        };
+        let second = DriveSecond::of_scan((&id.sequence, id.index), dataset.scan_block(scan_idx), known_s);
+        ScanTime { time_s, known_s, second }
+    };
+    scan_times_s(dataset).into_iter().enumerate().map(scan).collect()
+}
+
 /// When each scan of `dataset` was taken, in seconds since the first scan of its drive, in whole milliseconds: by the time
 /// stamps of the data set or, of a drive without, a tenth of a second for each scan number.
-pub fn scan_times_s(dataset: &dyn Dataset) -> Vec<f64> {
+fn scan_times_s(dataset: &dyn Dataset) -> Vec<f64> {
     let scan_ids = dataset.scan_ids();
     let stamps_ns: Vec<Option<u64>> = (0..scan_ids.len()).map(|it| dataset.scan_time_ns(it)).collect();
     // Of each drive; `None` once one of its scans has no time.
     let mut starts_ns: HashMap<&str, Option<u64>> = HashMap::new();
-    for (id, stamp_ns) in scan_ids.iter().zip(&stamps_ns) {
-        let start_ns = starts_ns.entry(id.sequence.as_str()).or_insert(*stamp_ns);
+    let drives: Vec<&str> =
+        scan_ids.iter().enumerate().map(|(scan_idx, id)| drive(dataset, scan_idx, id)).collect();
+    for (drive, stamp_ns) in drives.iter().zip(&stamps_ns) {
+        let start_ns = starts_ns.entry(drive).or_insert(*stamp_ns);
         *start_ns = start_ns.zip(*stamp_ns).map(|(start_ns, stamp_ns)| start_ns.min(stamp_ns));
     }
     let time_s =
-        |(id, stamp_ns): (&ScanId, &Option<u64>)| match starts_ns[id.sequence.as_str()].zip(*stamp_ns) {
+        |((id, drive), stamp_ns): ((&ScanId, &&str), &Option<u64>)| match starts_ns[drive].zip(*stamp_ns) {
             Some((start_ns, stamp_ns)) => ((stamp_ns - start_ns) / 1_000_000) as f64 / 1000.0,
             None => (f64::from(id.index) * SECONDS_PER_NUMBER * 1000.0).round() / 1000.0,
         };
-    scan_ids.iter().zip(&stamps_ns).map(time_s).collect()
+    scan_ids.iter().zip(&drives).zip(&stamps_ns).map(time_s).collect()
+}
+
+/// The drive that the time of a scan runs in.
+fn drive<'a>(dataset: &'a dyn Dataset, scan_idx: usize, id: &'a ScanId) -> &'a str {
+    match dataset.nearness() {
+        Nearness::Times => dataset.scan_block(scan_idx).unwrap_or(&id.sequence),
+        Nearness::Unknown | Nearness::Named => &id.sequence,
+    }
 }
 
 #[cfg(test)]

@@ -19,6 +19,10 @@ struct VerdictRecord<'a> {
     degrees_of_freedom: u64,
     blocks: &'static str,
     few_blocks: bool,
+    /// Numbers that changed, which may look worse by chance.
+    n_at_risk: usize,
+    /// How many of them are called worse by chance at most, on average.
+    most_false_alarms: f64,
     metrics: Vec<MetricRecord<'a>>,
     speeds: Vec<SpeedRecord<'a>>,
     /// Why times were not compared, where a rule is about them.
@@ -94,6 +98,8 @@ impl Format<Verdict> for Json {
             degrees_of_freedom: verdict.blocks.degrees_of_freedom,
             blocks: verdict.blocks.kind.name(),
             few_blocks: verdict.blocks.are_too_few(),
+            n_at_risk: verdict.n_at_risk(),
+            most_false_alarms: verdict.most_false_alarms(),
             metrics: verdict.metrics.iter().map(metric_record).collect(),
             speeds: verdict.speed.speeds().iter().map(speed_record).collect(),
             speed_not_compared: match &verdict.speed {

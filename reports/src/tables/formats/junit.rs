@@ -3,8 +3,10 @@
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use crate::tables::formats::format::Format;
-use crate::tables::verdict::summary::scan_name;
-use crate::tables::verdict::wording::{difference_text, interval_text, metric_text, value_text};
+use crate::tables::verdict::summary::{doubt, scan_name};
+use crate::tables::verdict::wording::{
+    difference_text, interval_text, metric_text, tolerance_text, value_text,
+};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, about};
 use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
@@ -22,11 +24,12 @@ impl Format<Verdict> for JUnit {
     }
 
     fn text(&self, verdict: &Verdict) -> String {
-        let about_blocks = verdict.blocks.are_too_few().then_some(verdict.blocks.n_blocks);
+        let doubt = doubt(verdict);
+        let doubt = doubt.as_deref();
         let mut report = Report::new("scanbench gate");
         for (name, cases) in [
-            ("quality", verdict.metrics.iter().map(|it| of_metric(it, about_blocks)).collect()),
-            ("speed", speed_cases(verdict, about_blocks)),
+            ("quality", verdict.metrics.iter().map(|it| of_metric(it, doubt)).collect()),
+            ("speed", speed_cases(verdict, doubt)),
             ("drift", drift_cases(verdict)),
         ] {
             let mut suite = TestSuite::new(name);
@@ -53,21 +56,21 @@ fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
     of_scan.collect()
 }
 
-fn speed_cases(verdict: &Verdict, n_few_blocks: Option<u64>) -> Vec<TestCase> {
+fn speed_cases(verdict: &Verdict, doubt: Option<&str>) -> Vec<TestCase> {
     match &verdict.speed {
         SpeedComparison::NotAsked => Vec::new(),
         SpeedComparison::NotCompared { reason } => {
             let skipped = skipped(&format!("speed was not compared: {reason}"));
             vec![case("scanbench.speed", "times of the baseline", skipped)]
         }
-        SpeedComparison::Compared(speeds) => speeds.iter().map(|it| of_speed(it, n_few_blocks)).collect(),
+        SpeedComparison::Compared(speeds) => speeds.iter().map(|it| of_speed(it, doubt)).collect(),
     }
 }
 
-/// `n_few_blocks` are the blocks of scans, where they are too few.
-fn of_metric(gated: &GatedMetric, n_few_blocks: Option<u64>) -> TestCase {
+/// `doubt` is why nothing is sure about these scans, if nothing is.
+fn of_metric(gated: &GatedMetric, doubt: Option<&str>) -> TestCase {
     let metric = &gated.metric;
-    let tolerance = difference_text(metric, gated.tolerance).trim_start_matches('+').to_owned();
+    let tolerance = tolerance_text(metric, gated.tolerance);
     let message = gated.difference.as_ref().map_or_else(
         |missing| format!("{}: {}", metric_text(metric), missing.in_words()),
         |it| {
@@ -83,10 +86,10 @@ fn of_metric(gated: &GatedMetric, n_few_blocks: Option<u64>) -> TestCase {
     );
     let class = format!("scanbench.{}.{}", gated.task, gated.detector);
     let name = about(&format!("{} of {}", metric.id(), gated.slice), gated.on.as_deref());
-    case(&class, &name, status(gated.finding, &message, n_few_blocks))
+    case(&class, &name, status(gated.finding, &message, doubt))
 }
 
-fn of_speed(speed: &GatedSpeed, n_few_blocks: Option<u64>) -> TestCase {
+fn of_speed(speed: &GatedSpeed, doubt: Option<&str>) -> TestCase {
     let numbers = match &speed.slowdown {
         Ok(it) => format!("{:.3} before, {:.3} after", it.before, it.after),
         Err(missing) => missing.in_words().to_owned(),
@@ -95,15 +98,15 @@ fn of_speed(speed: &GatedSpeed, n_few_blocks: Option<u64>) -> TestCase {
     let message = format!("time relative to {}: {numbers}, tolerance {tolerated:.0} %", speed.reference);
     let class = format!("scanbench.speed.{}", speed.detector);
     let name = about(&format!("time relative to {}", speed.reference), speed.on.as_deref());
-    case(&class, &name, status(speed.finding, &message, n_few_blocks))
+    case(&class, &name, status(speed.finding, &message, doubt))
 }
 
-/// `n_few_blocks` are those that are too few for a verdict.
-pub(super) fn status(finding: Finding, message: &str, n_few_blocks: Option<u64>) -> TestCaseStatus {
+/// `doubt` is why nothing is sure about these scans, if nothing is.
+pub(super) fn status(finding: Finding, message: &str, doubt: Option<&str>) -> TestCaseStatus {
     match finding {
         Finding::Pass => TestCaseStatus::success(),
-        Finding::Inconclusive => skipped(&match n_few_blocks {
-            Some(n) => format!("inconclusive, only {n} blocks of scans: {message}"),
+        Finding::Inconclusive => skipped(&match doubt {
+            Some(doubt) => format!("inconclusive, {doubt}: {message}"),
             None => format!("inconclusive: {message}"),
         }),
         Finding::Incomparable => {

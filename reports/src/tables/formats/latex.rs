@@ -149,6 +149,7 @@ fn escaped(text: &str) -> String {
             '†' => escaped.push_str("$^\\dagger$"),
             '‡' => escaped.push_str("$^\\ddagger$"),
             '§' => escaped.push_str("\\S{}"),
+            '¶' => escaped.push_str("\\P{}"),
             '¹' => escaped.push_str("$^1$"),
             '²' => escaped.push_str("$^2$"),
             '³' => escaped.push_str("$^3$"),

@@ -44,9 +44,9 @@ fn of_number(verdict: &PartialVerdict, it: &PartialDifference, finding: Finding)
         percent(it.difference()),
         percent(verdict.tolerances.of(it.metric))
     );
-    let n_few_blocks = it.interval.map(|it| it.blocks).filter(|it| it.are_too_few()).map(|it| it.n_blocks);
+    let doubt = it.interval.and_then(|it| it.blocks.caveat());
     let name = format!("{} at step {} of {}", it.metric.id(), it.step, seen(&it.curve));
-    case(&class("quality", &it.curve), &name, status(finding, &message, n_few_blocks))
+    case(&class("quality", &it.curve), &name, status(finding, &message, doubt.as_deref()))
 }
 
 /// One for each object of a curve, with all its steps.

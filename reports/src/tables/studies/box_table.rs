@@ -56,8 +56,7 @@ fn grid(lines: &[BoxErrorLine]) -> Grid {
         };
         let medians = line.fits.iter().flat_map(|(_, it)| {
             let interval = it.and_then(|it| it.within);
-            let is_of_few = interval.is_some_and(|it| it.blocks.are_too_few());
-            let end = |it| Cell { mark: is_of_few.then_some(Mark::FewBlocks), ..number(it) };
+            let end = |it| Cell { mark: interval.and_then(|it| Mark::of_blocks(it.blocks)), ..number(it) };
             let [low, high] = [0, 1].map(|idx| end(interval.map(|it| it.ends[idx])));
             [number(it.map(|it| it.median)), low, high]
         });

@@ -21,7 +21,7 @@ impl Tabular for SweepTable<'_> {
     fn sheet(&self) -> Sheet {
         let sweep = self.sweep;
         let kinds = sweep.scores.iter().map(|it| it.blocks.kind);
-        let kind = kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both });
+        let kind = kinds.reduce(BlockKind::with);
         let about_interval = kind.map_or_else(String::new, about_interval);
         let sentence = format!(
             "NO: annotations that count. Best at: the value with the highest rate, the first one if several are equal. 95 %: \
@@ -47,8 +47,9 @@ pub fn best_of(sweep: &SweepScores) -> Vec<String> {
         let best = curve.points[curve.best()?];
         let percent = |it: f64| fixed_decimals(100.0 * it, 1);
         let within = best.score.rate_within().map_or_else(String::new, |[low, high]| {
-            let few = if first.blocks.are_too_few() { ", from too few blocks to rely on" } else { "" };
-            format!(" ({} to {}{few})", percent(low), percent(high))
+            let caveat =
+                first.blocks.caveat_of_conclusions().map_or_else(String::new, |it| format!(", {it}"));
+            format!(" ({} to {}{caveat})", percent(low), percent(high))
         });
         let detector = [vec![first.subject.detector.clone()], curve.others.clone()].concat().join(", ");
         Some(format!(

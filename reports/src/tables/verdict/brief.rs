@@ -3,15 +3,19 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::verdict::summary::{about_judging, headline, scan_name};
-use crate::tables::verdict::wording::{difference_text, value_text};
+use crate::tables::verdict::wording::{
+    change_in_words, difference_text, interval_text, tolerance_text, value_text,
+};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::gated_speeds::GatedSpeed;
 use crate::verdicts::verdict::Verdict;
 use crate::vocabulary::slice::Slice;
 
-/// Changes that are named.
-const MOST_CHANGES: usize = 5;
+/// Losses that are named.
+const MOST_LOSSES: usize = 5;
+/// Gains that are named.
+const MOST_GAINS: usize = 3;
 
 /// The least that is to be said of a verdict.
 #[derive(Debug, Clone, Copy)]
@@ -20,15 +24,30 @@ pub struct Brief<'a> {
     pub verdict: &'a Verdict,
     /// The directories of the run and of its baseline.
     pub sides: [&'a str; 2],
-    /// The command that prints everything.
-    pub in_full: &'a str,
+    /// What it is for.
+    pub purpose: Purpose<'a>,
+}
+
+/// What a verdict is for.
+#[derive(Debug, Clone, Copy)]
+pub enum Purpose<'a> {
+    /// To let a run pass or not.
+    Gate {
+        /// The command that prints everything.
+        in_full: &'a str,
+    },
+    /// To know what is accepted: that results changed is why.
+    Accept,
 }
 
 impl Tabular for Brief<'_> {
     fn sheet(&self) -> Sheet {
         let [run, baseline] = self.sides;
         let verdict = self.verdict;
-        let mut lead = vec![headline(verdict)];
+        let mut lead = match self.purpose {
+            Purpose::Gate { .. } => vec![headline(verdict)],
+            Purpose::Accept => Vec::new(),
+        };
         lead.push(format!(
             "Judged: {run} by {baseline}, {} on {} of {}.",
             verdict.detectors.join(", "),
@@ -37,23 +56,22 @@ impl Tabular for Brief<'_> {
         ));
         lead.extend(about_judging(verdict));
         let sentences = self.changes().into_iter().chain(self.most_changed_scan());
-        let sentences = sentences.chain([format!("All of it: {}", self.in_full)]).collect();
+        let in_full = match self.purpose {
+            Purpose::Gate { in_full } => Some(format!("All of it: {in_full}")),
+            Purpose::Accept => None,
+        };
+        let sentences = sentences.chain(in_full).collect();
         Sheet { lead, ..Sheet::of_parts(Vec::new(), sentences) }
     }
 }
 
 impl Brief<'_> {
-    /// The largest changes of numbers, below how many there are.
+    /// The largest losses and the largest gains, each below how many there are.
     fn changes(&self) -> Vec<String> {
         let mut changes = changes(self.verdict);
         changes.sort_by(|a, b| a.finding.cmp(&b.finding).then(b.size.total_cmp(&a.size)));
-        let head = match changes.len() {
-            0 => return Vec::new(),
-            n if n <= MOST_CHANGES => "Numbers that changed:".to_owned(),
-            n => format!("The {MOST_CHANGES} largest of {n} changes:"),
-        };
-        let named = changes.into_iter().take(MOST_CHANGES).map(|it| format!("- {}", it.text));
-        [head].into_iter().chain(named).collect()
+        let (losses, gains): (Vec<Change>, Vec<Change>) = changes.into_iter().partition(|it| it.is_loss);
+        [named(("losses", MOST_LOSSES), losses), named(("gains", MOST_GAINS), gains)].concat()
     }
 
     /// The scan with the most objects whose results changed.
@@ -65,19 +83,30 @@ impl Brief<'_> {
     }
 }
 
+/// The first `most` of `changes`, below how many there are.
+fn named((what, most): (&str, usize), changes: Vec<Change>) -> Vec<String> {
+    let head = match changes.len() {
+        0 => return Vec::new(),
+        n if n <= most => format!("All {what}:"),
+        n => format!("The {most} largest of {n} {what}:"),
+    };
+    let named = changes.into_iter().take(most).map(|it| format!("- {}", it.text));
+    [head].into_iter().chain(named).collect()
+}
+
 /// A number that is another one than before, or not there.
 struct Change {
     finding: Finding,
+    is_loss: bool,
     /// In tolerances.
     size: f64,
     text: String,
 }
 
-/// All that changed. Times are others in every run: only those of which something is to be said.
+/// All that changed. Times are others in every run: only those that changed by more than is tolerated.
 fn changes(verdict: &Verdict) -> Vec<Change> {
     let of_metrics = verdict.metrics.iter().filter_map(of_metric);
-    let of_speeds = verdict.speed.speeds().iter().filter(|it| it.finding != Finding::Pass);
-    of_metrics.chain(of_speeds.filter_map(of_speed)).collect()
+    of_metrics.chain(verdict.speed.speeds().iter().filter_map(of_speed)).collect()
 }
 
 /// `None` where nothing changed, or a number is missing, which is told elsewhere.
@@ -86,39 +115,39 @@ fn of_metric(gated: &GatedMetric) -> Option<Change> {
     let it = difference.as_ref().ok().filter(|it| it.difference() != 0.0)?;
     let of_slice = if *slice == Slice::All.name() { String::new() } else { format!(" of {slice}") };
     let text = format!(
-        "{}{of_slice}, {detector}, {}: {} → {}{}, {}: {}",
+        "{}{of_slice}, {detector}, {}: {} → {}{}, {} ({}tolerated {}): {}",
         metric.id(),
         gated.about(),
         value_text(metric, it.before),
         value_text(metric, it.after),
         if metric.unit() == "ratio" { " %" } else { "" },
         difference_text(metric, it.difference()),
-        in_words(*finding, it.worsening())
+        it.interval.map_or_else(String::new, |_| format!("95 % {}, ", interval_text(it))),
+        tolerance_text(metric, *tolerance),
+        change_in_words(*finding, it.worsening())
     );
-    Some(Change { finding: *finding, size: in_tolerances(it.difference(), *tolerance), text })
+    let size = in_tolerances(it.difference(), *tolerance);
+    Some(Change { finding: *finding, is_loss: it.worsening() >= 0.0, size, text })
 }
 
 fn of_speed(speed: &GatedSpeed) -> Option<Change> {
     let GatedSpeed { reference, slowdown, tolerance, finding, .. } = speed;
-    let it = slowdown.as_ref().ok()?;
+    let it = slowdown.as_ref().ok().filter(|it| it.share().abs() > *tolerance)?;
+    let percent = |share: f64| fixed_decimals(100.0 * share, 0).replace('-', "−");
     let text = format!(
-        "time, {}: {} → {} times {reference}, {} % slower: {}",
+        "time, {}: {} → {} times {reference}, {} % {} ({}tolerated {} %): {}",
         speed.about(),
         fixed_decimals(it.before, 2),
         fixed_decimals(it.after, 2),
-        fixed_decimals(100.0 * it.share(), 0),
-        finding.in_words()
+        percent(it.share().abs()),
+        if it.share() > 0.0 { "slower" } else { "faster" },
+        it.interval
+            .map_or_else(String::new, |it| format!("95 % {} % slower, ", it.ends.map(percent).join(" to "))),
+        percent(*tolerance),
+        change_in_words(*finding, it.share())
     );
-    Some(Change { finding: *finding, size: in_tolerances(it.share(), *tolerance), text })
-}
-
-/// How a change is called: what is not worse than tolerated may be better.
-fn in_words(finding: Finding, worsening: f64) -> &'static str {
-    match finding {
-        Finding::Pass if worsening < 0.0 => "better",
-        Finding::Pass => "tolerated",
-        Finding::Regression | Finding::Incomparable | Finding::Inconclusive => finding.in_words(),
-    }
+    let size = in_tolerances(it.share(), *tolerance);
+    Some(Change { finding: *finding, is_loss: it.share() > 0.0, size, text })
 }
 
 /// So that rates and metres can be compared. Where nothing is tolerated, everything is much.

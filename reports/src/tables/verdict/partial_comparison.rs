@@ -158,6 +158,8 @@ pub struct PartialSummary<'a> {
 pub enum SummaryExtent {
     /// Numbers beyond their tolerance, and the first objects that are told otherwise.
     Brief,
+    /// The same without what it comes to: of a result that is to be accepted, that it changed is why.
+    Accept,
     /// Everything.
     Full,
 }
@@ -167,16 +169,21 @@ const MOST_NAMED: usize = 5;
 
 impl Tabular for PartialSummary<'_> {
     fn sheet(&self) -> Sheet {
-        let PartialVerdict { title, findings, drift, tolerances: _ } = self.verdict;
+        let PartialVerdict { title, findings, drift, tolerances } = self.verdict;
         let is_full = self.extent == SummaryExtent::Full;
         let shown: Vec<(&PartialDifference, Option<Finding>)> = findings
             .iter()
-            .filter(|it| is_full || it.1 != Finding::Pass)
+            .filter(|it| is_full || it.1 != Finding::Pass || -it.0.worsening() > tolerances.of(it.0.metric))
             .map(|(difference, finding)| (difference, Some(*finding)))
             .collect();
         let n_of = |finding| self.verdict.n(finding);
         let lead = vec![
-            format!("{}. {title}", self.verdict.conclusion().in_words()),
+            match self.extent {
+                SummaryExtent::Accept => title.clone(),
+                SummaryExtent::Brief | SummaryExtent::Full => {
+                    format!("{}. {title}", self.verdict.conclusion().in_words())
+                }
+            },
             format!(
                 "{} numbers: {} worse, {} inconclusive, {} passed. Told otherwise: {}.",
                 findings.len(),

@@ -6,7 +6,7 @@ use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
 use crate::tables::verdict::tolerated::about_tolerances;
 use crate::tables::verdict::wording::{
     about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text,
-    value_text,
+    tolerance_text, value_text,
 };
 use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
@@ -97,8 +97,15 @@ fn caveats(verdict: &Verdict) -> Vec<String> {
         let names = verdict.new_detectors.join(", ");
         lines.push(format!("Not judged, because only the later run has it: {names}."));
     }
-    if verdict.blocks.are_too_few() {
-        lines.push(about_few_blocks(verdict));
+    if verdict.blocks.decide_nothing() {
+        lines.push(about_doubtful_blocks(verdict));
+    }
+    if verdict.n_at_risk() > 0 {
+        lines.push(format!(
+            "{} numbers changed; of these up to {} are called worse by chance, on average.",
+            verdict.n_at_risk(),
+            fixed_decimals(verdict.most_false_alarms(), 1)
+        ));
     }
     lines
 }
@@ -118,13 +125,6 @@ fn missing(verdict: &Verdict) -> Vec<String> {
         Some(format!("Time relative to {}, {}, {dataset}: {place}.", it.reference, it.detector))
     });
     of_metrics.chain(of_speeds).collect()
-}
-
-fn blocks(verdict: &Verdict) -> String {
-    match verdict.blocks.n_blocks {
-        1 => "1 block".to_owned(),
-        n => format!("{n} blocks"),
-    }
 }
 
 /// What it comes to, as short as can be.
@@ -161,12 +161,32 @@ pub(crate) fn counts(verdict: &Verdict) -> String {
     )
 }
 
-fn about_few_blocks(verdict: &Verdict) -> String {
-    let few = format!("Only {} of scans: too few to show that anything is worse.", blocks(verdict));
+fn about_doubtful_blocks(verdict: &Verdict) -> String {
+    let why = if verdict.blocks.may_be_neighbours() {
+        "These scans may be neighbours, because their times are not known: nothing can be shown to be worse."
+            .to_owned()
+    } else {
+        format!("Only {} of scans: too few to show that anything is worse.", blocks(verdict))
+    };
     match verdict.tolerances.drift {
-        DriftRule::Fail => format!("{few} Only changed results can fail."),
-        DriftRule::Warn => few,
+        DriftRule::Fail => format!("{why} Only changed results can fail."),
+        DriftRule::Warn => why,
     }
+}
+
+fn blocks(verdict: &Verdict) -> String {
+    match verdict.blocks.n_blocks {
+        1 => "1 block".to_owned(),
+        n => format!("{n} blocks"),
+    }
+}
+
+/// Why nothing is sure, in a word or two; `None` if something may be.
+pub(crate) fn doubt(verdict: &Verdict) -> Option<String> {
+    if verdict.blocks.may_be_neighbours() {
+        return Some("scans may be neighbours".to_owned());
+    }
+    verdict.blocks.are_too_few().then(|| blocks(verdict))
 }
 
 /// Which scan, detector and task a drift is about.
@@ -177,10 +197,8 @@ pub(crate) fn scan_name(drift: &ScanDrift) -> String {
 
 /// A finding, with why it is none.
 fn finding_text(finding: Finding, verdict: &Verdict) -> String {
-    match finding {
-        Finding::Inconclusive if verdict.blocks.are_too_few() => {
-            format!("{}: {}", finding.in_words(), blocks(verdict))
-        }
+    match doubt(verdict) {
+        Some(doubt) if finding == Finding::Inconclusive => format!("{}: {doubt}", finding.in_words()),
         _ => finding.in_words().to_owned(),
     }
 }
@@ -189,7 +207,8 @@ fn finding_text(finding: Finding, verdict: &Verdict) -> String {
 fn is_shown(gated: &GatedMetric) -> bool {
     let is_changed = gated.difference.as_ref().is_ok_and(|it| it.difference() != 0.0);
     let is_headline = gated.metric == Metric::FRate || is_changed;
-    gated.finding != Finding::Pass || (gated.slice == Slice::All.name() && is_headline)
+    let is_gain = gated.difference.as_ref().is_ok_and(|it| -it.worsening() > gated.tolerance);
+    gated.finding != Finding::Pass || is_gain || (gated.slice == Slice::All.name() && is_headline)
 }
 
 fn sentences(verdict: &Verdict) -> Vec<String> {
@@ -201,7 +220,7 @@ fn sentences(verdict: &Verdict) -> Vec<String> {
             .to_owned(),
     );
     if n_hidden > 0 {
-        sentences.push(format!("{n_hidden} more numbers passed; they are unchanged, or of slices."));
+        sentences.push(format!("{n_hidden} more numbers passed; they are unchanged, or of slices that changed less than tolerated."));
     }
     if let Some(speed) = verdict.speed.speeds().first() {
         sentences.push(format!(
@@ -230,9 +249,14 @@ fn metric_grid(shown: &[&GatedMetric], verdict: &Verdict) -> Grid {
             ],
             Err(_) => ["–"; 5].map(Cell::new),
         };
-        let tolerance = difference_text(metric, gated.tolerance).trim_start_matches('+').to_owned();
+        let tolerance = tolerance_text(metric, gated.tolerance);
         let names = [gated.about(), gated.detector.clone(), gated.slice.clone(), metric_text(metric)];
-        let last = [tolerance, finding_text(gated.finding, verdict)];
+        let is_better = gated.difference.as_ref().is_ok_and(|it| it.worsening() < 0.0);
+        let finding = match gated.finding {
+            Finding::Pass if is_better => "better".to_owned(),
+            finding => finding_text(finding, verdict),
+        };
+        let last = [tolerance, finding];
         let cells = names.map(Cell::new).into_iter().chain(numbers).chain(last.map(Cell::new));
         Line { kind: LineKind::Dataset, cells: cells.collect() }
     });

@@ -4,6 +4,7 @@ use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::BlockKind;
 use crate::tables::grid::Cell;
 use crate::tables::notes::about_interval;
+use crate::verdicts::finding::Finding;
 use crate::verdicts::paired_difference::PairedDifference;
 use crate::vocabulary::metric::Metric;
 
@@ -29,6 +30,20 @@ pub(crate) fn difference_text(metric: &Metric, difference: f64) -> String {
     if text.starts_with('-') { text.replacen('-', "−", 1) } else { format!("+{text}") }
 }
 
+/// A tolerance, in the unit and with the digits of a difference.
+pub(crate) fn tolerance_text(metric: &Metric, tolerance: f64) -> String {
+    difference_text(metric, tolerance).trim_start_matches('+').to_owned()
+}
+
+/// How a change is called: what is not worse than tolerated may be better.
+pub(crate) fn change_in_words(finding: Finding, worsening: f64) -> &'static str {
+    match finding {
+        Finding::Pass if worsening < 0.0 => "better",
+        Finding::Pass => "tolerated",
+        Finding::Regression | Finding::Incomparable | Finding::Inconclusive => finding.in_words(),
+    }
+}
+
 /// The interval of a difference; a dash where there is none.
 pub(crate) fn interval_text(difference: &PairedDifference) -> String {
     difference.interval.map_or_else(
@@ -46,9 +61,7 @@ pub(crate) fn interval_cell(difference: &PairedDifference) -> Cell {
 /// The least difference that would have shown; a dash where that is unknown.
 pub(crate) fn least_effect_text(difference: &PairedDifference) -> String {
     let metric = &difference.metric;
-    difference
-        .least_effect
-        .map_or_else(|| "–".to_owned(), |it| difference_text(metric, it).trim_start_matches('+').to_owned())
+    difference.least_effect.map_or_else(|| "–".to_owned(), |it| tolerance_text(metric, it))
 }
 
 /// What changed in the configuration of detectors, as one sentence; `None` if nothing did.

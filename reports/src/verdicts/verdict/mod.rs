@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::numbers::blocks::BlockCount;
+use crate::numbers::blocks::{BlockCount, Interval};
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
 use crate::verdicts::comparability::{
@@ -16,6 +16,9 @@ use crate::verdicts::gated_speeds::SpeedComparison;
 use crate::verdicts::rule_problems::RuleProblems;
 use crate::verdicts::tolerances::{DriftRule, Tolerances};
 use crate::vocabulary::extent::OVERALL;
+
+/// How often the whole 95 % interval of a difference lies on the worse side of the truth.
+const FALSE_ALARM_RISK: f64 = 0.025;
 
 /// What came of a gate.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,6 +137,37 @@ impl Verdict {
         scans.collect::<BTreeSet<_>>().len()
     }
 
+    /// How many numbers are worse than tolerated, whether or not that may be chance. Times are others in every run: only where it
+    /// is none.
+    pub fn n_worse(&self) -> usize {
+        let of_metrics = self
+            .metrics
+            .iter()
+            .filter(|it| matches!(it.finding, Finding::Regression | Finding::Inconclusive));
+        let of_speeds = self.speed.speeds().iter().filter(|it| it.finding == Finding::Regression);
+        of_metrics.count() + of_speeds.count()
+    }
+
+    /// How many numbers changed, so that they may look surely worse by chance; none if nothing can be sure. What is the same on every
+    /// scan is no matter of chance.
+    pub fn n_at_risk(&self) -> usize {
+        if self.blocks.decide_nothing() {
+            return 0;
+        }
+        let varies = |interval: Option<Interval>| interval.is_some_and(|it| it.ends != [0.0; 2]);
+        let of_metrics =
+            self.metrics.iter().filter(|it| it.difference.as_ref().is_ok_and(|it| varies(it.interval)));
+        let speeds = self.speed.speeds().iter();
+        let of_speeds = speeds.filter(|it| it.slowdown.as_ref().is_ok_and(|it| varies(it.interval)));
+        of_metrics.count() + of_speeds.count()
+    }
+
+    /// How many of these would be called worse by chance on average, were each in truth just as much worse as tolerated: the most
+    /// that can be expected.
+    pub fn most_false_alarms(&self) -> f64 {
+        FALSE_ALARM_RISK * self.n_at_risk() as f64
+    }
+
     /// Number of gated numbers with this finding.
     pub fn n(&self, finding: Finding) -> usize {
         let of_metrics = self.metrics.iter().filter(|it| it.finding == finding).count();
@@ -174,6 +208,24 @@ pub fn judge(
         RuleProblems::check(tolerances.path(), tolerances.problems.clone())?;
     }
     comparable?;
+    verdict(baseline, run, tolerances)
+}
+
+/// As [`judge`], for a run that is to follow the baseline: results that detectors left elsewhere may be others.
+///
+/// # Errors
+///
+/// As [`judge`].
+pub fn judge_successor(
+    baseline: &RunArchive,
+    run: &RunArchive,
+    tolerances: &Tolerances,
+) -> Result<Verdict, JudgeError> {
+    check_comparable(baseline, run)?;
+    verdict(baseline, run, tolerances)
+}
+
+fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> Result<Verdict, JudgeError> {
     let (before, after) = (baseline.tally(), run.tally());
     let draws = before.draw();
     let sides = Sides { before: &before, after: &after, draws: &draws };

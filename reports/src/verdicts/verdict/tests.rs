@@ -12,16 +12,20 @@ use crate::tables::formats::junit::JUnit;
 use crate::tables::formats::markdown::Markdown;
 use crate::tables::formats::terminal::Terminal;
 use crate::tables::sample;
-use crate::tables::verdict::brief::Brief;
+use crate::tables::verdict::brief::{Brief, Purpose};
 use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
+use crate::uncertainty::bootstrap::Distribution;
+use crate::uncertainty::sample::Question;
 use crate::verdicts::gated_metrics::Missing;
 use crate::verdicts::gated_speeds::Slowdown;
+use crate::verdicts::least_loss::{LeastLosses, least_losses};
 use crate::verdicts::rule_problems::RuleProblem;
 use crate::verdicts::tolerances::{DriftRule, Origin, QualityRule, SpeedRule};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
 use crate::vocabulary::reason::MissReason;
+use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
 /// A run of the detectors `kd-tree`, which finds 5 of 10 cars in every scan in 100 ms, and `pca`.
@@ -76,7 +80,7 @@ impl SampleScans<'_> {
             reference_ms: ms.map(|_| 0.5),
             ..ScanNumbers::of_counts(Counts::new(10, tp, self.fo).unwrap())
         };
-        let (time_s, outcome) = (f64::from(step), ScanOutcome::Evaluated(numbers));
+        let (time_s, outcome) = (Some(f64::from(step)), ScanOutcome::Evaluated(numbers));
         ScanRow { dataset, sequence, scan: step, time_s, detector, task, outcome }
     }
 }
@@ -311,7 +315,8 @@ fn a_changed_configuration_is_told_with_both_values() {
     let (before, after) = (with("size"), with("model"));
     let expected = "Configuration changed: pca: vehicles: size → model.";
     let verdict = judge(&before, &after, &tolerances()).unwrap();
-    let brief = Brief { verdict: &verdict, sides: ["run", "baseline"], in_full: "gate --full" };
+    let purpose = Purpose::Gate { in_full: "gate --full" };
+    let brief = Brief { verdict: &verdict, sides: ["run", "baseline"], purpose };
     let comparison = compare_runs(&before, &after, ComparedSlices::All).unwrap();
     let terminal = Terminal::UNFOLDED;
     for text in [terminal.text(&verdict), terminal.text(&brief), terminal.text(&comparison)] {
@@ -679,30 +684,45 @@ fn changed_results_fail_unless_they_are_allowed() {
 fn brief(verdict: &Verdict) -> String {
     let in_full = "scanbench gate runs/after --baseline runs/before --full";
     let sides = ["runs/after", "runs/before"];
-    Terminal { width: Some(80) }.text(&Brief { verdict, sides, in_full })
+    Terminal { width: Some(80) }.text(&Brief { verdict, sides, purpose: Purpose::Gate { in_full } })
 }
 
 #[test]
-fn a_verdict_in_brief_names_the_five_largest_changes() {
+fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
     let run = SampleScans { tp_of: &|step| seven_or_five(step) - 1, ms_of: Some(&|_| 20.0), ..USUAL };
     let verdict = judge(&USUAL.archive(), &run.archive(), &Tolerances::built_in(&USUAL.archive())).unwrap();
     insta::assert_snapshot!(brief(&verdict), @r"
     FAILED: worse
     Judged: runs/after by runs/before, kd-tree, pca on 30 scans of main_road.
     18 numbers: 4 worse, 0 inconclusive, 0 missing. Results changed on 30 scans.
+    4 numbers changed; of these up to 0.1 are called worse by chance, on average.
     Tolerances: built in, because the baseline has no tolerances.toml. rates: 1.00
       points; entropies: 0.02 nats or 10 %; recall of slices: 2.00 points; time: 50
       %.
 
-    Numbers that changed:
-    - recall, pca, objects: 60.0 → 50.0 %, −10.00: worse
-    - f_rate, pca, objects: 66.7 → 58.8 %, −7.84: worse
-    - precision, pca, objects: 75.0 → 71.4 %, −3.57: worse
-    - time, pca: 20.00 → 40.00 times grid-write, 100 % slower: worse
+    All losses:
+    - recall, pca, objects: 60.0 → 50.0 %, −10.00 (95 % −10.00 to −10.00, tolerated
+      1.00): worse
+    - f_rate, pca, objects: 66.7 → 58.8 %, −7.84 (95 % −8.21 to −7.50, tolerated
+      1.00): worse
+    - precision, pca, objects: 75.0 → 71.4 %, −3.57 (95 % −3.99 to −3.22, tolerated
+      1.00): worse
+    - time, pca: 20.00 → 40.00 times grid-write, 100 % slower (95 % 100 to 100 %
+      slower, tolerated 50 %): worse
     Most results changed on main_road 0000/000000, pca, objects: 1 object.
     All of it: scanbench gate runs/after --baseline runs/before --full
     ");
+    assert_eq!((verdict.n_worse(), verdict.n_at_risk()), (4, 4));
+    // The other way round all of it is gained.
+    let before = run.archive();
+    let better = judge(&before, &USUAL.archive(), &Tolerances::built_in(&before)).unwrap();
+    let text = brief(&better);
+    let (_, gains) = text.split_once("\nAll gains:\n").unwrap();
+    assert!(gains.starts_with("- recall, pca, objects: 50.0 → 60.0 %, +10.00 (95 % +10.00 to +10.00, tolerated\n  1.00): better\n"), "{gains}");
+    assert!(!text.contains("losses:"), "{text}");
+    assert!(Markdown.text(&better).contains("| better |"), "{}", Markdown.text(&better));
     let same = judge(&USUAL.archive(), &USUAL.archive(), &tolerances()).unwrap();
+    assert_eq!((same.n_worse(), same.n_at_risk()), (0, 0), "what is the same is no matter of chance");
     insta::assert_snapshot!(brief(&same), @r"
     PASSED
     Judged: runs/after by runs/before, kd-tree, pca on 30 scans of main_road.
@@ -715,7 +735,7 @@ fn a_verdict_in_brief_names_the_five_largest_changes() {
 
 /// However much is changed or missing.
 #[test]
-fn a_verdict_in_brief_has_twenty_lines_of_eighty_characters_at_most() {
+fn a_verdict_in_brief_has_thirty_lines_of_eighty_characters_at_most() {
     let run = SampleScans { tp_of: &|step| u64::from(step % 3), fo: None, ms_of: None, n_scans: 9 };
     let after = run.archive();
     let before = SampleScans { n_scans: 9, ..USUAL }.archive();
@@ -723,9 +743,60 @@ fn a_verdict_in_brief_has_twenty_lines_of_eighty_characters_at_most() {
     let verdict = judge(&before, &after, &tolerances).unwrap();
     let text = brief(&verdict);
     assert!(verdict.n(Finding::Incomparable) > 3, "{text}");
-    assert!(text.lines().count() <= 20, "{}\n{text}", text.lines().count());
+    assert!(text.lines().count() <= 30, "{}\n{text}", text.lines().count());
     assert!(text.lines().all(|it| it.chars().count() <= 80), "{text}");
     assert!(text.contains("more numbers are missing."), "{text}");
+}
+
+/// Scans of which nobody knows when they were taken: however large a loss is, it is not sure.
+#[test]
+fn scans_that_may_be_neighbours_show_no_loss() {
+    let without_times = |mut archive: RunArchive| {
+        archive.scans.iter_mut().for_each(|it| it.time_s = None);
+        archive
+    };
+    let run = SampleScans { tp_of: &|step| seven_or_five(step) - 4, ..USUAL };
+    let [before, after] = [USUAL.archive(), run.archive()].map(without_times);
+    let verdict = judge(&before, &after, &tolerances()).unwrap();
+    assert_eq!((verdict.conclusion(), verdict.n_at_risk()), (Conclusion::Drift, 0));
+    assert!(verdict.n(Finding::Inconclusive) > 0 && verdict.n_worse() == verdict.n(Finding::Inconclusive));
+    let text = brief(&verdict);
+    assert!(text.contains("These scans may be neighbours, because their times are not known"), "{text}");
+    assert!(
+        Markdown.text(&verdict).contains("inconclusive: scans may be neighbours"),
+        "{}",
+        Markdown.text(&verdict)
+    );
+    assert!(JUnit.text(&verdict).contains("inconclusive, scans may be neighbours: "));
+    // The same scans with times are no others, but their intervals would be.
+    let reasons = judge(&USUAL.archive(), &after, &tolerances()).unwrap_err().to_string();
+    assert!(reasons.contains("the time of scan 0000/000000 of main_road changed"), "{reasons}");
+    let losses = least_losses(&before, &tolerances()).lines();
+    assert_eq!(
+        losses,
+        [
+            "No loss will be sure: scans without known times, which may be neighbours, are not enough to show one."
+        ]
+    );
+}
+
+#[test]
+fn the_least_loss_is_what_is_tolerated_and_half_of_the_interval() {
+    let run = USUAL.archive();
+    let LeastLosses::Above(losses) = least_losses(&run, &Tolerances::built_in(&run)) else {
+        panic!("30 blocks")
+    };
+    // Every scan has the same F-rate of kd-tree; those of pca lie around 66.7 %.
+    assert_eq!((losses[0].detector.as_str(), losses[0].loss), ("kd-tree", 0.01));
+    let tally = run.tally();
+    let question = Question { dataset: OVERALL, task: Task::Objects, detector: "pca", slice: Slice::All };
+    let sample = tally.sample(&question, &tally.draw()).unwrap();
+    let rates = Distribution::new(sample.resampled_values(&Metric::FRate), sample.blocks).unwrap();
+    let [low, high] = rates.interval().ends;
+    assert!(
+        (losses[1].loss - 0.01 - (high - low) / 2.0).abs() < 1e-12 && losses[1].loss > 0.03,
+        "{losses:?}"
+    );
 }
 
 #[test]

@@ -2,12 +2,11 @@
 
 use std::fmt::Write as _;
 
-use reports::numbers::blocks::DriveSecond;
 use reports::numbers::shard_cut::{ScanToCut, scans_of_shard};
 use reports::run_folder::shard_record::{ShardPart, WorkMeasure};
 use reports::vocabulary::shard::Shard;
 use scans::dataset::checksum::sha256;
-use scans::dataset::scan_times::scan_times_s;
+use scans::dataset::scan_times::{ScanTime, scan_times};
 
 use crate::commands::open_datasets::OpenedDataset;
 
@@ -23,16 +22,10 @@ pub struct ShareOfWork {
 pub fn take_share(datasets: &mut [OpenedDataset], shard: Shard) -> ShareOfWork {
     let sizes: Option<Vec<Vec<u64>>> = datasets.iter().map(file_sizes).collect();
     let cut_by = if sizes.is_some() { WorkMeasure::FileSizes } else { WorkMeasure::Scans };
-    let times: Vec<Vec<f64>> = datasets.iter().map(times_of_selected_s).collect();
-    let scan = |(dataset_idx, place): (usize, usize)| {
-        let OpenedDataset { dataset, scan_indices, .. } = &datasets[dataset_idx];
-        ScanToCut {
-            second: DriveSecond::of(
-                &dataset.scan_ids()[scan_indices[place]].sequence,
-                times[dataset_idx][place],
-            ),
-            work: sizes.as_ref().map_or(1, |it| it[dataset_idx][place]),
-        }
+    let times: Vec<Vec<ScanTime>> = datasets.iter().map(times_of_selected).collect();
+    let scan = |(dataset_idx, place): (usize, usize)| ScanToCut {
+        second: times[dataset_idx][place].second.clone(),
+        work: sizes.as_ref().map_or(1, |it| it[dataset_idx][place]),
     };
     let scans: Vec<Vec<ScanToCut>> = (0..datasets.len())
         .map(|dataset_idx| {
@@ -41,8 +34,8 @@ pub fn take_share(datasets: &mut [OpenedDataset], shard: Shard) -> ShareOfWork {
         .collect();
     let ranges = scans_of_shard(&scans, shard);
     let mut parts = Vec::new();
-    for ((opened, times_s), range) in datasets.iter_mut().zip(times).zip(ranges) {
-        let selected = checksum_of_selected(opened, &times_s);
+    for ((opened, times), range) in datasets.iter_mut().zip(times).zip(ranges) {
+        let selected = checksum_of_selected(opened, &times);
         parts.push(ShardPart { first: range.start as u64, end: range.end as u64, selected, n_labels: 0 });
         opened.part = range;
     }
@@ -54,15 +47,15 @@ fn file_sizes(opened: &OpenedDataset) -> Option<Vec<u64>> {
     opened.scan_indices.iter().map(|it| opened.dataset.scan_n_bytes(*it)).collect()
 }
 
-fn times_of_selected_s(opened: &OpenedDataset) -> Vec<f64> {
-    let times_s = scan_times_s(&*opened.dataset);
-    opened.scan_indices.iter().map(|it| times_s[*it]).collect()
+fn times_of_selected(opened: &OpenedDataset) -> Vec<ScanTime> {
+    let times = scan_times(&*opened.dataset);
+    opened.scan_indices.iter().map(|it| times[*it].clone()).collect()
 }
 
 /// SHA-256 of the names of the selected scans and of when they were taken, a line each.
-fn checksum_of_selected(opened: &OpenedDataset, times_s: &[f64]) -> String {
+fn checksum_of_selected(opened: &OpenedDataset, times: &[ScanTime]) -> String {
     let mut lines = String::new();
-    for (scan_idx, time_s) in opened.scan_indices.iter().zip(times_s) {
+    for (scan_idx, ScanTime { time_s, .. }) in opened.scan_indices.iter().zip(times) {
         let id = &opened.dataset.scan_ids()[*scan_idx];
         // Writing to a string cannot fail.
         let _ = writeln!(lines, "{} {} {time_s:.3}", id.sequence, id.index);

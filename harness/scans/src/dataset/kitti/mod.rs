@@ -10,4 +10,5 @@ pub mod ground_truth;
 pub mod split_folder;
 pub mod tracking;
 pub mod scan_list;
+pub mod raw_mapping;
 pub mod object;

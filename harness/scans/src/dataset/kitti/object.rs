@@ -6,6 +6,9 @@
 //! calib/NNNNNN.txt
 //! image_2/NNNNNN.png   optional, only its size is read
 //! ```
+//!
+//! Scans were picked out of drives at random, and their numbers are no times. Which raw scans they are is told by the development kit,
+//! if it lies beside the split ([`RawMapping`]).
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -13,6 +16,7 @@ use std::path::{Path, PathBuf};
 use super::calibration::{KittiCalibration, parse_calibration};
 use super::ground_truth::{KittiGroundTruth, label_scan};
 use super::label::{KITTI_VOCABULARY, KittiLabel, parse_object_labels};
+use super::raw_mapping::{RawMapping, RawScan};
 use super::region_file::with_regions_of_file;
 use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
@@ -24,12 +28,12 @@ use crate::dataset::numbered_files::{numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::unpaired_files::UnpairedFiles;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
-use crate::dataset::{Dataset, DatasetError, Listing};
+use crate::dataset::{Dataset, DatasetError, Listing, Nearness};
 
 /// The folder of the label files.
 const LABELS: &str = "label_2";
 
-/// The scans come from all over KITTI's drives, and the files do not say from which: they count as one.
+/// The scans come from all over KITTI's drives, and their own files do not say from which.
 const SEQUENCE: &str = "training";
 
 /// An open KITTI object data set: labels and calibrations are in memory, scans are read one at a time.
@@ -48,6 +52,7 @@ struct Scan {
     calibration: KittiCalibration,
     image_size_px: [u32; 2],
     labels: Vec<KittiLabel>,
+    raw_scan: Option<RawScan>,
 }
 
 /// Whether `folder` looks like a split of the object benchmark.
@@ -73,12 +78,22 @@ pub fn open_kitti_object(
     scans: Option<&BTreeSet<u32>>,
 ) -> Result<KittiObjects, DatasetError> {
     let mut folder = SplitFolder::with_labels(&source.path, LABELS)?;
-    let numbers = scan_numbers(&folder, scans)?;
+    let mut numbers: Vec<u32> = scan_numbers(&folder, scans)?.into_iter().collect();
+    let mapping = RawMapping::beside(&source.path)?;
+    let raw_scan = |number| mapping.as_ref().map(|it| it.raw_scan(number).cloned()).transpose();
+    if mapping.is_some() {
+        let mut by_time = Vec::with_capacity(numbers.len());
+        for number in numbers {
+            by_time.push((raw_scan(number)?, number));
+        }
+        by_time.sort_unstable();
+        numbers = by_time.into_iter().map(|(_, number)| number).collect();
+    }
     let mut scan_ids = Vec::with_capacity(numbers.len());
     let mut opened = Vec::with_capacity(numbers.len());
     let mut classes = ClassReader::new(&source.classes, KITTI_VOCABULARY);
     for index in numbers {
-        opened.push(open_scan(&mut folder, index, &mut classes)?);
+        opened.push(Scan { raw_scan: raw_scan(index)?, ..open_scan(&mut folder, index, &mut classes)? });
         scan_ids.push(ScanId { sequence: SEQUENCE.to_owned(), index });
     }
     classes.unknown().refuse(&source.id)?;
@@ -108,6 +123,18 @@ impl Dataset for KittiObjects {
             LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.listing.description, &name),
             LabeledRegion::Camera | LabeledRegion::Everywhere => Ok(labeled),
         }
+    }
+
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        self.scans[scan_idx].raw_scan.as_ref().map(|it| it.time_ns)
+    }
+
+    fn nearness(&self) -> Nearness {
+        if self.scans.iter().all(|it| it.raw_scan.is_some()) { Nearness::Times } else { Nearness::Unknown }
+    }
+
+    fn scan_block(&self, scan_idx: usize) -> Option<&str> {
+        self.scans[scan_idx].raw_scan.as_ref().map(|it| it.drive.as_str())
     }
 
     fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
@@ -174,5 +201,6 @@ fn open_scan(
         calibration: parse_calibration(&folder.path_of(&calibration_name), &calibration)?,
         image_size_px: folder.image_size_px(&format!("{number:06}"), &image)?,
         path,
+        raw_scan: None,
     })
 }
