@@ -1,5 +1,6 @@
 //! From the command line to detectors and parameters.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use detector::params::PAPER_SENSOR;
@@ -91,21 +92,21 @@ pub fn chosen_with_results(
 ///
 /// [`Usage`] with the first of them.
 pub fn refuse_unread_models<'a>(
-    entrants: impl Iterator<Item = (&'a ChosenDetector, &'a RunConfig)> + Clone,
+    entrants: impl Iterator<Item = (&'a ChosenDetector, &'a RunConfig)>,
 ) -> Result<(), Failure> {
+    let entrants: Vec<(&ChosenDetector, &RunConfig)> = entrants.collect();
     for model in TrainedModel::ALL {
-        let directory = entrants.clone().find_map(|(_, config)| config.directory_of(model));
-        let is_read =
-            |(chosen, config): (&ChosenDetector, &RunConfig)| chosen.vehicle_model(config) == Some(model);
-        let Some(directory) = directory.filter(|_| !entrants.clone().any(is_read)) else { continue };
-        let mut reads: Vec<String> = Vec::new();
-        for (chosen, config) in entrants.clone() {
-            let read = chosen.vehicle_model(config).map_or("no model", TrainedModel::parameter);
-            let line = format!("{} reads {read}", chosen.name());
-            if !reads.contains(&line) {
-                reads.push(line);
-            }
-        }
+        let directory = entrants.iter().find_map(|(_, config)| config.directory_of(model));
+        let is_read = entrants.iter().any(|(chosen, config)| chosen.vehicle_model(config) == Some(model));
+        let Some(directory) = directory.filter(|_| !is_read) else { continue };
+        let reads: BTreeSet<String> = entrants
+            .iter()
+            .map(|(chosen, config)| {
+                let read = chosen.vehicle_model(config).map_or("no model", TrainedModel::parameter);
+                format!("{} reads {read}", chosen.name())
+            })
+            .collect();
+        let reads: Vec<String> = reads.into_iter().collect();
         let parameter = model.parameter();
         let problem =
             format!("{parameter} = {directory:?}: no chosen detector reads it; {}", reads.join(", "));

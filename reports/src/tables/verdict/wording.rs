@@ -67,7 +67,7 @@ pub(crate) fn least_effect_text(difference: &PairedDifference) -> String {
 /// What changed in the configuration of detectors, as one sentence; `None` if nothing did.
 pub(crate) fn about_configuration(changes: &[String]) -> Option<String> {
     let n_more = changes.len().saturating_sub(MOST_CHANGES);
-    let more = (n_more > 0).then(|| format!("; and {n_more} more")).unwrap_or_default();
+    let more = if n_more > 0 { format!("; and {n_more} more") } else { String::new() };
     let named = changes[..changes.len() - n_more].join("; ");
     (!changes.is_empty()).then(|| format!("Configuration changed: {named}{more}."))
 }
