@@ -110,7 +110,9 @@ mod tests {
     fn read(folder: &str, split: &str, files: [Option<&str>; 2]) -> Result<Option<RawMapping>, String> {
         let root = tempfile::tempdir().unwrap();
         let [mapping_folder, split] = [folder, split].map(|it| root.path().join(it));
-        [&mapping_folder, &split].map(|it| std::fs::create_dir_all(it).unwrap());
+        for made in [&mapping_folder, &split] {
+            std::fs::create_dir_all(made).unwrap();
+        }
         for (name, text) in [MAPPING, RAND].into_iter().zip(files) {
             if let Some(text) = text {
                 std::fs::write(mapping_folder.join(name), text).unwrap();
