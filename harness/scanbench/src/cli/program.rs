@@ -76,6 +76,7 @@ Exit codes:
 
 /// The verbs.
 #[derive(Debug, Subcommand)]
+#[expect(clippy::large_enum_variant, reason = "there is one of them")]
 pub enum Command {
     /// Run detectors on labelled scans and score them
     Run(RunArgs),

@@ -11,7 +11,7 @@ use crate::program::{Ended, Workplace};
 use crate::shard_folders::{check_same_but_times, make_shards, merge_whole};
 
 const N_SCANS: u32 = 12;
-const RUN: [&str; 6] = ["run", "street", "-d", "hierarchical,simple-grid", "--no-rrd", "-q"];
+const RUN: [&str; 6] = ["run", "street", "-d", "hierarchical,pca", "--no-rrd", "-q"];
 
 /// A workplace with twelve scans in the layout of the object benchmark.
 fn objects() -> (Workplace, DrawnDataset) {
@@ -207,6 +207,6 @@ fn recorded_objects_decide_nothing() {
         "-o",
         "run",
     ]);
-    let report = workplace.read("run/protocol_kitti-object.md");
+    let report = workplace.read("run/table_protocol_kitti-object.md");
     assert!(report.contains("¶ over scans that may be neighbours"), "{report}");
 }

@@ -330,7 +330,9 @@ mod tests {
     #[test]
     fn scans_without_times_are_of_no_drive() {
         let mut scans = scans();
-        scans.iter_mut().for_each(|it| (it.drive, it.time_ns) = (None, None));
+        for scan in &mut scans {
+            (scan.drive, scan.time_ns) = (None, None);
+        }
         let report = CheckReport::of(&description(), &scans).to_string();
         assert!(report.starts_with("data set"), "{report}");
         assert!(report.contains("4, no times known: they may be neighbours\n"), "{report}");

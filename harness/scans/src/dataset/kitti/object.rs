@@ -52,7 +52,7 @@ struct Scan {
     calibration: KittiCalibration,
     image_size_px: [u32; 2],
     labels: Vec<KittiLabel>,
-    raw_scan: Option<RawScan>,
+    raw: Option<RawScan>,
 }
 
 /// Whether `folder` looks like a split of the object benchmark.
@@ -93,7 +93,7 @@ pub fn open_kitti_object(
     let mut opened = Vec::with_capacity(numbers.len());
     let mut classes = ClassReader::new(&source.classes, KITTI_VOCABULARY);
     for index in numbers {
-        opened.push(Scan { raw_scan: raw_scan(index)?, ..open_scan(&mut folder, index, &mut classes)? });
+        opened.push(Scan { raw: raw_scan(index)?, ..open_scan(&mut folder, index, &mut classes)? });
         scan_ids.push(ScanId { sequence: SEQUENCE.to_owned(), index });
     }
     classes.unknown().refuse(&source.id)?;
@@ -126,15 +126,15 @@ impl Dataset for KittiObjects {
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        self.scans[scan_idx].raw_scan.as_ref().map(|it| it.time_ns)
+        self.scans[scan_idx].raw.as_ref().map(|it| it.time_ns)
     }
 
     fn nearness(&self) -> Nearness {
-        if self.scans.iter().all(|it| it.raw_scan.is_some()) { Nearness::Times } else { Nearness::Unknown }
+        if self.scans.iter().all(|it| it.raw.is_some()) { Nearness::Times } else { Nearness::Unknown }
     }
 
     fn scan_block(&self, scan_idx: usize) -> Option<&str> {
-        self.scans[scan_idx].raw_scan.as_ref().map(|it| it.drive.as_str())
+        self.scans[scan_idx].raw.as_ref().map(|it| it.drive.as_str())
     }
 
     fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
@@ -201,6 +201,6 @@ fn open_scan(
         calibration: parse_calibration(&folder.path_of(&calibration_name), &calibration)?,
         image_size_px: folder.image_size_px(&format!("{number:06}"), &image)?,
         path,
-        raw_scan: None,
+        raw: None,
     })
 }
