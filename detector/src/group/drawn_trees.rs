@@ -14,23 +14,23 @@ use crate::segment::wall_refinement::WallRefinement;
 use crate::surface_class::SurfaceClass;
 
 /// A scan, and all that comes of it up to the tree.
-pub struct DrawnGroups {
-    pub cloud: PointCloud,
-    pub grid: HierarchicalGrid,
-    pub terrain: Terrain,
-    pub classes: Vec<SurfaceClass>,
-    pub walls: WallRefinement,
-    pub candidates: Candidates,
-    pub dense: DenseCells,
-    pub gaps: DenseGaps,
-    pub tree: GroupingTree,
+pub(crate) struct DrawnGroups {
+    pub(crate) cloud: PointCloud,
+    pub(crate) grid: HierarchicalGrid,
+    pub(crate) terrain: Terrain,
+    pub(crate) classes: Vec<SurfaceClass>,
+    pub(crate) walls: WallRefinement,
+    pub(crate) candidates: Candidates,
+    pub(crate) dense: DenseCells,
+    pub(crate) gaps: DenseGaps,
+    pub(crate) tree: GroupingTree,
 }
 
 /// How high the sensor of drawn scans is above the road.
-pub const SENSOR_HEIGHT_M: f32 = 1.73;
+const SENSOR_HEIGHT_M: f32 = 1.73;
 
 /// Where the dense cell of 20 cm begins that is so many steps from a place in front of the sensor.
-pub fn corner_m(step: [u8; 2]) -> [f32; 2] {
+pub(crate) fn corner_m(step: [u8; 2]) -> [f32; 2] {
     step.map(|it| 6.0 + f32::from(it) * 0.2)
 }
 
@@ -42,7 +42,7 @@ pub fn tree_over(steps: &[[u8; 2]]) -> (DenseCells, GroupingTree, PointCloud) {
 }
 
 /// The same with all that it comes of.
-pub fn groups_over(steps: &[[u8; 2]]) -> DrawnGroups {
+pub(crate) fn groups_over(steps: &[[u8; 2]]) -> DrawnGroups {
     let mut cloud = PointCloud::default();
     for &step in steps {
         let [x_m, y_m] = corner_m(step).map(|it| it + 0.1);
@@ -54,7 +54,7 @@ pub fn groups_over(steps: &[[u8; 2]]) -> DrawnGroups {
 }
 
 /// All that comes of `cloud`, over a road that is level.
-pub fn groups_of(cloud: PointCloud) -> DrawnGroups {
+pub(crate) fn groups_of(cloud: PointCloud) -> DrawnGroups {
     let params = HierarchicalParams::shipped();
     let geometry = GridParams { extent_m: 40.0, ..params.grid.clone() };
     let mut grid = HierarchicalGrid::new(geometry.clone());
