@@ -18,9 +18,9 @@
 //! let end = |x: f32| steps(2.0, 3.8).flat_map(move |y| steps(-1.5, -0.3).map(move |z| [x, y, z]));
 //! let cloud: PointCloud = road.chain(side(2.0)).chain(side(3.8)).chain(end(4.0)).chain(end(8.0)).collect();
 //!
-//! // A detector and its output are used again for the next scan.
+//! // A detector and its output are used again for the next scan. It tells vehicles by their size; `telling_vehicles` makes it ask its model.
 //! let (params, model) = (HierarchicalParams::shipped(), GroupingModel::shipped());
-//! let mut detector = TreeDetector::new(params, model, sensor_height_m).telling_vehicles();
+//! let mut detector = TreeDetector::new(params, model, sensor_height_m);
 //! let mut output = DetectorOutput::default();
 //! detector.detect(&cloud, &mut output);
 //!

@@ -238,7 +238,9 @@ mod tests {
             let points: Vec<[f32; 3]> = points.collect();
             let heap_of = |points: &[[f32; 3]]| {
                 let mut heap = Heap::EMPTY;
-                points.iter().for_each(|it| heap.add(*it, -1.5));
+                for it in points {
+                    heap.add(*it, -1.5);
+                }
                 heap
             };
             let (left, right) = points.split_at(split.min(points.len()));

@@ -14,32 +14,23 @@ use crate::segment::wall_refinement::WallRefinement;
 use crate::surface_class::SurfaceClass;
 
 /// A scan, and all that comes of it up to the tree.
-pub struct DrawnGroups {
-    /// The points.
-    pub cloud: PointCloud,
-    /// Its grid.
-    pub grid: HierarchicalGrid,
-    /// The road below it.
-    pub terrain: Terrain,
-    /// What each cell is of.
-    pub classes: Vec<SurfaceClass>,
-    /// Its walls.
-    pub walls: WallRefinement,
-    /// The cells that may be of objects.
-    pub candidates: Candidates,
-    /// The dense cells of these.
-    pub dense: DenseCells,
-    /// The gaps between dense cells.
-    pub gaps: DenseGaps,
-    /// The tree over them.
-    pub tree: GroupingTree,
+pub(crate) struct DrawnGroups {
+    pub(crate) cloud: PointCloud,
+    pub(crate) grid: HierarchicalGrid,
+    pub(crate) terrain: Terrain,
+    pub(crate) classes: Vec<SurfaceClass>,
+    pub(crate) walls: WallRefinement,
+    pub(crate) candidates: Candidates,
+    pub(crate) dense: DenseCells,
+    pub(crate) gaps: DenseGaps,
+    pub(crate) tree: GroupingTree,
 }
 
 /// How high the sensor of drawn scans is above the road.
-pub const SENSOR_HEIGHT_M: f32 = 1.73;
+const SENSOR_HEIGHT_M: f32 = 1.73;
 
 /// Where the dense cell of 20 cm begins that is so many steps from a place in front of the sensor.
-pub fn corner_m(step: [u8; 2]) -> [f32; 2] {
+pub(crate) fn corner_m(step: [u8; 2]) -> [f32; 2] {
     step.map(|it| 6.0 + f32::from(it) * 0.2)
 }
 
@@ -51,7 +42,7 @@ pub fn tree_over(steps: &[[u8; 2]]) -> (DenseCells, GroupingTree, PointCloud) {
 }
 
 /// The same with all that it comes of.
-pub fn groups_over(steps: &[[u8; 2]]) -> DrawnGroups {
+pub(crate) fn groups_over(steps: &[[u8; 2]]) -> DrawnGroups {
     let mut cloud = PointCloud::default();
     for &step in steps {
         let [x_m, y_m] = corner_m(step).map(|it| it + 0.1);
@@ -63,7 +54,7 @@ pub fn groups_over(steps: &[[u8; 2]]) -> DrawnGroups {
 }
 
 /// All that comes of `cloud`, over a road that is level.
-pub fn groups_of(cloud: PointCloud) -> DrawnGroups {
+pub(crate) fn groups_of(cloud: PointCloud) -> DrawnGroups {
     let params = HierarchicalParams::shipped();
     let geometry = GridParams { extent_m: 40.0, ..params.grid.clone() };
     let mut grid = HierarchicalGrid::new(geometry.clone());

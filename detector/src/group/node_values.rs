@@ -263,17 +263,14 @@ impl NodeDescriber {
         let shape = &self.shapes[node_idx as usize];
         let bounding_box = shape.bounding_box.expect("only such are described");
         let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
-        let heap = &node.heap;
-        let n_points = heap.n_points as f32;
+        let n_points = node.heap.n_points as f32;
         let share = |n: u32| n as f32 / n_points;
-        let mean_m = heap.height_sum_m / n_points;
-        let variance = (heap.height_squares_m2 / n_points - mean_m * mean_m).max(0.0);
+        let [mean_height_m, height_deviation_m] = heights(&node.heap);
         let center_above_m = bounding_box.center_m[2] - surroundings.ground_m;
         let n_beyond_ends = surroundings.n_beyond_ends as f32;
-        let cells_m2 = shape.n_cells as f32 * CELL_M * CELL_M;
         let [log_seen_area, over_expected, range_m, view_cosine] =
             seen(&bounding_box, n_points, n_points_of_scan);
-        let above = heap.n_above.map(share);
+        let above = node.heap.n_above.map(share);
         let [n_parts, largest_part_share, second_part_share] = parts(tree, node);
         let [share_of_whole, length_of_whole_m, width_of_whole_m, whole_joined_at, log_n_points_of_whole] =
             self.whole(tree, node);
@@ -290,14 +287,14 @@ impl NodeDescriber {
             height_m,
             center_above_m - 0.5 * height_m,
             center_above_m + 0.5 * height_m,
-            mean_m,
-            variance.sqrt(),
+            mean_height_m,
+            height_deviation_m,
             above[0],
             above[1],
             above[2],
             above[3],
             view_cosine,
-            cells_m2 / ((length_m + CELL_M) * (width_m + CELL_M)),
+            shape.n_cells as f32 * CELL_M * CELL_M / ((length_m + CELL_M) * (width_m + CELL_M)),
             shape.hull.len() as f32,
             f32::from(node.level),
             f32::from(node.joined_at),
@@ -341,6 +338,14 @@ impl NodeDescriber {
             whole.map_or(0.0, |(it, _)| single::ln(it.heap.n_points as f32)),
         ]
     }
+}
+
+/// The mean height of points above the ground, and the standard deviation.
+fn heights(heap: &Heap) -> [f32; 2] {
+    let n_points = heap.n_points as f32;
+    let mean_m = heap.height_sum_m / n_points;
+    let variance_m2 = (heap.height_squares_m2 / n_points - mean_m * mean_m).max(0.0);
+    [mean_m, variance_m2.sqrt()]
 }
 
 /// How many parts a node has, and the shares of its points in the largest and in the second one.
@@ -417,34 +422,37 @@ mod tests {
         }
     }
 
+    /// What all groups of [`posts`] have.
+    const OF_ALL: [(&str, f32); 13] = [
+        ("height_m", 0.8),
+        ("bottom_m", 0.43),
+        ("top_m", 1.23),
+        ("mean_height_m", 0.83),
+        ("height_deviation_m", 0.2828),
+        // All but the lowest of five heights, and the highest one.
+        ("share_above_0.5_m", 0.8),
+        ("share_above_1.1_m", 0.2),
+        ("share_above_1.4_m", 0.0),
+        ("n_hull_corners", 4.0),
+        ("n_cuts", 0.0),
+        ("wall_share", 0.0),
+        ("length_of_wall_m", 0.0),
+        ("tall_share", 0.0),
+    ];
+
     #[test]
     fn a_group_and_its_parts_have_the_values_that_their_names_say() {
         // Two that touch, and after a gap of one cell a single one.
         let [two, one, whole] = &described(&posts(&[[0, 0], [1, 0], [3, 0]]), 1)[..] else {
             panic!("there are three groups")
         };
-        let ln = |it: f32| it.ln();
-        let of_all = [
-            ("height_m", 0.8),
-            ("bottom_m", 0.43),
-            ("top_m", 1.23),
-            ("mean_height_m", 0.83),
-            ("height_deviation_m", 0.2828),
-            // All but the lowest of five heights, and the highest one.
-            ("share_above_0.5_m", 0.8),
-            ("share_above_1.1_m", 0.2),
-            ("share_above_1.4_m", 0.0),
-            ("n_hull_corners", 4.0),
-            ("n_cuts", 0.0),
-            ("wall_share", 0.0),
-            ("length_of_wall_m", 0.0),
-            ("tall_share", 0.0),
-        ];
-        [two, one, whole].into_iter().for_each(|it| check_values(it, &of_all));
+        for node in [two, one, whole] {
+            check_values(node, &OF_ALL);
+        }
         check_values(
             two,
             &[
-                ("log_n_points", ln(40.0)),
+                ("log_n_points", 40.0_f32.ln()),
                 ("length_m", 0.36),
                 ("width_m", 0.16),
                 ("filled_share", 2.0 * 0.04 / (0.56 * 0.36)),
@@ -457,15 +465,18 @@ mod tests {
                 ("length_of_whole_m", 0.76),
                 ("width_of_whole_m", 0.16),
                 ("whole_joined_at", 10.0),
-                ("log_n_points_of_whole", ln(60.0)),
-                ("log_n_cells", ln(2.0)),
+                ("log_n_points_of_whole", 60.0_f32.ln()),
+                ("log_n_cells", 2.0_f32.ln()),
             ],
         );
-        check_values(one, &[("log_n_points", ln(20.0)), ("share_of_whole", 1.0 / 3.0), ("log_n_cells", 0.0)]);
+        check_values(
+            one,
+            &[("log_n_points", 20.0_f32.ln()), ("share_of_whole", 1.0 / 3.0), ("log_n_cells", 0.0)],
+        );
         check_values(
             whole,
             &[
-                ("log_n_points", ln(60.0)),
+                ("log_n_points", 60.0_f32.ln()),
                 ("range_m", 6.4_f32.hypot(6.1)),
                 ("length_m", 0.76),
                 ("width_m", 0.16),
@@ -477,7 +488,7 @@ mod tests {
                 ("share_of_whole", 1.0),
                 ("length_of_whole_m", 0.0),
                 ("log_n_points_of_whole", 0.0),
-                ("log_n_cells", ln(3.0)),
+                ("log_n_cells", 3.0_f32.ln()),
             ],
         );
     }

@@ -161,20 +161,7 @@ impl RunFacts {
             worst.add(&row, |_| ());
         })?;
         let draws = tally.draw();
-        let of_pool = |(pool, mut times_ms): (Pool, Vec<(String, Vec<f64>)>)| {
-            let places = tally.datasets_in(pool.extent.name()).into_iter();
-            let tasks = tally.tasks().iter();
-            times_ms.iter_mut().for_each(|(_, times)| times.sort_by(f64::total_cmp));
-            PoolFacts {
-                blocks: places.map(|it| draws[it].blocks()).reduce(BlockCount::with),
-                ranges: tasks
-                    .filter_map(|task| task_ranges((&tally, &draws), &pool, *task, &detectors))
-                    .collect(),
-                stages_ms: detectors.iter().map(|it| (it.clone(), stages_of(&report, &pool, it))).collect(),
-                times_ms,
-                pool,
-            }
-        };
+        let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, (&tally, &draws), &report);
         Ok(Self {
             standings: standings(&tally, &manifest, &report),
             speeds: speeds(&manifest, &report),
@@ -224,6 +211,29 @@ impl RunFacts {
 }
 
 impl PoolFacts {
+    /// What is shown of `pool`, whose scans took the detectors `times_ms`.
+    fn of(
+        pool: Pool,
+        mut times_ms: Vec<(String, Vec<f64>)>,
+        (tally, draws): (&Tally, &[Draw]),
+        report: &RunReport,
+    ) -> Self {
+        for (_, times) in &mut times_ms {
+            times.sort_by(f64::total_cmp);
+        }
+        let detectors: Vec<String> = times_ms.iter().map(|(name, _)| name.clone()).collect();
+        let places = tally.datasets_in(pool.extent.name()).into_iter();
+        let ranges =
+            tally.tasks().iter().filter_map(|it| task_ranges((tally, draws), &pool, *it, &detectors));
+        Self {
+            blocks: places.map(|it| draws[it].blocks()).reduce(BlockCount::with),
+            ranges: ranges.collect(),
+            stages_ms: detectors.iter().map(|it| (it.clone(), stages_of(report, &pool, it))).collect(),
+            times_ms,
+            pool,
+        }
+    }
+
     /// What is to be said of intervals; `None` if nothing is.
     pub(super) fn caveat_of_intervals(&self) -> Option<String> {
         self.blocks.and_then(BlockCount::caveat_of_conclusions)

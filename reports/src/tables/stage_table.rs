@@ -48,7 +48,9 @@ impl StageTable {
         }));
         let mut lines: Vec<Line> = detectors.iter().flat_map(StagesOfDetector::lines).collect();
         if !has_published {
-            lines.iter_mut().for_each(|it| drop(it.cells.drain(2..4)));
+            for line in &mut lines {
+                line.cells.drain(2..4);
+            }
         }
         let cpu_model = manifest.machine.cpu_model.clone();
         (!lines.is_empty()).then_some(Self { grid: Grid { columns, lines }, cpu_model, has_published })

@@ -142,18 +142,24 @@ impl Standing {
         let others: Vec<String> = defined.map(|it| format!("{} {}", it.detector, it.text())).collect();
         let undefined = self.places.iter().filter(|it| it.value.is_none());
         let undefined: Vec<&str> = undefined.map(|it| it.detector.as_str()).collect();
-        let lists = [("Then", others.join(", ")), ("Undefined", undefined.join(", "))];
-        let lists = lists.into_iter().filter(|(_, list)| !list.is_empty());
-        lists.map(|(head, list)| format!(" {head}: {list}.")).collect()
+        let sentence = |head: &str, list: String| {
+            if list.is_empty() { list } else { format!(" {head}: {list}.") }
+        };
+        sentence("Then", others.join(", ")) + &sentence("Undefined", undefined.join(", "))
     }
 
-    fn sentence_of_rates(&self) -> String {
+    /// The task, and which data sets.
+    fn about(&self) -> String {
         let on = match self.pool.origin {
             _ if self.has_others => format!(" on {}", self.pool.in_words()),
             Origin::Recorded => String::new(),
             origin => format!(" ({})", origin.name()),
         };
-        let about = format!("Task {}{on}: ", self.task);
+        format!("Task {}{on}: ", self.task)
+    }
+
+    fn sentence_of_rates(&self) -> String {
+        let about = self.about();
         let metric = match self.metric {
             Metric::FRate => "F-rate",
             _ => "recall",
