@@ -234,7 +234,7 @@ impl SweepScore {
         let mut row = self.subject.cells_of_row();
         row.push(self.task.name().to_owned());
         row.extend([self.n_scans, self.blocks.n_blocks].map(|it| it.to_string()));
-        row.extend([self.blocks.kind.name().to_owned(), self.blocks.are_too_few().to_string()]);
+        row.extend([self.blocks.kind.name().to_owned(), self.blocks.decide_nothing().to_string()]);
         let counted = [Some(counts.no()), Some(counts.tp()), Some(counts.mo()), counts.fo(), counts.nd()];
         row.extend(counted.map(whole));
         row.push(rate(counts.precision(), 6));

@@ -108,7 +108,7 @@ impl SweptNumber {
         cells.extend([direction.map(|it| it.to_string()).unwrap_or_default(), metric.n.to_string()]);
         cells.push(of_blocks(|it| it.blocks.n_blocks.to_string()));
         cells.push(of_blocks(|it| it.blocks.kind.name().to_owned()));
-        cells.push(of_blocks(|it| it.blocks.are_too_few().to_string()));
+        cells.push(of_blocks(|it| it.blocks.decide_nothing().to_string()));
         cells
     }
 }

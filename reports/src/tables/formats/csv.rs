@@ -108,7 +108,7 @@ fn measured_record(table: &TaskTable, row: &MeasuredRow, detector: &str, score: 
         end(f_rate, 1),
         of_blocks(|it| it.n_blocks.to_string()),
         of_blocks(|it| it.kind.name().to_owned()),
-        of_blocks(|it| it.are_too_few().to_string()),
+        of_blocks(|it| it.decide_nothing().to_string()),
     ]
 }
 
@@ -172,7 +172,7 @@ impl Format<ProtocolTable<'_>> for Csv {
                 text(interval.map(|it| it.ends[1])),
                 blocks.map_or_else(String::new, |it| it.n_blocks.to_string()),
                 blocks.map_or_else(String::new, |it| it.kind.name().to_owned()),
-                blocks.map_or_else(String::new, |it| it.are_too_few().to_string()),
+                blocks.map_or_else(String::new, |it| it.decide_nothing().to_string()),
             ]);
         }
         let bytes = writer.into_inner().expect("memory takes all that is written");

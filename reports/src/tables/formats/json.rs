@@ -97,7 +97,7 @@ impl Format<Verdict> for Json {
             n_blocks: verdict.blocks.n_blocks,
             degrees_of_freedom: verdict.blocks.degrees_of_freedom,
             blocks: verdict.blocks.kind.name(),
-            few_blocks: verdict.blocks.are_too_few(),
+            few_blocks: verdict.blocks.decide_nothing(),
             n_at_risk: verdict.n_at_risk(),
             most_false_alarms: verdict.most_false_alarms(),
             metrics: verdict.metrics.iter().map(metric_record).collect(),

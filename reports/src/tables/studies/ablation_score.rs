@@ -166,7 +166,7 @@ impl AblationRow {
             latency_p50_ms: score.latency_p50_ms.map(Fixed),
             f_rate_low: score.f_rate_within.map(|it| Fixed(it.ends[0])),
             f_rate_high: score.f_rate_within.map(|it| Fixed(it.ends[1])),
-            few_blocks: score.f_rate_within.map(|it| it.blocks.are_too_few()),
+            few_blocks: score.f_rate_within.map(|it| it.blocks.decide_nothing()),
         }
     }
 }

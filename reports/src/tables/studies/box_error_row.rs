@@ -148,7 +148,7 @@ impl BoxErrorRow {
                 high: interval.map(|it| Fixed(it.ends[1])),
                 n_blocks: blocks.map(|it| it.n_blocks),
                 blocks: blocks.map(|it| it.kind.name().to_owned()),
-                few_blocks: blocks.map(BlockCount::are_too_few),
+                few_blocks: blocks.map(BlockCount::decide_nothing),
             }
         })
     }

@@ -68,7 +68,7 @@ impl ConditionRow {
             f_rate: counts.f_rate().map(Fixed),
             f_rate_low: f_rate_within.map(|it| Fixed(it.ends[0])),
             f_rate_high: f_rate_within.map(|it| Fixed(it.ends[1])),
-            few_blocks: f_rate_within.map(|it| it.blocks.are_too_few()),
+            few_blocks: f_rate_within.map(|it| it.blocks.decide_nothing()),
         };
         let of_detector = |it: &DetectorRates| it.tasks().map(|(task, rate)| row(&it.detector, task, rate));
         scores.detectors.iter().flat_map(of_detector).collect()

@@ -55,7 +55,7 @@ impl DifferenceRow {
             difference: Fixed(difference.difference()),
             low: difference.interval.map(|it| Fixed(it.ends[0])),
             high: difference.interval.map(|it| Fixed(it.ends[1])),
-            few_blocks: difference.interval.map(|it| it.blocks.are_too_few()),
+            few_blocks: difference.interval.map(|it| it.blocks.decide_nothing()),
             least_effect: difference.least_effect.map(Fixed),
         }
     }

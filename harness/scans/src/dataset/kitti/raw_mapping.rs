@@ -44,12 +44,12 @@ impl RawMapping {
     ///
     /// [`DatasetError`] if one of the two files is missing, or a line is damaged or does not fit the other file.
     pub fn beside(split: &Path) -> Result<Option<Self>, DatasetError> {
-        // `.` and `..` have no name of their own.
-        let split = split.canonicalize().unwrap_or_else(|_| split.to_path_buf());
-        if split.file_name().is_none_or(|it| it != "training") {
-            return Ok(None);
-        }
-        let folders = FOLDERS.iter().filter_map(|it| Some(split.parent()?.join(it)));
+        // `.` and `..` have no name of their own, and what is called so may be a link to another place.
+        let canonical = split.canonicalize().unwrap_or_else(|_| split.to_path_buf());
+        let splits = [split, canonical.as_path()]
+            .into_iter()
+            .filter(|it| it.file_name().is_some_and(|it| it == "training"));
+        let folders = splits.filter_map(Path::parent).flat_map(|parent| FOLDERS.map(|it| parent.join(it)));
         let has_any = |it: &PathBuf| [MAPPING, RAND].iter().any(|name| it.join(name).exists());
         { folders }.find(has_any).map(|it| Self::read(&it)).transpose()
     }
@@ -142,6 +142,21 @@ mod tests {
         assert_eq!(read("mapping", "testing", [Some(THREE), Some("3,1,2")]), Ok(None));
         assert_eq!(read("training/mapping", "training", [Some(THREE), Some("3,1,2")]), Ok(None));
         assert_eq!(read("mapping", "training", [None, None]), Ok(None));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_split_may_be_a_link_beside_the_kit() {
+        let root = tempfile::tempdir().unwrap();
+        let [kit, data] = ["kitti/mapping", "disk/objects"].map(|it| root.path().join(it));
+        for made in [&kit, &data] {
+            std::fs::create_dir_all(made).unwrap();
+        }
+        std::fs::write(kit.join(MAPPING), THREE).unwrap();
+        std::fs::write(kit.join(RAND), "3,1,2").unwrap();
+        let split = root.path().join("kitti/training");
+        std::os::unix::fs::symlink(&data, &split).unwrap();
+        assert!(RawMapping::beside(&split).unwrap().is_some());
     }
 
     #[test]
