@@ -10,7 +10,7 @@ fn a_model_may_come_from_files() {
     let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params/vehicle_model");
     let directory = format!("vehicle_model.directory={shipped:?}");
     let detect = |options: &[&str]| {
-        let arguments = [&["detect", "street", "--scan", "0"], options].concat();
+        let arguments = [&["detect", "street", "--scan", "0", "-d", "kd-tree"], options].concat();
         let ended = workplace.run(&arguments);
         assert_eq!(ended.exit_code, Some(0), "{arguments:?}: {ended:#?}");
     };
