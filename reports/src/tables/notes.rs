@@ -264,10 +264,10 @@ mod tests {
         };
         // As of a run of an earlier version.
         assert_eq!(said(&manifest), [None, None]);
-        for (entry, words) in manifest.detectors.iter_mut().zip(["its own forests", "an SVM", "an SVM"]) {
+        for (entry, words) in manifest.detectors.iter_mut().zip(["SVM of eight values", "an SVM", "an SVM"]) {
             entry.vehicles = Some(words.to_owned());
         }
-        let expected = "Vehicles classified by: hierarchical: its own forests · kd-tree, pca: an SVM.";
+        let expected = "Vehicles classified by: paper: SVM of eight values · kd-tree, pca: an SVM.";
         assert_eq!(said(&manifest), [None, Some(expected.to_owned())]);
     }
 

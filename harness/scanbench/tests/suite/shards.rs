@@ -110,7 +110,11 @@ fn shards_that_do_not_make_a_run_are_refused_each_in_its_own_words() {
             "2/2",
             "are of different data: other scans of \"street-narrow\" were selected",
         ),
-        (&["-P", "pca.grid.cell_size_m=0.7"], "2/2", "have different parameters: those of pca"),
+        (
+            &["-P", "pca.grid.cell_size_m=0.7"],
+            "2/2",
+            "have different parameters: configuration changed: pca: grid.cell_size_m: ",
+        ),
         (&["--warmup", "7"], "2/2", "have different parameters: --warmup: 3 and 7"),
         (&["--criterion", "centre"], "2/2", "have different parameters: the matching criterion"),
         (&[], "2/3", "is one of 2 shards"),

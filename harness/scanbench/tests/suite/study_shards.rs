@@ -311,7 +311,8 @@ fn shards_of_an_ablation_and_of_a_run_are_kept_apart() {
     check_stands_not_in(&workplace, &run, &[], "shard-1-of-2 is a shard of `ablation`, ");
     let ablation = [&["ablation"], &data[..]].concat();
     let other = ["-P", "hierarchical.grid.xi=2"];
-    check_stands_not_in(&workplace, &ablation, &other, "have different parameters: those of whole method");
+    let words = "have different parameters: configuration changed: whole method: grid.xi: ";
+    check_stands_not_in(&workplace, &ablation, &other, words);
     let oracle = workplace.run(&[&ablation[..], &["--oracle", "--shard", "1/2", "-o", "shards"]].concat());
     assert!(oracle.exit_code == Some(2) && oracle.stderr.contains("cannot be used with"), "{oracle:#?}");
 }

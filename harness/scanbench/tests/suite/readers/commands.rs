@@ -203,7 +203,7 @@ fn a_recording_that_was_cut_off_is_read_to_the_cut() {
     let checked = workplace.succeed(&["data", "check", "b.mcap"]);
     let n_scans = rescued.stdout.strip_prefix("b.mcap  ").and_then(|it| it.split(' ').next()).unwrap();
     assert!(
-        n_scans != "30" && checked.stdout.contains(&format!("{n_scans} scans")),
+        n_scans != "30" && checked.stdout.contains(&format!(" {n_scans} of 1 drive")),
         "{rescued:#?} {checked:#?}"
     );
 }
