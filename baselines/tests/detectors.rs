@@ -8,7 +8,8 @@ use baselines::simple_grid_detector::SimpleGridDetector;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
 use detector::params::HierarchicalParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::params::paper::PaperParams;
+use detector::pipeline::paper_detector::PaperDetector;
 use detector::stage_product::Shape;
 use detector::{DetectedClass, Detector, OrientedBox, PointCloud};
 
@@ -139,13 +140,21 @@ fn two_close_cars() -> PointCloud {
 #[test]
 fn what_the_dense_level_separates_the_simple_grid_joins() {
     let cloud = two_close_cars();
-    let mut hierarchical = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
-    check_found(&detected(&mut hierarchical, &cloud), &[([8.0, 2.05], 0.0), ([8.0, 4.25], 0.0)]);
-    let joined = detected(&mut simple_grid(), &cloud);
+    // The detector of the papers with the foreground of the others.
+    let mut shared = HierarchicalParams::shipped();
+    shared.completion.enabled = false;
+    let mut params = PaperParams::shipped();
+    params.ground = shared.ground.clone();
+    params.walls.as_printed = false;
+    params.walls.min_support = shared.walls.min_support;
+    params.foreground.clearance_m = shared.foreground.clearance_m;
+    let mut of_papers = PaperDetector::new(&params, &shared, SENSOR_HEIGHT_M);
+    check_found(&detected(&mut of_papers, &cloud), &[([8.0, 2.05], 0.0), ([8.0, 4.25], 0.0)]);
+    let joined = detected(&mut SimpleGridDetector::new(shared, SENSOR_HEIGHT_M), &cloud);
     let n_points: usize = joined.detections.iter().map(|it| it.point_indices.len()).sum();
     assert_eq!(joined.detections.len(), 1);
     let separate: usize =
-        detected(&mut hierarchical, &cloud).detections.iter().map(|it| it.point_indices.len()).sum();
+        detected(&mut of_papers, &cloud).detections.iter().map(|it| it.point_indices.len()).sum();
     assert_eq!(n_points, separate, "the foreground is the same");
 }
 
