@@ -15,31 +15,10 @@ use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES, VALUES_OF_LARGER};
 /// Number of the values that tell vehicles.
 pub const N_VEHICLE_VALUES: usize = N_FEATURES + N_OWN_VALUES;
 
-/// Number of the values of a group alone that the vehicle model does not take from its points.
-const N_OWN_VALUES: usize = {
-    let (mut n, mut place) = (0, 0);
-    while place < N_NODE_VALUES {
-        n += is_own(place) as usize;
-        place += 1;
-    }
-    n
-};
+/// Number of the values of a group alone.
+const N_OWN_VALUES: usize = N_NODE_VALUES - (VALUES_OF_LARGER.end - VALUES_OF_LARGER.start);
 
-/// Their places among [`NODE_VALUES`].
-const OWN_VALUES: [usize; N_OWN_VALUES] = {
-    let mut places = [0; N_OWN_VALUES];
-    let (mut n, mut place) = (0, 0);
-    while place < N_NODE_VALUES {
-        if is_own(place) {
-            places[n] = place;
-            n += 1;
-        }
-        place += 1;
-    }
-    places
-};
-
-/// The names of the values that tell vehicles: those of the vehicle model, and those of the group alone. Each is there once.
+/// The names of the values that tell vehicles: those of the vehicle model, and those of the group alone.
 pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = {
     let mut names = [""; N_VEHICLE_VALUES];
     let mut place = 0;
@@ -47,12 +26,17 @@ pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = {
         names[place] = if place < N_FEATURES {
             VehicleFeatures::NAMES[place]
         } else {
-            NODE_VALUES[OWN_VALUES[place - N_FEATURES]]
+            NODE_VALUES[place_of_own(place - N_FEATURES)]
         };
         place += 1;
     }
     names
 };
+
+/// The place among [`NODE_VALUES`] of a value of the group alone.
+const fn place_of_own(own: usize) -> usize {
+    if own < VALUES_OF_LARGER.start { own } else { own + VALUES_OF_LARGER.end - VALUES_OF_LARGER.start }
+}
 
 /// The names of the values that a second look at a group sees: those of the group, and its context.
 pub const SECOND_LOOK_VALUES: [&str; N_SECOND_LOOK_VALUES] = both(NODE_VALUES, CONTEXT_VALUES);
@@ -138,32 +122,10 @@ impl GroupingModel {
 pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
     let mut values = [0.0; N_VEHICLE_VALUES];
     values[..N_FEATURES].copy_from_slice(features);
-    for (value, place) in values[N_FEATURES..].iter_mut().zip(OWN_VALUES) {
-        *value = node[place];
+    for (own, value) in values[N_FEATURES..].iter_mut().enumerate() {
+        *value = node[place_of_own(own)];
     }
     values
-}
-
-/// Whether a value of a node is of the group alone, and of another name than all that the vehicle model takes from its points.
-const fn is_own(place: usize) -> bool {
-    let mut is_own = place < VALUES_OF_LARGER.start || place >= VALUES_OF_LARGER.end;
-    let mut feature = 0;
-    while feature < N_FEATURES {
-        is_own &= !is_same(NODE_VALUES[place], VehicleFeatures::NAMES[feature]);
-        feature += 1;
-    }
-    is_own
-}
-
-const fn is_same(one: &str, other: &str) -> bool {
-    let (one, other) = (one.as_bytes(), other.as_bytes());
-    let mut is_same = one.len() == other.len();
-    let mut place = 0;
-    while is_same && place < one.len() {
-        is_same = one[place] == other[place];
-        place += 1;
-    }
-    is_same
 }
 
 /// Some names, and others behind them.
@@ -185,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn vehicles_are_told_by_all_values_but_those_of_wholes_and_walls_and_by_each_once() {
+    fn vehicles_are_told_by_all_values_but_those_of_wholes_and_walls() {
         let features = std::array::from_fn(|place| place as f32);
         let node = std::array::from_fn(|place| 100.0 + place as f32);
         let values = vehicle_values(&features, &node);
@@ -197,8 +159,6 @@ mod tests {
             };
             assert_eq!(found, name);
         }
-        let distinct: std::collections::BTreeSet<&str> = VEHICLE_VALUES.into_iter().collect();
-        assert_eq!(distinct.len(), N_VEHICLE_VALUES);
         let left_out: Vec<&str> = NODE_VALUES.into_iter().filter(|it| !VEHICLE_VALUES.contains(it)).collect();
         let is_of_larger = |it: &&str| it.contains("whole") || it.contains("of_wall");
         assert!(left_out.iter().all(is_of_larger) && left_out.len() == 6, "{left_out:?}");

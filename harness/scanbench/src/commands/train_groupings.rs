@@ -124,7 +124,7 @@ pub fn groups_of_all<'a, L: Linkage>(
         let new_grouping = || new_stages(&description.sensor, &of_sensor, description.sensor_height_m);
         let progress = progress_over_scans(scan_indices.len(), &description.id);
         let found = collect_groups(&**dataset, scan_indices, (&new_grouping, library), interrupted, || {
-            progress.inc(1)
+            progress.inc(1);
         })?;
         scans.extend(found.into_iter().map(|found| (it, found)));
         progress.finish_and_clear();

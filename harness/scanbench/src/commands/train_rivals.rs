@@ -1,6 +1,6 @@
 //! `scanbench train rivals`.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -10,10 +10,11 @@ use baselines::kd_tree_models::{KD_TREE_TREE, TrainedComponents};
 use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
-use detector::params::PAPER_SENSOR;
+use detector::params::{HierarchicalParams, PAPER_SENSOR};
 use evaluation::run::config::{CLUSTERS_FILE, COMPONENTS_FILE, NESTED_FILE, RunConfig};
 use evaluation::training::boosting::{Target, boost};
 use evaluation::training::cluster_training::{ClusterExample, described_clusters};
+use evaluation::training::group_examples::ScanGroups;
 use evaluation::training::grouping_training::{VEHICLES, best_tolerances};
 use evaluation::training::model_kind::ModelKind;
 use evaluation::training::operating_curves::OperatingCurves;
@@ -25,9 +26,9 @@ use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
 use crate::cli::TreeTrainingArgs;
-use crate::commands::failure::{Failure, Usage};
+use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::ids_of;
+use crate::commands::open_datasets::{OpenedDataset, ids_of};
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
@@ -53,61 +54,95 @@ pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
         Some(path) => prototypes_from(path)?,
         None => found_prototypes(&data, made.clone(), interrupted)?,
     };
-    let clusters = TrainedClusters::of(&data, &library, interrupted)?;
-    let nested = groups_of_all(
-        data.opened(),
-        &library,
-        &|_, params, height_m| nested_stages(params.clone(), height_m),
-        interrupted,
-    )?;
-    let is_taught = |dataset: &str, sequence: &str| !data.parted.is_held_out(dataset, sequence);
-    let taught = nested.iter().filter_map(|(opened, groups)| {
-        let description = opened.dataset.description();
-        is_taught(&description.id, &groups.sequence).then_some((description.sensor.as_str(), groups))
-    });
-    let mut tolerances_m = best_tolerances(taught, &NESTED_TOLERANCES_M);
-    let tree = TrainedTrees::of(&data, &nested, library.clone())?;
-    drop(nested);
-    let of_others = tolerances_m.values().next().copied();
-    let of_others = of_others.ok_or_else(|| Usage("all drives are held out".to_owned()))?;
-    tolerances_m.entry(PAPER_SENSOR.to_owned()).or_insert(of_others);
-    let tolerance_m = |sensor: &str| tolerances_m.get(sensor).copied().unwrap_or(of_others);
-    let components = groups_of_all(
-        data.opened(),
-        &library,
-        &|sensor, params, height_m| component_stages(params.clone(), tolerance_m(sensor), height_m),
-        interrupted,
-    )?;
-    let flat = TrainedTrees::of(&data, &components, library)?;
-    let sensors: BTreeSet<&str> =
-        data.trained.iter().map(|it| it.dataset.description().sensor.as_str()).collect();
-    let chosen: Vec<String> = sensors.iter().map(|it| format!("{it} {} m", tolerance_m(it))).collect();
-    let texts = [
-        drives(&data.parted),
-        format!("kd-tree-trained, at {}\n{}", chosen.join(", "), flat.text()),
-        format!("kd-tree-tree\n{}", tree.text()),
-        clusters.text(),
-    ];
-    let mut rows = flat.judgement.rows("kd-tree-trained");
-    rows.extend(tree.judgement.rows("kd-tree-tree"));
-    let components = TrainedComponents::new(Arc::new(flat.model), tolerances_m);
-    let tree = tree.model.to_file(KD_TREE_TREE, made.clone(), toml::Table::new());
-    for (name, content) in [
-        (MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).into_bytes()),
-        (CLUSTERS_FILE, clusters.model.to_file(made.clone()).to_bytes()),
-        (COMPONENTS_FILE, components.to_bytes(made)),
-        (NESTED_FILE, tree.to_bytes()),
-        ("calibration.csv", to_csv_bytes(&rows)?),
-    ] {
+    let rivals = Rivals::train(&data, library, interrupted)?;
+    let text = rivals.text(&data);
+    directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
+    for (name, content) in rivals.files(&made)? {
         directory.write_file(name, &content)?;
     }
     let finished = directory.finish()?;
-    let printed = print_result(texts.join("\n\n"));
+    let printed = print_result(text);
     let path = finished.display();
     print_diagnostic(format_args!(
         "Models: {path}\nRun them: scanbench run -d kd-tree-trained,kd-tree-tree,kd-tree -P vehicle_model.rivals_directory={path}"
     ));
     printed
+}
+
+/// What all rivals judge by, and how it does on drives it has not seen.
+struct Rivals {
+    clusters: TrainedClusters,
+    nested: TrainedTrees,
+    components: TrainedTrees,
+    // By sensor.
+    tolerances_m: BTreeMap<String, f32>,
+}
+
+impl Rivals {
+    fn train(
+        data: &TrainingData<'_>,
+        library: PrototypeLibrary,
+        interrupted: &AtomicBool,
+    ) -> Result<Self, Failure> {
+        let clusters = TrainedClusters::of(data, &library, interrupted)?;
+        let nested_for =
+            |_: &str, params: &HierarchicalParams, height_m| nested_stages(params.clone(), height_m);
+        let scans = groups_of_all(data.opened(), &library, &nested_for, interrupted)?;
+        let tolerances_m = chosen_tolerances(data, &scans)?;
+        let nested = TrainedTrees::of(data, &scans, library.clone())?;
+        drop(scans);
+        let components_for = |sensor: &str, params: &HierarchicalParams, height_m| {
+            let tolerance_m = tolerances_m.get(sensor).unwrap_or(&tolerances_m[PAPER_SENSOR]);
+            component_stages(params.clone(), *tolerance_m, height_m)
+        };
+        let scans = groups_of_all(data.opened(), &library, &components_for, interrupted)?;
+        let components = TrainedTrees::of(data, &scans, library)?;
+        Ok(Self { clusters, nested, components, tolerances_m })
+    }
+
+    /// What was chosen, and how it does, for people.
+    fn text(&self, data: &TrainingData<'_>) -> String {
+        let chosen: Vec<String> =
+            self.tolerances_m.iter().map(|(sensor, it)| format!("{sensor} {it} m")).collect();
+        let parts = [
+            drives(&data.parted),
+            format!("kd-tree-trained, at {}\n{}", chosen.join(", "), self.components.text()),
+            format!("kd-tree-tree\n{}", self.nested.text()),
+            self.clusters.text(),
+        ];
+        parts.join("\n\n")
+    }
+
+    /// Models and calibration by the names of their files.
+    fn files(self, made: &Provenance) -> Result<[(&'static str, Vec<u8>); 4], Failure> {
+        let mut rows = self.components.judgement.rows("kd-tree-trained");
+        rows.extend(self.nested.judgement.rows("kd-tree-tree"));
+        let components = TrainedComponents::new(Arc::new(self.components.model), self.tolerances_m);
+        let nested = self.nested.model.to_file(KD_TREE_TREE, made.clone(), toml::Table::new());
+        Ok([
+            (CLUSTERS_FILE, self.clusters.model.to_file(made.clone()).to_bytes()),
+            (COMPONENTS_FILE, components.to_bytes(made.clone())),
+            (NESTED_FILE, nested.to_bytes()),
+            ("calibration.csv", to_csv_bytes(&rows)?),
+        ])
+    }
+}
+
+/// The tolerance for each sensor that was trained on, and for the paper's, which stands in for others.
+fn chosen_tolerances(
+    data: &TrainingData<'_>,
+    scans: &[(&OpenedDataset, ScanGroups)],
+) -> Result<BTreeMap<String, f32>, Failure> {
+    let taught = scans.iter().filter_map(|(opened, groups)| {
+        let description = opened.dataset.description();
+        let is_taught = !data.parted.is_held_out(&description.id, &groups.sequence);
+        is_taught.then_some((description.sensor.as_str(), groups))
+    });
+    let mut tolerances_m = best_tolerances(taught, &NESTED_TOLERANCES_M);
+    let first = tolerances_m.values().next().copied();
+    let first = first.ok_or_else(|| nothing(&"all scans are held out"))?;
+    tolerances_m.entry(PAPER_SENSOR.to_owned()).or_insert(first);
+    Ok(tolerances_m)
 }
 
 /// The detector whose clusters are learned from, at its own parameters.
