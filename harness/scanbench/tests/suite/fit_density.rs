@@ -173,7 +173,7 @@ fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_g
 #[test]
 fn training_warns_of_a_sensor_without_a_curve() {
     let workplace = Workplace::new();
-    let drives = ["train", "training-narrow", "--sensor", "xt32", "--scans", "0..81:40", "--detector", "pca"];
+    let drives = ["train", "pca", "training-narrow", "--sensor", "xt32", "--scans", "0..81:40"];
     let ended = workplace.run(&drives);
     assert!(
         ended.stderr.contains("warning: there is no density curve for the sensor \"xt32\""),
