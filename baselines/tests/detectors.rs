@@ -293,7 +293,10 @@ fn a_scan_gives_the_same_whatever_came_before() {
 }
 
 /// The points of each of these groups of the latest scan, all in order.
-fn points_of_groups(stages: &GroupingStages<KdTreeLinkage>, is_asked: impl Fn(&Node) -> bool) -> Vec<Vec<u32>> {
+fn points_of_groups(
+    stages: &GroupingStages<KdTreeLinkage>,
+    is_asked: impl Fn(&Node) -> bool,
+) -> Vec<Vec<u32>> {
     let (tree, dense_of_point) = (stages.tree(), stages.dense().dense_of_point());
     let points_of = |node: &Node| -> Vec<u32> {
         let cells = tree.cells(node);
@@ -315,7 +318,10 @@ fn components_within_components_are_those_of_each_tolerance() {
     });
     let crown = steps(7.0, 9.0, 20).flat_map(|x_m| steps(1.0, 3.0, 20).map(move |y_m| [x_m, y_m, 0.9]));
     let cloud: PointCloud =
-        [road(), pairs.collect(), crown.collect(), car([8.0, 2.05], 0.0), car([8.0, 4.25], 0.0)].concat().into_iter().collect();
+        [road(), pairs.collect(), crown.collect(), car([8.0, 2.05], 0.0), car([8.0, 4.25], 0.0)]
+            .concat()
+            .into_iter()
+            .collect();
     let shared = HierarchicalParams::shipped();
     let run = |mut stages: GroupingStages<KdTreeLinkage>| {
         stages.run(&cloud, &mut StageClock::start(), &mut Vec::new());

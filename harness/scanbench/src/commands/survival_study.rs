@@ -31,7 +31,7 @@ const ORACLE_CSV: &str = "oracle.csv";
 ///
 /// # Errors
 ///
-/// If the tree of groupings is switched off, anything asked for is not there, data are damaged, or the output cannot be
+/// If anything asked for is not there, data are damaged, or the output cannot be
 /// written; nothing is left behind then.
 pub fn survival_study(arguments: &AblationArgs) -> Result<(), Failure> {
     let (interrupted, started) = (interruption_flag(), Timestamp::now());

@@ -30,7 +30,10 @@ fn every_variant_has_a_row_for_each_data_set_and_for_all_simulated_ones() {
         rows.iter().filter(|row| row[dataset] == id).map(|row| row[variant].as_str()).collect()
     };
     let variants = variants_of("street");
-    assert_eq!((variants.first(), variants.last()), (Some(&"whole method"), Some(&"and the best cut of groups")));
+    assert_eq!(
+        (variants.first(), variants.last()),
+        (Some(&"whole method"), Some(&"and the best cut of groups"))
+    );
     let papers = variants.iter().position(|it| *it == "the papers").expect("a row");
     assert_eq!(variants[papers - 1], "without all of these");
     assert!(variants.contains(&"without terrain") && variants.contains(&"without walls"));

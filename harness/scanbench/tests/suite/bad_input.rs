@@ -399,10 +399,7 @@ fn a_parameter_of_another_name_type_or_range() {
             "run street -P tolerance_m=far -o out",
             ["-P tolerance_m=far: kd_tree.tolerance_m is", "but must be float"],
         ),
-        (
-            "run street -P hierarchical.grid.xi=9 -o out",
-            ["hierarchical.grid.xi = 9", "is not within 1 to 8"],
-        ),
+        ("run street -P hierarchical.grid.xi=9 -o out", ["hierarchical.grid.xi = 9", "is not within 1 to 8"]),
         (
             "run street -P hierarchical.terrain.low_quantile=1.1 -o out",
             ["hierarchical.terrain.low_quantile = 1.1 is", "not within 0 to 1"],

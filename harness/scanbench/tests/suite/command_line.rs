@@ -17,7 +17,7 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 34] = [
+const VERBS: [&str; 39] = [
     "run",
     "merge",
     "detect",

@@ -141,8 +141,7 @@ fn what_needs_training_or_a_drive_is_refused_without() {
 
 #[test]
 fn a_model_is_trained_to_the_byte_with_any_number_of_threads_and_tells_objects() {
-    let train =
-        ["train", "partial", "--objects", "objects-vlp-16,objects-approach", "--per-class", "3"];
+    let train = ["train", "partial", "--objects", "objects-vlp-16,objects-approach", "--per-class", "3"];
     let [one, three] = ["1", "3"].map(|n_threads| {
         let workplace = Workplace::new();
         let mut command = workplace.command(&[&train[..], &["-o", "model"]].concat());

@@ -7,8 +7,15 @@ use scans::dataset::checksum::sha256;
 /// Where the seed is drawn from.
 const DRAWN: &str = "docs/decisions/seeds.md";
 /// What makes choices, or says how they were made.
-const CHOICES: [&str; 7] =
-    [".ci", "docs/decisions", "docs/cell_fitness.toml", "reports/golden", "reports/slow", "detector/src/params", "baselines/src/params"];
+const CHOICES: [&str; 7] = [
+    ".ci",
+    "docs/decisions",
+    "docs/cell_fitness.toml",
+    "reports/golden",
+    "reports/slow",
+    "detector/src/params",
+    "baselines/src/params",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")

@@ -73,18 +73,32 @@ fn outcomes(workplace: &Workplace, detector: &str, option: &str) -> ([String; 2]
         workplace.succeed(&[&run[..], options, &["-o", name]].concat());
         workplace.read(&format!("{name}/matches.csv"))
     };
-    let of_both = [matches(&[], &format!("shipped-{detector}")), matches(&["-P", option], &format!("trained-{detector}"))];
+    let of_both = [
+        matches(&[], &format!("shipped-{detector}")),
+        matches(&["-P", option], &format!("trained-{detector}")),
+    ];
     (of_both, workplace.read(&format!("trained-{detector}/table_vehicles.md")))
 }
 
 #[test]
 fn rivals_are_trained_for_several_sensors_and_run() {
     let workplace = Workplace::new();
-    let train = ["train", "rivals", "street-narrow", "--seed", "7", "--simulated-scans", "6", "--sensors", "vlp-16,hdl-32e"];
+    let train = [
+        "train",
+        "rivals",
+        "street-narrow",
+        "--seed",
+        "7",
+        "--simulated-scans",
+        "6",
+        "--sensors",
+        "vlp-16,hdl-32e",
+    ];
     let ended = workplace.succeed(&[&train[..], &["-o", "model"]].concat());
     assert!(ended.stdout.contains("kd-tree-trained, at hdl-32e 0."), "{ended:#?}");
     assert!(ended.stdout.contains("vehicles among clusters"), "{ended:#?}");
-    let command = "scanbench train rivals street-narrow --seed 7 --simulated-scans 6 --sensors vlp-16,hdl-32e";
+    let command =
+        "scanbench train rivals street-narrow --seed 7 --simulated-scans 6 --sensors vlp-16,hdl-32e";
     for name in ["clusters.model", "kd_tree_trained.model", "kd_tree_tree.model"] {
         let model = workplace.read_bytes(&format!("model/{name}"));
         assert!(String::from_utf8_lossy(&model).contains(&format!("command = \"{command}\"")), "{name}");
@@ -131,7 +145,8 @@ fn a_model_that_no_chosen_detector_reads_is_refused_by_name() {
 fn a_damaged_model_is_named() {
     let (workplace, _) = trained();
     let whole = workplace.read("model/model.toml");
-    let run = ["run", "street-narrow", "-d", "paper", "-P", "vehicle_model.paper_directory=model", "-o", "out"];
+    let run =
+        ["run", "street-narrow", "-d", "paper", "-P", "vehicle_model.paper_directory=model", "-o", "out"];
     for (damaged, said) in [
         (
             whole.replace("version = 2", "version = 9"),
@@ -157,7 +172,8 @@ fn a_damaged_model_is_named() {
         "{ended:#?}"
     );
     let mut groupings =
-        std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params/groupings.model")).unwrap();
+        std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params/groupings.model"))
+            .unwrap();
     groupings[5000] ^= 1;
     workplace.write_bytes("model/groupings.model", &groupings);
     let ended = workplace.run(&["run", "-P", "vehicle_model.groupings_directory=model", "-o", "out"]);
@@ -186,16 +202,19 @@ fn the_detectors_of_the_papers_have_models_of_their_own() {
     let ended = workplace.run(&["run", "-d", "pca", "-P", "vehicle_model.pca_directory=model", "-o", "out"]);
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
     assert!(ended.stderr.contains("the model was trained on the features"), "{ended:#?}");
-    let ended = workplace.run(&["run", "-d", "paper", "-P", "vehicle_model.paper_directory=model-pca", "-o", "out"]);
+    let ended =
+        workplace.run(&["run", "-d", "paper", "-P", "vehicle_model.paper_directory=model-pca", "-o", "out"]);
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("vehicle_model.paper_directory = \"model-pca\": prototypes.toml"), "{ended:#?}");
+    assert!(
+        ended.stderr.contains("vehicle_model.paper_directory = \"model-pca\": prototypes.toml"),
+        "{ended:#?}"
+    );
 }
 
 #[test]
 fn other_data_may_be_judged_by() {
     let workplace = Workplace::new();
-    let held_out =
-        ["--held-out", "street-narrow", "--held-out-scans", "0..2", "-o", "model"];
+    let held_out = ["--held-out", "street-narrow", "--held-out-scans", "0..2", "-o", "model"];
     let ended = workplace.succeed(&[&TRAIN_PCA[..], &held_out].concat());
     let [trained, judged] = ["Trained on 6 drives: ", "Held out 1 drives: street-narrow: narrow-803595\n"];
     assert!(ended.stdout.contains(trained) && ended.stdout.contains(judged), "{ended:#?}");
@@ -233,7 +252,12 @@ fn check_refused(workplace: &Workplace, arguments: &[&str], exit_code: i32, part
 fn what_cannot_be_trained_leaves_nothing() {
     let workplace = Workplace::new();
     for model in ["groupings", "rivals", "paper"] {
-        check_refused(&workplace, &[model, "street-narrow", "--scans", "0..2", "-o", "model"], 2, "one drive");
+        check_refused(
+            &workplace,
+            &[model, "street-narrow", "--scans", "0..2", "-o", "model"],
+            2,
+            "one drive",
+        );
         check_refused(&workplace, &[model, "nowhere", "-o", "model"], 2, "nowhere");
     }
     let too_much = [&TRAIN[1..7], &["--nu", "1.5", "-o", "model"]].concat();
@@ -247,10 +271,21 @@ fn what_cannot_be_trained_leaves_nothing() {
 #[test]
 fn groupings_are_trained_for_several_sensors_and_run() {
     let workplace = Workplace::new();
-    let train = ["train", "groupings", "street-narrow", "--seed", "7", "--simulated-scans", "6", "--sensors", "vlp-16,hdl-32e"];
+    let train = [
+        "train",
+        "groupings",
+        "street-narrow",
+        "--seed",
+        "7",
+        "--simulated-scans",
+        "6",
+        "--sensors",
+        "vlp-16,hdl-32e",
+    ];
     let ended = workplace.succeed(&[&train[..], &["-o", "model"]].concat());
     assert!(ended.stdout.contains("Probability of a vehicle"), "{ended:#?}");
-    let command = "scanbench train groupings street-narrow --seed 7 --simulated-scans 6 --sensors vlp-16,hdl-32e";
+    let command =
+        "scanbench train groupings street-narrow --seed 7 --simulated-scans 6 --sensors vlp-16,hdl-32e";
     let model = workplace.read_bytes("model/groupings.model");
     assert!(String::from_utf8_lossy(&model).contains(&format!("command = \"{command}\"")));
     assert!(workplace.read("model/calibration.csv").starts_with("what,expected,observed,n_groups\n"));
