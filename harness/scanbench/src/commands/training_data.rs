@@ -5,6 +5,7 @@ use evaluation::training::HOLD_OUT_EVERY;
 use evaluation::training::held_out::HeldOut;
 use scans::dataset::Dataset;
 use scans::dataset::class_table::ClassTable;
+use simulator::catalogue::{DEFAULT_DATASETS, built_in_catalogue};
 use simulator::simulated_street::StreetDrive;
 
 use crate::cli::{DatasetArgs, HeldOutArgs, SourceArgs};
@@ -51,7 +52,7 @@ impl<'a> TrainingData<'a> {
     ///
     /// # Errors
     ///
-    /// If one is not there or damaged, no two drives are left to part, or one is on both sides.
+    /// If one is not there or damaged or has the judged seeds, no two drives are left to part, or one is on both sides.
     pub fn open(data: &'a DatasetArgs, sensors: &[String], judging: &HeldOutArgs) -> Result<Self, Failure> {
         let mut trained = Vec::new();
         if sensors.is_empty() {
@@ -62,6 +63,7 @@ impl<'a> TrainingData<'a> {
             of_sensor.source.sensor = Some(sensor.clone());
             trained.extend(open_datasets(&of_sensor, &ClassTable::default())?);
         }
+        refuse_judged(&trained)?;
         let held_out_data = held_out_data(data, judging);
         let held_out = match &held_out_data {
             Some(arguments) => open_datasets(arguments, &ClassTable::default())?,
@@ -100,6 +102,24 @@ impl<'a> TrainingData<'a> {
             split: format!("held out: {}", HeldOut::names(&self.parted.held_out)),
         }
     }
+}
+
+/// Refuses simulated streets that start at the seed of the default run: what learned from them could not be judged by them.
+fn refuse_judged(trained: &[OpenedDataset]) -> Result<(), Failure> {
+    let catalogue = built_in_catalogue()?;
+    let default = DEFAULT_DATASETS.to_owned();
+    let judged = catalogue.members(&default).iter().filter_map(|it| catalogue.simulated.get(it));
+    let judged: Vec<u64> = judged.map(|it| it.seed).collect();
+    for description in trained.iter().map(|it| it.dataset.description()) {
+        if let Some(drive) = StreetDrive::of(description).filter(|it| judged.contains(&it.seed)) {
+            let problem = format!(
+                "{} starts at seed {}, by which scanbench run judges: nothing learns from it. Take training-streets, or another --seed",
+                description.id, drive.seed
+            );
+            return Err(Usage(problem).into());
+        }
+    }
+    Ok(())
 }
 
 /// Which drives are trained on and which are judged by.

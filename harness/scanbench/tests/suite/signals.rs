@@ -143,7 +143,7 @@ fn verbs_about_data_end_soon() {
 
 #[test]
 fn training_ends_soon() {
-    let streets = ["streets", "--simulated-scans", "1000"];
+    let streets = ["streets", "--seed", "7", "--simulated-scans", "1000"];
     for model in ["groupings", "rivals", "paper"] {
         check(&Workplace::new(), &[&["train", model][..], &streets, &["-o", "out"]].concat(), &[]);
     }

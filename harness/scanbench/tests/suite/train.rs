@@ -231,11 +231,11 @@ fn other_data_may_be_judged_by() {
     assert_eq!(manifest["held_out_datasets"][0]["id"], "street-narrow");
     check_refused(
         &workplace,
-        &["pca", "streets", "--scans", "0..2", "--held-out", "street-narrow", "-o", "m"],
+        &["pca", "training-narrow", "--scans", "0..2", "--held-out", "training-narrow", "-o", "m"],
         2,
         "is both in the training data and in --held-out",
     );
-    check_refused(&workplace, &["groupings", "streets", "--held-out", "nowhere", "-o", "m"], 2, "nowhere");
+    check_refused(&workplace, &["groupings", "training-narrow", "--held-out", "nowhere", "-o", "m"], 2, "nowhere");
 }
 
 /// Trains with `arguments`; it ends with `exit_code`, says `part`, and leaves nothing.
@@ -254,11 +254,12 @@ fn what_cannot_be_trained_leaves_nothing() {
     for model in ["groupings", "rivals", "paper"] {
         check_refused(
             &workplace,
-            &[model, "street-narrow", "--scans", "0..2", "-o", "model"],
+            &[model, "training-narrow", "--scans", "0..2", "-o", "model"],
             2,
             "one drive",
         );
         check_refused(&workplace, &[model, "nowhere", "-o", "model"], 2, "nowhere");
+        check_refused(&workplace, &[model, "-o", "model"], 2, "nothing learns from it");
     }
     let too_much = [&TRAIN[1..7], &["--nu", "1.5", "-o", "model"]].concat();
     check_refused(&workplace, &too_much, 4, "nu = 1.5");
