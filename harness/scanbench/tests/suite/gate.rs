@@ -28,6 +28,8 @@ fn run(workplace: &Workplace, name: &str, options: &[&str]) {
         ("--scans", "0..20:2"),
         ("--sensor", "vlp-16"),
         ("-d", "hierarchical,pca"),
+        // Those of development: what is worse there is known.
+        ("--seed", "9001"),
     ];
     for (option, usual) in usual {
         if !options.contains(&option) {

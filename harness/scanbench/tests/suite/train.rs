@@ -235,7 +235,12 @@ fn other_data_may_be_judged_by() {
         2,
         "is both in the training data and in --held-out",
     );
-    check_refused(&workplace, &["groupings", "training-narrow", "--held-out", "nowhere", "-o", "m"], 2, "nowhere");
+    check_refused(
+        &workplace,
+        &["groupings", "training-narrow", "--held-out", "nowhere", "-o", "m"],
+        2,
+        "nowhere",
+    );
 }
 
 /// Trains with `arguments`; it ends with `exit_code`, says `part`, and leaves nothing.
