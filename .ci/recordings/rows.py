@@ -80,14 +80,13 @@ def check(path, n_scans, detectors):
     for entity in ["scan/points", "scan/annotations"]:
         expect(f"/world/sensor/{entity}", n_scans)
     expect("/legend/scan", n_scans)
-    for drawn in detectors:
-        detector = "hierarchical" if drawn == "paper" else drawn
+    for detector in detectors:
         root = f"/world/sensor/detectors/{detector}"
-        for product in PRODUCTS[drawn]:
+        for product in PRODUCTS[detector]:
             expect(f"{root}/{product}", n_scans)
-        for surface in CLASSES[drawn]:
-            expect(f"{root}/cells/{CELLS[drawn]}/cells/{surface}", n_scans)
-        for column in LABELS[drawn]:
+        for surface in CLASSES[detector]:
+            expect(f"{root}/cells/{CELLS[detector]}/cells/{surface}", n_scans)
+        for column in LABELS[detector]:
             n = rows[f"/world/sensor/scan/points {detector}:{column}"]
             if n != n_scans:
                 problems.append(f"the points have {n} rows of {detector}:{column}, not {n_scans}")

@@ -13,7 +13,7 @@ use crate::plots::palette::detector_hue;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SeriesMark(pub(crate) usize);
 
-/// A filled circle, hollow triangle, hollow square, cross or hollow diamond at a place of any coordinate system.
+/// A filled circle, hollow triangle, hollow square, cross or plus at a place of any coordinate system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Marker<C> {
     place: C,
@@ -58,7 +58,10 @@ impl<C, Backend: DrawingBackend> Drawable<Backend> for Marker<C> {
             0 => backend.draw_circle((x, y), 4, &self.mark.color(), true),
             1 => backend.draw_path([[0, -6], [5, 4], [-5, 4], [0, -6]].map(at), &style),
             2 => backend.draw_path([[-4, -4], [4, -4], [4, 4], [-4, 4], [-4, -4]].map(at), &style),
-            4 => backend.draw_path([[0, -6], [6, 0], [0, 6], [-6, 0], [0, -6]].map(at), &style),
+            4 => {
+                backend.draw_path([[-5, 0], [5, 0]].map(at), &style)?;
+                backend.draw_path([[0, -5], [0, 5]].map(at), &style)
+            }
             _ => {
                 backend.draw_path([[-4, -4], [4, 4]].map(at), &style)?;
                 backend.draw_path([[-4, 4], [4, -4]].map(at), &style)
