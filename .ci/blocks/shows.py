@@ -13,6 +13,7 @@ import tempfile
 from collections import defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
+from statistics import mean, stdev
 
 from commands import Result
 from fingerprint import words_of
@@ -124,6 +125,20 @@ def overall_rates(results: list[Result]) -> Shown:
     return noted(table(["task", "detector", "NO", "F-rate", "95 % interval", "precision", "recall", "fps"], lines, 2))
 
 
+def over_seeds(results: list[Result]) -> Shown:
+    """Mean and standard deviation over runs, which differ in their seeds, of F-rates and of the lead of the first detector."""
+    lines = []
+    for task in ("objects", "vehicles"):
+        runs = [{it["detector"]: 100 * float(it["f_rate"]) for it in overall_rows(result, task)} for result in results]
+        first, *_ = runs[0]
+        for detector in runs[0]:
+            rates = [it[detector] for it in runs]
+            leads = [it[first] - it[detector] for it in runs]
+            lead = "" if detector == first else f"{mean(leads):.1f} ± {stdev(leads):.1f}"
+            lines.append([task, detector, f"{mean(rates):.1f} ± {stdev(rates):.1f}", f"{min(rates):.1f} to {max(rates):.1f}", lead])
+    return Shown(table(["task", "detector", "F-rate", "least and greatest", "lead of the first"], lines, 2))
+
+
 def differences(result: Result) -> dict[tuple[str, str], dict[str, str]]:
     """What `scanbench compare` printed of the F-rate, by task and what is compared."""
     lines = [it for it in result.printed.splitlines() if it.startswith("| ")]
@@ -171,34 +186,6 @@ def gain(difference: dict[str, str] | None) -> str:
     if numbers and not any(float(it) for it in numbers):
         return "0"
     return f"{difference['difference']} ({difference['95 %']})"
-
-
-def models_compared(results: list[Result], *names: str) -> Shown:
-    """F-rates of vehicles of the same detector with several models, by sensor or whatever the runs differ in.
-
-    `names` are those of the models; runs come model by model, each model's with the same scans.
-    """
-    runs = [it for it in results if words_of(it.command)[0] == "run"]
-    if len(runs) % len(names):
-        raise ShowError(f"{len(names)} models for {len(runs)} runs")
-    n_each = len(runs) // len(names)
-    heads, lines = ["model"], []
-    for n, name in enumerate(names):
-        line = [name]
-        for result in runs[n * n_each : (n + 1) * n_each]:
-            row = overall_rows(result, "vehicles")[0]
-            within = flagged(f"{percent(row['f_rate_low'])} to {percent(row['f_rate_high'])}", row)
-            line.append(f"{percent(row['f_rate'])} ({within})")
-            if n == 0:
-                heads.append(f"{scans_in_words(result)}, {row['no']} vehicles")
-        lines.append(line)
-    return noted(table(heads, lines))
-
-
-def scans_in_words(result: Result) -> str:
-    words = words_of(result.command)
-    sensor = words[words.index("--sensor") + 1] if "--sensor" in words else "hdl-64e-s2"
-    return sensor
 
 
 def ablation_rates(results: list[Result]) -> Shown:
@@ -503,9 +490,9 @@ SHOWS = {
     "printed-table": printed_table,
     "detector-rules": detector_rules,
     "overall-rates": overall_rates,
+    "over-seeds": over_seeds,
     "compared-detectors": compared_detectors,
     "compared-runs": compared_runs,
-    "models-compared": models_compared,
     "ablation-rates": ablation_rates,
     "rates-by-dataset": rates_by_dataset,
     "gap-shares": gap_shares,

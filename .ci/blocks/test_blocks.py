@@ -313,11 +313,11 @@ echo run >> "$COUNTED"
         self.assertEqual([bool(it.made_of.get("scoring")) for it in blocks((self.root / "docs/page.md").read_text())], [True, False])
 
     def test_a_later_command_takes_what_an_earlier_one_left(self):
-        commands = ["scanbench train streets -o model", "scanbench run streets -P vehicle_model.directory=model"]
+        commands = ["scanbench train rivals streets -o model", "scanbench run streets -P vehicle_model.rivals_directory=model"]
         with redirect_stdout(StringIO()):
             results = self.runner().run(commands)
         said = (results[1].directory / "robustness.md").read_text()
-        self.assertIn(f'vehicle_model.directory="{results[0].directory}"', said)
+        self.assertIn(f'vehicle_model.rivals_directory="{results[0].directory}"', said)
 
     def test_tiny_runs_are_not_taken_for_real_ones(self):
         self.make(tiny=True)

@@ -1,8 +1,6 @@
 """What a recording holds, as Rerun's own reader sees it: the entities of every detector, and a row for each scan.
 
 rows.py FILE N_SCANS DETECTOR,DETECTOR...
-
-`greedy` is the detector hierarchical with `grouping.enabled=false`.
 """
 
 import sys
@@ -23,7 +21,7 @@ DESCRIBED = [
 ]
 PRODUCTS = {
     "hierarchical": DESCRIBED,
-    "greedy": [
+    "paper": [
         *DESCRIBED,
         "links/merge/links/link\\ kept",
         "links/merge/links/link\\ cut",
@@ -33,17 +31,17 @@ PRODUCTS = {
     "kd-tree": ["contours/boxes/hulls", "boxes/boxes/boxes", "spheres/features/corner_spheres"],
     "pca": ["contours/boxes/rectangles", "boxes/boxes/boxes"],
 }
-CELLS = {"hierarchical": "walls", "greedy": "walls", "kd-tree": "walls", "pca": "foreground"}
+CELLS = {"hierarchical": "walls", "paper": "walls", "kd-tree": "walls", "pca": "foreground"}
 CLASSES = {
     "hierarchical": ["ground", "tall", "short\\ object", "clutter"],
-    "greedy": ["ground", "tall", "short\\ object", "clutter"],
+    "paper": ["ground", "tall", "short\\ object", "clutter"],
     "kd-tree": ["ground", "tall", "short\\ object", "clutter"],
     "pca": ["ground", "short\\ object"],
 }
 # Columns of the points.
 LABELS = {
     "hierarchical": ["foreground:points", "grouping:smallest_groups", "best_cut:clusters"],
-    "greedy": ["foreground:points", "separation:clusters", "regrouping:regrouped_clusters"],
+    "paper": ["foreground:points", "separation:clusters"],
     "kd-tree": ["foreground:points", "components:dropped_clusters", "components:clusters"],
     "pca": ["foreground:points", "components:dropped_clusters", "components:clusters"],
 }
@@ -82,14 +80,13 @@ def check(path, n_scans, detectors):
     for entity in ["scan/points", "scan/annotations"]:
         expect(f"/world/sensor/{entity}", n_scans)
     expect("/legend/scan", n_scans)
-    for drawn in detectors:
-        detector = "hierarchical" if drawn == "greedy" else drawn
+    for detector in detectors:
         root = f"/world/sensor/detectors/{detector}"
-        for product in PRODUCTS[drawn]:
+        for product in PRODUCTS[detector]:
             expect(f"{root}/{product}", n_scans)
-        for surface in CLASSES[drawn]:
-            expect(f"{root}/cells/{CELLS[drawn]}/cells/{surface}", n_scans)
-        for column in LABELS[drawn]:
+        for surface in CLASSES[detector]:
+            expect(f"{root}/cells/{CELLS[detector]}/cells/{surface}", n_scans)
+        for column in LABELS[detector]:
             n = rows[f"/world/sensor/scan/points {detector}:{column}"]
             if n != n_scans:
                 problems.append(f"the points have {n} rows of {detector}:{column}, not {n_scans}")

@@ -32,6 +32,8 @@ pub const COMPONENTS: &str = "components";
 
 // Euclidean components over a kd-tree.
 pub mod kd_tree_components;
+pub mod kd_tree_linkage;
+pub mod kd_tree_models;
 
 // Principal axes of what stands in an occupancy grid.
 pub mod occupancy_grid_components;
@@ -44,4 +46,5 @@ pub mod pca_vehicle_model;
 pub mod params;
 pub mod simple_grid_detector;
 pub mod kd_tree_detector;
+pub mod kd_tree_groups;
 pub mod pca_detector;

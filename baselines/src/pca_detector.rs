@@ -1,6 +1,6 @@
 //! The rival of the vehicle model: an occupancy grid, and boxes along principal axes.
 
-use detector::classify::object_classifier::NO_VEHICLE;
+use detector::classify::paper_model::NO_VEHICLE;
 use detector::classify::size_gate::{SizeGateParams, size_gate};
 use detector::classify::vehicle_model::class_by_decision;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};

@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn the_shipped_file_is_a_model_and_that_of_the_other_detector_is_none() {
         assert_eq!(PcaVehicleModel::shipped(), PcaVehicleModel::shipped().clone());
-        let other = include_str!("../../detector/src/params/vehicle_model/model.toml");
+        let other = include_str!("../../detector/src/params/paper_model/model.toml");
         let error = PcaVehicleModel::from_toml(other).unwrap_err().to_string();
         assert!(error.contains("profile_difference") && error.contains("linearness_from_0.5"), "{error}");
     }

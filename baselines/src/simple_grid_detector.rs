@@ -10,7 +10,7 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::pipeline::object_stages::ObjectStages;
 use detector::segment::clusters::Clusters;
-use detector::segment::connected_components::connected_components;
+use detector::segment::connected_components::{ConnectedComponentsParams, connected_components};
 use detector::segment::dense_level::DenseLevel;
 use detector::segment::disjoint_sets::DisjointSets;
 use detector::segment::object_points::ObjectPoint;
@@ -25,6 +25,7 @@ use detector::{Detector, PointCloud, Rule, StageProduct, stage};
 /// Paper: HG section 3.2 and Fig. 7, the *Simple Grid Model*; boxes as VM section 4.
 #[derive(Debug, Clone)]
 pub struct SimpleGridDetector {
+    merge: ConnectedComponentsParams,
     foreground: ForegroundStages,
     cells: DenseLevel,
     links: Vec<[u32; 2]>,
@@ -42,7 +43,9 @@ impl SimpleGridDetector {
     pub fn new(mut shared: HierarchicalParams, sensor_height_m: f32) -> Self {
         shared.grid.xi = 1;
         let objects = ObjectStages::new(&shared, shared.cluster.min_points);
+        let max_height_difference_m = shared.grouping.gaps.max_height_difference_m;
         Self {
+            merge: ConnectedComponentsParams { max_height_difference_m },
             foreground: ForegroundStages::new(shared, sensor_height_m),
             cells: DenseLevel::default(),
             links: Vec::new(),
@@ -108,7 +111,7 @@ impl SimpleGridDetector {
     fn merge_cells(&mut self) {
         let grid = self.foreground.grid();
         self.cells.fill(grid, self.foreground.foreground_cells(), self.foreground.point_indices());
-        connected_components(grid, &self.cells, &self.foreground.params().merge, &mut self.links);
+        connected_components(grid, &self.cells, &self.merge, &mut self.links);
         let n_cells = self.cells.n_blocks();
         self.blobs.reset(n_cells);
         for &[cell, neighbor] in &self.links {

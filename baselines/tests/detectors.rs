@@ -1,14 +1,20 @@
 //! What all baselines must do with whole scans.
 
 use baselines::kd_tree_detector::KdTreeDetector;
+use baselines::kd_tree_groups::{component_stages, kd_tree_trained, kd_tree_tree, nested_stages};
+use baselines::kd_tree_linkage::{KdTreeLinkage, NESTED_TOLERANCES_M};
+use baselines::kd_tree_models::{TrainedComponents, shipped_tree};
 use baselines::params::{BaselineParams, ForegroundChoice};
 use baselines::pca_detector::PcaDetector;
 use baselines::pca_vehicle_model::PcaVehicleModel;
 use baselines::simple_grid_detector::SimpleGridDetector;
 use detector::classify::vehicle_model::VehicleModel;
-use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
+use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
+use detector::group::grouping_tree::Node;
 use detector::params::HierarchicalParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::params::paper::PaperParams;
+use detector::pipeline::grouping_stages::GroupingStages;
+use detector::pipeline::paper_detector::PaperDetector;
 use detector::stage_product::Shape;
 use detector::{DetectedClass, Detector, OrientedBox, PointCloud};
 
@@ -139,13 +145,21 @@ fn two_close_cars() -> PointCloud {
 #[test]
 fn what_the_dense_level_separates_the_simple_grid_joins() {
     let cloud = two_close_cars();
-    let mut hierarchical = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
-    check_found(&detected(&mut hierarchical, &cloud), &[([8.0, 2.05], 0.0), ([8.0, 4.25], 0.0)]);
-    let joined = detected(&mut simple_grid(), &cloud);
+    // The detector of the papers with the foreground of the others.
+    let mut shared = HierarchicalParams::shipped();
+    shared.completion.enabled = false;
+    let mut params = PaperParams::shipped();
+    params.ground = shared.ground.clone();
+    params.walls.as_printed = false;
+    params.walls.min_support = shared.walls.min_support;
+    params.foreground.clearance_m = shared.foreground.clearance_m;
+    let mut of_papers = PaperDetector::new(&params, &shared, SENSOR_HEIGHT_M);
+    check_found(&detected(&mut of_papers, &cloud), &[([8.0, 2.05], 0.0), ([8.0, 4.25], 0.0)]);
+    let joined = detected(&mut SimpleGridDetector::new(shared, SENSOR_HEIGHT_M), &cloud);
     let n_points: usize = joined.detections.iter().map(|it| it.point_indices.len()).sum();
     assert_eq!(joined.detections.len(), 1);
     let separate: usize =
-        detected(&mut hierarchical, &cloud).detections.iter().map(|it| it.point_indices.len()).sum();
+        detected(&mut of_papers, &cloud).detections.iter().map(|it| it.point_indices.len()).sum();
     assert_eq!(n_points, separate, "the foreground is the same");
 }
 
@@ -275,5 +289,69 @@ fn a_scan_gives_the_same_whatever_came_before() {
             (again.stage_times, first.stage_times) = (Vec::new(), Vec::new());
             assert_eq!(again, first, "{}", detector.name());
         }
+    }
+}
+
+/// The points of each of these groups of the latest scan, all in order.
+fn points_of_groups(
+    stages: &GroupingStages<KdTreeLinkage>,
+    is_asked: impl Fn(&Node) -> bool,
+) -> Vec<Vec<u32>> {
+    let (tree, dense_of_point) = (stages.tree(), stages.dense().dense_of_point());
+    let points_of = |node: &Node| -> Vec<u32> {
+        let cells = tree.cells(node);
+        let points = stages.candidates().point_indices().iter().zip(dense_of_point);
+        points.filter(|(_, dense_idx)| cells.contains(dense_idx)).map(|(&it, _)| it).collect()
+    };
+    let mut groups: Vec<Vec<u32>> = tree.nodes().iter().filter(|it| is_asked(it)).map(points_of).collect();
+    groups.sort();
+    groups
+}
+
+#[test]
+fn components_within_components_are_those_of_each_tolerance() {
+    // Posts in pairs that are ever farther apart, a crown over a car, and two cars.
+    let post = |[x_m, y_m]: [f32; 2]| steps(-1.4, -0.2, 12).map(move |z_m| [x_m, y_m, z_m]);
+    let pairs = (0..8_u8).flat_map(|it| {
+        let (x_m, apart_m) = (-12.0 + 3.0 * f32::from(it), 0.25 + 0.13 * f32::from(it));
+        post([x_m, -6.0]).chain(post([x_m + apart_m, -6.0]))
+    });
+    let crown = steps(7.0, 9.0, 20).flat_map(|x_m| steps(1.0, 3.0, 20).map(move |y_m| [x_m, y_m, 0.9]));
+    let cloud: PointCloud =
+        [road(), pairs.collect(), crown.collect(), car([8.0, 2.05], 0.0), car([8.0, 4.25], 0.0)]
+            .concat()
+            .into_iter()
+            .collect();
+    let shared = HierarchicalParams::shipped();
+    let run = |mut stages: GroupingStages<KdTreeLinkage>| {
+        stages.run(&cloud, &mut StageClock::start(), &mut Vec::new());
+        stages
+    };
+    let nested = run(nested_stages(shared.clone(), SENSOR_HEIGHT_M));
+    let mut n_groups = Vec::new();
+    for (level, &tolerance_m) in NESTED_TOLERANCES_M.iter().enumerate() {
+        let flat = run(component_stages(shared.clone(), tolerance_m, SENSOR_HEIGHT_M));
+        let at_level = |it: &Node| usize::from(it.level) <= level && usize::from(it.joined_at) > level;
+        let components = points_of_groups(&flat, |_| true);
+        assert_eq!(points_of_groups(&nested, at_level), components, "at {tolerance_m} m");
+        n_groups.push(components.len());
+    }
+    assert!(n_groups.is_sorted_by(|a, b| a >= b) && n_groups[0] > n_groups[9] + 5, "{n_groups:?}");
+}
+
+#[test]
+fn rivals_with_training_find_cars_and_say_how_sure_they_are() {
+    let cars = [([8.0, 3.0], 0.3), ([-9.0, -4.0], -1.2)];
+    let cloud = [road(), car(cars[0].0, cars[0].1), car(cars[1].0, cars[1].1)].concat().into_iter().collect();
+    let shared = HierarchicalParams::shipped();
+    let components = TrainedComponents::shipped();
+    let trained = kd_tree_trained(shared.clone(), &components, (None, SENSOR_HEIGHT_M)).telling_vehicles();
+    let tree = kd_tree_tree(shared, shipped_tree(), SENSOR_HEIGHT_M).telling_vehicles();
+    for mut detector in [Box::new(trained) as Box<dyn Detector>, Box::new(tree)] {
+        let found = detected(detector.as_mut(), &cloud);
+        assert_eq!(found.detections.len(), 2, "{}", detector.name());
+        assert!(found.detections.iter().all(|it| it.score.is_some()), "{}", detector.name());
+        let nothing = detected(detector.as_mut(), &road().into_iter().collect());
+        assert!(nothing.detections.is_empty(), "{}", detector.name());
     }
 }

@@ -11,7 +11,8 @@ use std::time::{Duration, Instant};
 use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::surroundings::ObjectRaster;
 use detector::params::HierarchicalParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::params::paper::PaperParams;
+use detector::pipeline::paper_detector::PaperDetector;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
 const N_ROUNDS: usize = 20;
@@ -87,9 +88,8 @@ fn candidates_of_scans(folder: &Path) -> std::io::Result<Vec<Vec<Candidate>>> {
         std::fs::read_dir(folder)?.map(|it| Ok(it?.path())).collect::<std::io::Result<_>>()?;
     paths.retain(|path| path.extension().is_some_and(|it| it == "bin"));
     paths.sort();
-    let mut params = HierarchicalParams::shipped();
-    params.completion.enabled = false;
-    let mut detector = HierarchicalDetector::new(params, SENSOR_HEIGHT_M);
+    let (params, of_sensor) = (PaperParams::shipped(), HierarchicalParams::shipped());
+    let mut detector = PaperDetector::new(&params, &of_sensor, SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();
     let candidates_of = |path: &std::path::PathBuf| {
         let cloud = read_velodyne_bin(path)?;

@@ -64,7 +64,6 @@ pub mod fit;
 pub mod describe;
 pub mod group;
 pub mod classify;
-pub mod regroup;
 pub mod complete;
 
 // What they are called, and what they leave behind to be looked at; nothing is decided here.

@@ -7,8 +7,10 @@ use std::fmt;
 pub enum Rule {
     /// Walls are no foreground.
     Walls,
-    /// Of all groupings that is taken which a trained model likes best, and beside it groups that it likes a little less, if they are
-    /// told vehicles. Walls are one of its values.
+    /// Trained trees say how well each group of points is an object. Those that are taken for one are kept, and beside them some that
+    /// are taken for one a little less, if they are told vehicles. Walls are one of the values that the trees look at.
+    TrainedGroups,
+    /// Groups hold groups, and of all ways to part them that is taken which the trees like best.
     BestCut,
     /// A cluster of so few points is kept if a model takes it for a vehicle.
     SmallVehicles {
@@ -17,8 +19,6 @@ pub enum Rule {
     },
     /// What has no vehicle's size is background, whatever a model would say.
     SizeBounds,
-    /// Clusters are cut and joined where a model likes the parts, or the whole, better.
-    Regrouping,
     /// Objects get the points in their boxes that are no foreground.
     Completion,
 }
@@ -29,8 +29,8 @@ impl fmt::Display for Rule {
             Self::Walls => formatter.write_str("walls removed"),
             Self::SmallVehicles { min_points } => write!(formatter, "vehicles from {min_points} points"),
             Self::SizeBounds => formatter.write_str("size bounds of vehicles"),
-            Self::Regrouping => formatter.write_str("regrouping"),
-            Self::BestCut => formatter.write_str("best cut of a tree of groupings"),
+            Self::TrainedGroups => formatter.write_str("groups judged by trained trees"),
+            Self::BestCut => formatter.write_str("best cut of groups within groups"),
             Self::Completion => formatter.write_str("completion"),
         }
     }

@@ -33,7 +33,5 @@ pub const BOXES: &str = "boxes";
 pub const FEATURES: &str = "features";
 /// A vehicle model decides by these values.
 pub const CLASSIFICATION: &str = "classification";
-/// Objects are cut and joined where the vehicle model prefers that.
-pub const REGROUPING: &str = "regrouping";
 /// Objects get the points in their boxes that are no foreground.
 pub const COMPLETION: &str = "completion";

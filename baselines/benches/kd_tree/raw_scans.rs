@@ -4,8 +4,9 @@ use std::io::Write;
 
 use baselines::kd_tree_detector::KdTreeDetector;
 use baselines::params::{BaselineParams, ForegroundChoice};
+use detector::classify::grouping_model::GroupingModel;
 use detector::params::HierarchicalParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::pipeline::tree_detector::TreeDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
 
 use crate::{median, ms, read_positions};
@@ -27,7 +28,8 @@ pub fn measure(out: &mut impl Write) -> std::io::Result<()> {
     let mut params = BaselineParams::shipped().kd_tree;
     params.foreground = ForegroundChoice::All;
     let mut kd_tree = KdTreeDetector::new(params, HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
-    let mut grid = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
+    let (of_grid, model) = (HierarchicalParams::shipped(), GroupingModel::shipped());
+    let mut grid = TreeDetector::new(of_grid, model, SENSOR_HEIGHT_M).telling_vehicles();
     let mut output = DetectorOutput::default();
     for scan in SCANS {
         let Some(positions_m) = read_positions(scan, out)? else { continue };

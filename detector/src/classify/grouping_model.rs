@@ -3,51 +3,50 @@
 use std::sync::{Arc, LazyLock};
 
 use crate::classify::forest::Forest;
-use crate::classify::forest_file::{ForestFileError, read_forest};
-use crate::classify::object_looks::{N_MORE_LOOKS, ObjectLooks};
+use crate::classify::model_file::{ModelFile, ModelFileError};
+use crate::classify::object_looks::{LEAST_WORTH, N_MORE_LOOKS, ObjectLooks};
 use crate::classify::vehicle_model::N_FEATURES;
-use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
-use crate::describe::trained_file::AtLine;
-use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
-use crate::group::node_context::{CONTEXT_VALUES, N_SECOND_LOOK_VALUES};
+use crate::describe::trained_file::Provenance;
+use crate::describe::vehicle_features::VehicleFeatures;
+use crate::group::node_context::{CONTEXT_VALUES, N_SECOND_LOOK_VALUES, OBJECT_COST};
 use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES, VALUES_OF_LARGER};
 
 /// Number of the values that tell vehicles.
-pub const N_VEHICLE_VALUES: usize = N_FEATURES + N_NODE_VALUES - N_OF_LARGER;
+pub const N_VEHICLE_VALUES: usize = N_FEATURES + N_OWN_VALUES;
 
-/// Number of the values of a group that are of what it would be a part of.
-const N_OF_LARGER: usize = VALUES_OF_LARGER.end - VALUES_OF_LARGER.start;
+/// Number of the values of a group alone.
+const N_OWN_VALUES: usize = N_NODE_VALUES - (VALUES_OF_LARGER.end - VALUES_OF_LARGER.start);
 
 /// The names of the values that tell vehicles: those of the vehicle model, and those of the group alone.
 pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = {
-    let all: [&str; N_FEATURES + N_NODE_VALUES] = both(VehicleFeatures::NAMES, NODE_VALUES);
     let mut names = [""; N_VEHICLE_VALUES];
     let mut place = 0;
     while place < N_VEHICLE_VALUES {
-        let is_before = place < N_FEATURES + VALUES_OF_LARGER.start;
-        names[place] = all[if is_before { place } else { place + N_OF_LARGER }];
+        names[place] = if place < N_FEATURES {
+            VehicleFeatures::NAMES[place]
+        } else {
+            NODE_VALUES[place_of_own(place - N_FEATURES)]
+        };
         place += 1;
     }
     names
 };
 
+/// The place among [`NODE_VALUES`] of a value of the group alone.
+const fn place_of_own(own: usize) -> usize {
+    if own < VALUES_OF_LARGER.start { own } else { own + VALUES_OF_LARGER.end - VALUES_OF_LARGER.start }
+}
+
 /// The names of the values that a second look at a group sees: those of the group, and its context.
 pub const SECOND_LOOK_VALUES: [&str; N_SECOND_LOOK_VALUES] = both(NODE_VALUES, CONTEXT_VALUES);
 
-/// What the forest of objects that sees each group alone calls itself in its file.
-pub const OBJECTS_PURPOSE: &str = "intersection over union of a group with an object";
-
-/// The same of those that look again, with what the look before said.
-pub const MORE_LOOKS_PURPOSES: [&str; N_MORE_LOOKS] = [
-    "intersection over union of a group with an object, second look",
-    "intersection over union of a group with an object, third look",
-];
-
-/// What the forest of vehicles calls itself in its file, with these prototypes.
-pub fn vehicles_purpose(library: &PrototypeLibrary) -> String {
-    format!("log odds that an object is a vehicle, by {}", VehicleDescriber::name(library))
-}
+/// What a model of groupings calls itself in its file.
+pub const GROUPING_MODEL: &str = "groupings";
+/// The forests in it.
+const OBJECTS: &str = "objects";
+const MORE_LOOKS: [&str; N_MORE_LOOKS] = ["objects, second look", "objects, third look"];
+const VEHICLES: &str = "vehicles";
 
 /// All forests, and the prototypes that the one of vehicles was trained with.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,77 +59,71 @@ pub struct GroupingModel {
     pub library: PrototypeLibrary,
 }
 
-/// Why there is no model.
-#[derive(Debug, thiserror::Error)]
-pub enum GroupingModelError {
-    /// The prototypes cannot be used.
-    #[error("bad prototypes")]
-    Prototypes(#[from] AtLine<PrototypeFileError>),
-    /// The forest of objects cannot be used.
-    #[error("bad forest of objects")]
-    Objects(#[source] AtLine<ForestFileError>),
-    /// A forest that looks again cannot be used.
-    #[error("bad forest of look {}", .look_idx + 2)]
-    MoreLooks {
-        /// Which, from 0.
-        look_idx: usize,
-        /// Why.
-        source: AtLine<ForestFileError>,
-    },
-    /// The forest of vehicles cannot be used.
-    #[error("bad forest of vehicles")]
-    Vehicles(#[source] AtLine<ForestFileError>),
-}
-
 impl GroupingModel {
     /// The model that comes with the program, trained on simulated streets. It is read when it is first asked for, and once.
     pub fn shipped() -> Arc<Self> {
         static SHIPPED: LazyLock<Arc<GroupingModel>> = LazyLock::new(|| {
-            let model = GroupingModel::from_toml([
-                include_str!("../params/vehicle_model/prototypes.toml"),
-                include_str!("../params/grouping_model/objects.toml"),
-                include_str!("../params/grouping_model/objects_second_look.toml"),
-                include_str!("../params/grouping_model/objects_third_look.toml"),
-                include_str!("../params/grouping_model/vehicles.toml"),
-            ]);
-            Arc::new(model.expect("the embedded files are tested"))
+            let model = GroupingModel::from_bytes(include_bytes!("../params/groupings.model"));
+            Arc::new(model.expect("the embedded file is tested"))
         });
         Arc::clone(&SHIPPED)
     }
 
-    /// A model from the text of its files: prototypes, objects, its two further looks, vehicles.
+    /// A model from the content of its file.
     ///
     /// # Errors
     ///
-    /// [`GroupingModelError`] if one of them is of another kind or version, or damaged, or if the forest of vehicles was
-    /// trained with other prototypes.
-    pub fn from_toml(
-        [prototypes, objects, second_look, third_look, vehicles]: [&str; 5],
-    ) -> Result<Self, GroupingModelError> {
-        let library = PrototypeLibrary::from_toml(prototypes)?;
-        let look = |look_idx: usize, text| {
-            read_forest(text, MORE_LOOKS_PURPOSES[look_idx], SECOND_LOOK_VALUES)
-                .map_err(|source| GroupingModelError::MoreLooks { look_idx, source })
-        };
-        let first = read_forest(objects, OBJECTS_PURPOSE, NODE_VALUES);
+    /// [`ModelFileError`] if it is of another kind or version, trained with other constants, or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        Self::of(&ModelFile::from_bytes(bytes, GROUPING_MODEL, &Self::constants())?)
+    }
+
+    /// The model that `file` holds.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelFileError`] if a part is missing, looks at other values, or is damaged.
+    pub fn of(file: &ModelFile) -> Result<Self, ModelFileError> {
+        let [second, third] = MORE_LOOKS;
         Ok(Self {
             objects: ObjectLooks {
-                first: first.map_err(GroupingModelError::Objects)?,
-                more: [look(0, second_look)?, look(1, third_look)?],
+                first: file.forest(OBJECTS, NODE_VALUES)?,
+                more: [file.forest(second, SECOND_LOOK_VALUES)?, file.forest(third, SECOND_LOOK_VALUES)?],
             },
-            vehicles: read_forest(vehicles, &vehicles_purpose(&library), VEHICLE_VALUES)
-                .map_err(GroupingModelError::Vehicles)?,
-            library,
+            vehicles: file.forest(VEHICLES, VEHICLE_VALUES)?,
+            library: file.prototypes()?,
         })
+    }
+
+    /// The file of this model of `model`, with `more` constants.
+    pub fn to_file(&self, model: &str, made: Provenance, more: toml::Table) -> ModelFile {
+        let Self { objects, vehicles, library } = self;
+        let mut constants = Self::constants();
+        constants.extend(more);
+        let mut file = ModelFile::new(model, made, constants).with_prototypes(library);
+        file = file.with_forest(OBJECTS, NODE_VALUES, &objects.first);
+        for (name, forest) in MORE_LOOKS.into_iter().zip(&objects.more) {
+            file = file.with_forest(name, SECOND_LOOK_VALUES, forest);
+        }
+        file.with_forest(VEHICLES, VEHICLE_VALUES, vehicles)
+    }
+
+    /// What forests are trained with and no parameter changes: a program that has other values refuses them.
+    pub fn constants() -> toml::Table {
+        let constants =
+            [("context_object_cost", OBJECT_COST), ("least_worth_of_a_further_look", LEAST_WORTH)];
+        // As they are written here, and not as the nearest number of single precision.
+        let as_written = |it: f32| it.to_string().parse::<f64>().expect("a number was printed");
+        constants.into_iter().map(|(name, it)| (name.to_owned(), as_written(it).into())).collect()
     }
 }
 
 /// The values that tell vehicles: those of the thing, and those of the group alone. What it is grouped with makes it no other thing.
 pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
     let mut values = [0.0; N_VEHICLE_VALUES];
-    let (before, after) = (&node[..VALUES_OF_LARGER.start], &node[VALUES_OF_LARGER.end..]);
-    for (value, it) in values.iter_mut().zip(features.iter().chain(before).chain(after)) {
-        *value = *it;
+    values[..N_FEATURES].copy_from_slice(features);
+    for (own, value) in values[N_FEATURES..].iter_mut().enumerate() {
+        *value = node[place_of_own(own)];
     }
     values
 }
@@ -172,7 +165,21 @@ mod tests {
     }
 
     #[test]
-    fn the_shipped_files_are_a_model() {
+    fn a_model_comes_back_from_its_file_and_not_with_other_constants() {
+        let model = GroupingModel::shipped();
+        let made = Provenance { command: String::new(), data: Vec::new(), seed: 1, split: String::new() };
+        let file = model.to_file(GROUPING_MODEL, made.clone(), toml::Table::new());
+        assert_eq!(GroupingModel::from_bytes(&file.to_bytes()).unwrap(), *model);
+        let dearer = [("context_object_cost".to_owned(), 0.5.into())].into_iter().collect();
+        let file = model.to_file(GROUPING_MODEL, made, dearer);
+        let error = GroupingModel::from_bytes(&file.to_bytes()).unwrap_err().to_string();
+        let expected =
+            "it was trained with context_object_cost = 0.5, and the program has context_object_cost = 0.42";
+        assert_eq!(error, expected);
+    }
+
+    #[test]
+    fn the_shipped_file_is_a_model() {
         assert!(!GroupingModel::shipped().objects.first.trees().is_empty());
     }
 }

@@ -12,13 +12,14 @@ pub mod svm_model;
 pub mod svm_training;
 pub mod nu_svm;
 
-// The vehicle model: features, and the machine that decides by them.
-pub mod object_classifier;
+// Boosted trees, and the file that trained ones come in.
+pub mod forest;
+pub mod model_file;
+
+// Which objects are vehicles.
 pub mod vehicle_model;
 pub mod paper_model;
 
-// Boosted trees: their use, their file, and what they decide about groups.
-pub mod forest;
-pub mod forest_file;
+// Which groups are objects, and which vehicles.
 pub mod object_looks;
 pub mod grouping_model;

@@ -8,8 +8,8 @@ use crate::group::node_values::N_NODE_VALUES;
 pub const N_MORE_LOOKS: usize = 2;
 
 /// Groups of which the look before expects less are skipped: about 1 in 3500 of them would be taken. No parameter, since forests are
-/// trained with the same bound.
-const LEAST_WORTH: f32 = 0.15;
+/// trained with the same bound; their file says with which.
+pub const LEAST_WORTH: f32 = 0.15;
 
 /// Whether the next look is asked about a group that is expected to be worth so much. Others keep their worth.
 pub fn is_looked_at_again(worth: f32) -> bool {

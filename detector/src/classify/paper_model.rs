@@ -3,13 +3,28 @@
 use std::sync::LazyLock;
 
 use crate::classify::nu_svm::NuSvm;
-use crate::classify::object_classifier::NO_VEHICLE;
 use crate::classify::svm_model::SvmModel;
-use crate::classify::vehicle_model::VehicleModelError;
+use crate::classify::svm_model_error::SvmModelError;
 use crate::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber, PaperFeatures};
+use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
+use crate::describe::trained_file::AtLine;
 use crate::describe::vehicle_features::VehicleDescriber;
 use crate::oriented_box::OrientedBox;
+
+/// The decision on what has no points: on the margin of the background.
+pub const NO_VEHICLE: f32 = -1.0;
+
+/// Why there is no model.
+#[derive(Debug, thiserror::Error)]
+pub enum PaperModelError {
+    /// The prototypes cannot be used.
+    #[error("bad prototypes")]
+    Prototypes(#[from] AtLine<PrototypeFileError>),
+    /// The classifier cannot be used.
+    #[error("bad model")]
+    Svm(#[from] AtLine<SvmModelError>),
+}
 
 /// The paper's features and their classifier, with buffers for one object after another.
 ///
@@ -38,9 +53,9 @@ impl PaperModel {
     ///
     /// # Errors
     ///
-    /// [`VehicleModelError`] if one of them is of another kind or version, or damaged, or if the classifier was trained
+    /// [`PaperModelError`] if one of them is of another kind or version, or damaged, or if the classifier was trained
     /// with other prototypes or for other values.
-    pub fn from_toml(prototypes: &str, svm: &str) -> Result<Self, VehicleModelError> {
+    pub fn from_toml(prototypes: &str, svm: &str) -> Result<Self, PaperModelError> {
         let library = PrototypeLibrary::from_toml(prototypes)?;
         let svm = SvmModel::from_toml(svm, PaperFeatures::NAMES, &VehicleDescriber::name(&library))?;
         Ok(Self { describer: PaperDescriber::new(library), svm: NuSvm::new(&svm) })
@@ -83,14 +98,13 @@ mod tests {
     }
 
     #[test]
-    fn the_model_of_another_detector_is_refused() {
-        let [prototypes, svm] = [
-            include_str!("../params/vehicle_model/prototypes.toml"),
-            include_str!("../params/vehicle_model/model.toml"),
-        ];
-        let error = PaperModel::from_toml(prototypes, svm).unwrap_err();
+    fn other_prototypes_than_it_was_trained_with_are_refused() {
+        let error = PaperModel::from_toml(&PrototypeLibrary::drawn().to_toml(), MODEL).unwrap_err();
         let error = std::error::Error::source(&error).expect("what is bad about it").to_string();
-        assert!(error.contains("bottom_m"), "{error}");
+        let shipped = PrototypeLibrary::from_toml(PROTOTYPES).unwrap();
+        for checksum in [PrototypeLibrary::drawn().checksum(), shipped.checksum()] {
+            assert!(error.contains("line 4") && error.contains(&checksum), "{error}");
+        }
     }
 
     #[test]

@@ -203,7 +203,7 @@ fn array<const D: usize>(values: Vec<f32>, list: &str) -> Result<[f32; D], SvmMo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::describe::vehicle_features::VehicleFeatures;
+    use crate::describe::paper_features::PaperFeatures;
 
     fn model() -> SvmModel<2> {
         SvmModel {
@@ -240,14 +240,14 @@ mod tests {
 
     #[test]
     fn the_lists_are_those_that_a_parser_of_toml_finds() {
-        let text = include_str!("../params/vehicle_model/model.toml");
+        let text = include_str!("../params/paper_model/model.toml");
         let document: toml::Table = text.parse().unwrap();
         let floats = |value: &toml::Value| -> Vec<f32> {
             value.as_array().unwrap().iter().map(|it| it.as_float().unwrap() as f32).collect()
         };
         let svm = &document["svm"];
         let (_, lists) = split_lists(text);
-        let lists = SupportLists::read(lists, 0, &VehicleFeatures::NAMES).unwrap();
+        let lists = SupportLists::read(lists, 0, &PaperFeatures::NAMES).unwrap();
         assert_eq!(lists.coefficients, floats(&svm["coefficients"]));
         let rows: Vec<Vec<f32>> = svm["support_vectors"].as_array().unwrap().iter().map(floats).collect();
         assert!(lists.support_vectors.iter().map(|it| it.to_vec()).eq(rows.iter().cloned()));

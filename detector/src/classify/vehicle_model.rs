@@ -1,16 +1,13 @@
 //! From an object to how surely it is a vehicle. Shared with baselines that classify as the paper does.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
-use crate::classify::nu_svm::NuSvm;
-use crate::classify::object_classifier::{NO_VEHICLE, ObjectClassifier};
-use crate::classify::svm_model::SvmModel;
-use crate::classify::svm_model_error::SvmModelError;
-use crate::describe::prototype_file::PrototypeFileError;
+use crate::classify::forest::Forest;
+use crate::classify::model_file::{ModelFile, ModelFileError};
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::surroundings::Surroundings;
-use crate::describe::trained_file::AtLine;
+use crate::describe::trained_file::Provenance;
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use crate::detection::DetectedClass;
 use crate::oriented_box::OrientedBox;
@@ -18,25 +15,23 @@ use crate::oriented_box::OrientedBox;
 /// Number of values that the model looks at.
 pub const N_FEATURES: usize = VehicleFeatures::NAMES.len();
 
+/// The decision on what need not be looked at: less likely a vehicle than anything that is ranked as one.
+pub const NO_VEHICLE: f32 = -10.0;
+
+/// What a model of clusters calls itself in its file.
+pub const CLUSTER_MODEL: &str = "clusters";
+/// The forest in it.
+const VEHICLES: &str = "vehicles";
+
 /// Features and their classifier, with buffers for one object after another.
 ///
-/// Paper: VM sections 4 and 5.
+/// The paper has a support vector machine for its eight values, as [`PaperModel`](super::paper_model::PaperModel) has; here are
+/// more values, and boosted trees, as they tell the vehicles of the tree of groupings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleModel {
     describer: VehicleDescriber,
-    svm: NuSvm<N_FEATURES>,
+    forest: Arc<Forest<N_FEATURES>>,
     bounds: VehicleBoundsParams,
-}
-
-/// Why there is no model.
-#[derive(Debug, thiserror::Error)]
-pub enum VehicleModelError {
-    /// The prototypes cannot be used.
-    #[error("bad prototypes")]
-    Prototypes(#[from] AtLine<PrototypeFileError>),
-    /// The classifier cannot be used.
-    #[error("bad model")]
-    Svm(#[from] AtLine<SvmModelError>),
 }
 
 impl VehicleModel {
@@ -44,31 +39,32 @@ impl VehicleModel {
     /// first asked for, and once.
     pub fn shipped() -> Self {
         static SHIPPED: LazyLock<VehicleModel> = LazyLock::new(|| {
-            let [prototypes, svm] = [
-                include_str!("../params/vehicle_model/prototypes.toml"),
-                include_str!("../params/vehicle_model/model.toml"),
-            ];
-            VehicleModel::from_toml(prototypes, svm).expect("the embedded files are tested")
+            let model = VehicleModel::from_bytes(include_bytes!("../params/clusters.model"));
+            model.expect("the embedded file is tested")
         });
         SHIPPED.clone()
     }
 
-    /// A model from the text of both of its files.
+    /// A model from the content of its file.
     ///
     /// # Errors
     ///
-    /// [`VehicleModelError`] if one of them is of another kind or version, or damaged, or if the classifier was trained
-    /// with other prototypes.
-    pub fn from_toml(prototypes: &str, svm: &str) -> Result<Self, VehicleModelError> {
-        let library = PrototypeLibrary::from_toml(prototypes)?;
-        let svm = SvmModel::from_toml(svm, VehicleFeatures::NAMES, &VehicleDescriber::name(&library))?;
-        Ok(Self::new(library, &svm))
+    /// [`ModelFileError`] if it is of another kind or version, or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        let file = ModelFile::from_bytes(bytes, CLUSTER_MODEL, &toml::Table::new())?;
+        Ok(Self::new(file.prototypes()?, file.forest(VEHICLES, VehicleFeatures::NAMES)?))
     }
 
-    /// A model from the prototypes and the classifier that was trained with them.
-    pub fn new(library: PrototypeLibrary, svm: &SvmModel<N_FEATURES>) -> Self {
+    /// A model from the prototypes and the forest that was trained with them.
+    pub fn new(library: PrototypeLibrary, forest: Forest<N_FEATURES>) -> Self {
         let bounds = VehicleBoundsParams { enabled: true };
-        Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm), bounds }
+        Self { describer: VehicleDescriber::new(library), forest: Arc::new(forest), bounds }
+    }
+
+    /// The file of this model.
+    pub fn to_file(&self, made: Provenance) -> ModelFile {
+        let file = ModelFile::new(CLUSTER_MODEL, made, toml::Table::new()).with_prototypes(self.prototypes());
+        file.with_forest(VEHICLES, VehicleFeatures::NAMES, &self.forest)
     }
 
     /// The same model, which is asked about what `bounds` allow.
@@ -90,26 +86,14 @@ impl VehicleModel {
         Some(self.describer.describe(bounding_box, surroundings, positions_m)?.values())
     }
 
-    /// How surely what is seen like this is a vehicle: above 0 it is one. What shows none has the margin of the background.
+    /// The logarithm of the odds that what is seen like this is a vehicle: above 0 it is one.
     pub fn decision_on(&self, values: Option<&[f32; N_FEATURES]>) -> f32 {
-        values.map_or(NO_VEHICLE, |it| self.svm.decision(it))
+        values.map_or(NO_VEHICLE, |it| self.forest.sum(it))
     }
 
     /// What the side profiles of objects are compared with.
     pub fn prototypes(&self) -> &PrototypeLibrary {
         self.describer.library()
-    }
-}
-
-impl ObjectClassifier for VehicleModel {
-    fn decision(
-        &mut self,
-        bounding_box: &OrientedBox,
-        surroundings: &Surroundings,
-        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
-    ) -> f32 {
-        let values = self.values(bounding_box, surroundings, positions_m);
-        self.decision_on(values.as_ref())
     }
 }
 
@@ -125,21 +109,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_shipped_files_are_a_model() {
-        let library = VehicleModel::shipped().describer;
-        assert_ne!(library, VehicleDescriber::new(PrototypeLibrary::drawn()));
+    fn the_shipped_file_is_a_model_that_comes_back_from_its_file() {
+        let model = VehicleModel::shipped();
+        assert_ne!(model.describer, VehicleDescriber::new(PrototypeLibrary::drawn()));
+        let made = Provenance { command: String::new(), data: Vec::new(), seed: 1, split: String::new() };
+        assert_eq!(VehicleModel::from_bytes(&model.to_file(made).to_bytes()).unwrap(), model);
     }
 
     #[test]
-    fn other_prototypes_than_it_was_trained_with_are_refused() {
-        let svm = include_str!("../params/vehicle_model/model.toml");
-        let error = VehicleModel::from_toml(&PrototypeLibrary::drawn().to_toml(), svm).unwrap_err();
-        let error = std::error::Error::source(&error).expect("what is bad about it").to_string();
-        let shipped =
-            PrototypeLibrary::from_toml(include_str!("../params/vehicle_model/prototypes.toml")).unwrap();
-        for checksum in [PrototypeLibrary::drawn().checksum(), shipped.checksum()] {
-            assert!(error.contains("line 4") && error.contains(&checksum), "{error}");
-        }
+    fn the_model_of_groupings_is_refused() {
+        let error = VehicleModel::from_bytes(include_bytes!("../params/groupings.model")).unwrap_err();
+        assert_eq!(error.to_string(), "it is a model of \"groupings\", not of \"clusters\"");
     }
 
     #[test]
@@ -161,6 +141,6 @@ mod tests {
         assert!(model.values(&bounding_box, &surroundings, points_m()).is_some());
         bounding_box.length_width_height_m[0] = 15.0;
         assert_eq!(model.values(&bounding_box, &surroundings, points_m()), None);
-        assert_eq!(model.decision(&bounding_box, &surroundings, points_m()), NO_VEHICLE);
+        assert_eq!(model.decision_on(None), NO_VEHICLE);
     }
 }

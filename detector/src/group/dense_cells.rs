@@ -86,7 +86,7 @@ impl Heap {
 /// The dense level over the candidates of a scan.
 ///
 /// *Blocks* are the coarse cells with candidates, by ascending cell; block b holds the dense cells `b·ξ² .. (b+1)·ξ²`, row
-/// by row.
+/// by row. Behind those of all blocks come cells for what is apart over a dense cell.
 ///
 /// Paper: HG section 3.
 #[derive(Debug, Clone, Default)]
@@ -100,9 +100,15 @@ pub struct DenseCells {
     heaps: Vec<Heap>,
     // For every candidate.
     dense_of_point: Vec<u32>,
+    // For the cells behind those of the blocks.
+    block_of_other: Vec<u32>,
+    // Which part each cell holds, and the next cell at the same place.
+    part_of_dense: Vec<u32>,
+    next_at_place: Vec<u32>,
 }
 
 const NO_BLOCK: u32 = u32::MAX;
+const NOTHING: u32 = u32::MAX;
 
 impl DenseCells {
     /// Replaces the content by the candidates of `cloud`.
@@ -113,6 +119,62 @@ impl DenseCells {
         terrain: &Terrain,
         candidates: &Candidates,
     ) {
+        self.clear(grid, terrain, candidates);
+        let (cell_of_point, within_of_point) = (grid.cell_of_point(), grid.dense_within_of_point());
+        for &point_idx in candidates.point_indices() {
+            let point_idx = point_idx as usize;
+            let block_idx = self.block_of_cell[cell_of_point[point_idx] as usize] as usize;
+            let dense_idx = block_idx * self.n_per_block + usize::from(within_of_point[point_idx]);
+            self.heaps[dense_idx].add(cloud.position_m(point_idx), self.ground_m[block_idx]);
+            self.dense_of_point.push(dense_idx as u32);
+        }
+    }
+
+    /// The same, but that candidates of different parts are in different cells, though they stand over the same place:
+    /// `part_of_candidate` says of which each is, in their order.
+    pub fn fill_apart(
+        &mut self,
+        cloud: &PointCloud,
+        (grid, terrain): (&HierarchicalGrid, &Terrain),
+        candidates: &Candidates,
+        part_of_candidate: &[u32],
+    ) {
+        self.clear(grid, terrain, candidates);
+        for cells in [&mut self.part_of_dense, &mut self.next_at_place] {
+            cells.clear();
+            cells.resize(self.heaps.len(), NOTHING);
+        }
+        let (cell_of_point, within_of_point) = (grid.cell_of_point(), grid.dense_within_of_point());
+        for (&point_idx, &part) in candidates.point_indices().iter().zip(part_of_candidate) {
+            let point_idx = point_idx as usize;
+            let block_idx = self.block_of_cell[cell_of_point[point_idx] as usize];
+            let place = block_idx as usize * self.n_per_block + usize::from(within_of_point[point_idx]);
+            let dense_idx = self.cell_of_part(place, block_idx, part);
+            self.heaps[dense_idx].add(cloud.position_m(point_idx), self.ground_m[block_idx as usize]);
+            self.dense_of_point.push(dense_idx as u32);
+        }
+    }
+
+    /// The cell that holds a part at a place: that of the place, or one behind those of the blocks.
+    fn cell_of_part(&mut self, place: usize, block_idx: u32, part: u32) -> usize {
+        let mut dense_idx = place;
+        loop {
+            if [NOTHING, part].contains(&self.part_of_dense[dense_idx]) {
+                self.part_of_dense[dense_idx] = part;
+                return dense_idx;
+            }
+            if self.next_at_place[dense_idx] == NOTHING {
+                self.next_at_place[dense_idx] = self.heaps.len() as u32;
+                self.heaps.push(Heap::EMPTY);
+                self.block_of_other.push(block_idx);
+                self.part_of_dense.push(NOTHING);
+                self.next_at_place.push(NOTHING);
+            }
+            dense_idx = self.next_at_place[dense_idx] as usize;
+        }
+    }
+
+    fn clear(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, candidates: &Candidates) {
         self.block_of_cell.resize(grid.cells().len(), NO_BLOCK);
         self.cell_of_block.clear();
         self.cell_of_block.extend_from_slice(candidates.cells());
@@ -125,14 +187,7 @@ impl DenseCells {
         self.heaps.clear();
         self.heaps.resize(self.cell_of_block.len() * self.n_per_block, Heap::EMPTY);
         self.dense_of_point.clear();
-        let (cell_of_point, within_of_point) = (grid.cell_of_point(), grid.dense_within_of_point());
-        for &point_idx in candidates.point_indices() {
-            let point_idx = point_idx as usize;
-            let block_idx = self.block_of_cell[cell_of_point[point_idx] as usize] as usize;
-            let dense_idx = block_idx * self.n_per_block + usize::from(within_of_point[point_idx]);
-            self.heaps[dense_idx].add(cloud.position_m(point_idx), self.ground_m[block_idx]);
-            self.dense_of_point.push(dense_idx as u32);
-        }
+        self.block_of_other.clear();
     }
 
     /// The coarse cell of each block, ascending.
@@ -152,7 +207,8 @@ impl DenseCells {
 
     /// The block of a dense cell.
     pub fn block_of_dense(&self, dense_idx: u32) -> usize {
-        dense_idx as usize / self.n_per_block
+        let other = (dense_idx as usize).checked_sub(self.cell_of_block.len() * self.n_per_block);
+        other.map_or(dense_idx as usize / self.n_per_block, |it| self.block_of_other[it] as usize)
     }
 
     /// The dense cell of every candidate, in scan order.
@@ -226,6 +282,33 @@ mod tests {
             }
             let n_in_heaps: Vec<u32> = dense.heaps().iter().map(|it| it.n_points).collect();
             prop_assert_eq!(n_in_heaps, n_points);
+        }
+
+        #[test]
+        fn parts_over_one_place_are_in_cells_of_their_own(
+            steps in prop::collection::btree_set((0_u8..8, 0_u8..4), 1..12),
+            n_parts in 1_u32..4,
+        ) {
+            let steps: Vec<[u8; 2]> = steps.into_iter().map(<[u8; 2]>::from).collect();
+            let DrawnGroups { mut dense, grid, terrain, candidates, cloud, .. } = groups_over(&steps);
+            let as_one = dense.clone();
+            let part_of = |place: usize| place as u32 % n_parts;
+            let parts: Vec<u32> = (0..candidates.point_indices().len()).map(part_of).collect();
+            dense.fill_apart(&cloud, (&grid, &terrain), &candidates, &parts);
+            let mut part_of_dense = vec![None; dense.heaps().len()];
+            for ((&dense_idx, &part), &whole_idx) in dense.dense_of_point().iter().zip(&parts).zip(as_one.dense_of_point()) {
+                let known = part_of_dense[dense_idx as usize].get_or_insert(part);
+                prop_assert_eq!(*known, part);
+                prop_assert_eq!(dense.block_of_dense(dense_idx), as_one.block_of_dense(whole_idx));
+            }
+            let n_points: u32 = dense.heaps().iter().map(|it| it.n_points).sum();
+            prop_assert_eq!(n_points as usize, parts.len());
+            // Each place has a cell of every part, since each of its 16 candidates' parts come in turn.
+            let n_occupied = |it: &DenseCells| it.heaps().iter().filter(|it| it.n_points > 0).count();
+            prop_assert_eq!(n_occupied(&dense), n_occupied(&as_one) * n_parts as usize);
+            if n_parts == 1 {
+                prop_assert_eq!(dense.heaps(), as_one.heaps());
+            }
         }
 
         #[test]

@@ -6,10 +6,9 @@ use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::group::candidates::{Candidates, Doubt};
 use crate::group::dense_cells::DenseCells;
-use crate::segment::connected_components::ConnectedComponentsParams;
+use crate::group::linkage::{Linkage, LinkedScan, N_LEVELS};
 use crate::segment::disjoint_sets::DisjointSets;
 use crate::segment::expected_density::ExpectedDensity;
-use crate::segment::separation_params::DenseSeparationParams;
 
 /// Tuning of [`DenseGaps::find`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -19,21 +18,24 @@ pub struct DenseGapsParams {
     pub n_rounds: u32,
     /// A dense cell with less than this share of the points it could be expected to hold is near-empty.
     pub low_density_share: f32,
+    /// What upright objects hold, as a multiple of what all points together put into a dense cell at their range.
+    pub object_density_ratio: f32,
+    /// Where all points together put this many into a dense cell, a single empty dense cell is a gap.
+    pub single_gap_points: f32,
+    /// Neighbours whose highest points differ by less are of the same height, in metres; ψ in the paper.
+    pub max_height_difference_m: f32,
     /// Dense cells by which neighbours of other height are taken to be farther apart.
     pub height_steps: u32,
     /// Dense cells by which a wall is taken to be farther from what is none.
     pub wall_steps: u32,
 }
 
-/// Levels of gaps are below this; at level 0 the sensor cannot resolve a gap.
-pub const N_LEVELS: usize = 10;
 const NO_LABEL: u32 = u32::MAX;
 
 /// Gaps between dense cells, in reusable buffers.
 #[derive(Debug, Clone)]
 pub struct DenseGaps {
     params: DenseGapsParams,
-    max_height_difference_m: f32,
     xi: u32,
     // Dense cells along a side of the grid.
     n_along: usize,
@@ -71,20 +73,14 @@ impl Reached {
 }
 
 impl DenseGaps {
-    /// Nothing found yet, in grids of the geometry `grid`. What is near-empty and what no gap follows from the density as in
-    /// `separation`; neighbours are of other height as in `merge`, ψ in the paper.
-    pub fn new(
-        params: DenseGapsParams,
-        (merge, separation): (&ConnectedComponentsParams, &DenseSeparationParams),
-        grid: &GridParams,
-        weighting: &DensityWeighting,
-    ) -> Self {
+    /// Nothing found yet, in grids of the geometry `grid`. What is near-empty and what no gap follows from the density.
+    pub fn new(params: DenseGapsParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
+        let DenseGapsParams { object_density_ratio, single_gap_points, .. } = params;
         Self {
             xi: grid.xi,
             n_along: 0,
-            expected: ExpectedDensity::new(separation, grid, weighting),
+            expected: ExpectedDensity::new((object_density_ratio, single_gap_points), grid, weighting),
             params,
-            max_height_difference_m: merge.max_height_difference_m,
             reached: Vec::new(),
             steps: Vec::new(),
             queue: Vec::new(),
@@ -207,7 +203,7 @@ impl DenseGaps {
         let mut penalty = 0;
         if blocks[0] != blocks[1] {
             let [a, b] = blocks.map(|it| candidates.tops_m()[it]);
-            if (a - b).abs() >= self.max_height_difference_m {
+            if (a - b).abs() >= self.params.max_height_difference_m {
                 penalty += self.params.height_steps;
             }
             if self.is_on_wall[blocks[0]] != self.is_on_wall[blocks[1]] {
@@ -262,15 +258,30 @@ impl DenseGaps {
             self.between[level].push([own.group, other.group]);
         }
     }
+}
 
-    /// What gaps of this level part: representatives of touching groups, some pairs more than once.
-    pub fn between(&self, level: u8) -> &[[u32; 2]] {
+/// The wider a gap is, the later it is closed. At level 0 the sensor cannot resolve one.
+impl Linkage for DenseGaps {
+    const STAGES: [&'static str; 2] = ["dense_level", "gaps"];
+
+    fn fill(&mut self, scan: &LinkedScan<'_>, dense: &mut DenseCells) {
+        dense.fill(scan.cloud, scan.grid, scan.terrain, scan.candidates);
+    }
+
+    fn link(&mut self, scan: &LinkedScan<'_>, dense: &DenseCells) {
+        self.find(scan.grid, dense, scan.candidates);
+    }
+
+    fn group_of_dense(&self) -> &[u32] {
+        &self.home
+    }
+
+    fn between(&self, level: u8) -> &[[u32; 2]] {
         &self.between[usize::from(level)]
     }
 
-    /// For every dense cell the representative of its touching group.
-    pub fn group_of_dense(&self) -> &[u32] {
-        &self.home
+    fn is_nested(&self) -> bool {
+        true
     }
 }
 

@@ -76,12 +76,7 @@ pub(crate) fn groups_of(cloud: PointCloud) -> DrawnGroups {
     dense.fill(&cloud, &grid, &terrain, &candidates);
     let curve = DensityCurve::shipped("hdl-64e-s2").unwrap();
     let weighting = DensityWeighting::new(&DensityWeightingParams { enabled: true, curve });
-    let mut gaps = DenseGaps::new(
-        params.grouping.gaps.clone(),
-        (&params.merge, &params.separation),
-        &geometry,
-        &weighting,
-    );
+    let mut gaps = DenseGaps::new(params.grouping.gaps.clone(), &geometry, &weighting);
     gaps.find(&grid, &dense, &candidates);
     let mut tree = GroupingTree::default();
     tree.build(&dense, &gaps);

@@ -2,6 +2,7 @@
 
 pub mod candidates;
 pub mod dense_cells;
+pub mod linkage;
 pub mod dense_gaps;
 pub mod grouping_tree;
 #[cfg(test)]

@@ -25,8 +25,9 @@ pub const CONTEXT_VALUES: [&str; 10] = [
 /// Number of the values that a second look sees.
 pub const N_SECOND_LOOK_VALUES: usize = N_NODE_VALUES + CONTEXT_VALUES.len();
 
-/// Worth from which on a group is one of the best. What forests have learned rests on it, so that it is no parameter.
-const OBJECT_COST: f32 = 0.42;
+/// Worth from which on a group is one of the best. What forests have learned rests on it, so that it is no parameter; their file says
+/// what it was.
+pub const OBJECT_COST: f32 = 0.42;
 
 /// Contexts of the groups of one tree after another, in reusable buffers.
 #[derive(Debug, Clone, Default)]

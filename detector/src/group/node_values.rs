@@ -8,8 +8,8 @@ use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::group::candidates::{Candidates, Doubt, N_DOUBTS};
 use crate::group::dense_cells::{DenseCells, Heap};
-use crate::group::dense_gaps::N_LEVELS;
 use crate::group::grouping_tree::{GroupingTree, Node};
+use crate::group::linkage::N_LEVELS;
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::single;
 use crate::segment::terrain::Terrain;
@@ -74,6 +74,13 @@ pub const NODE_VALUES: [&str; 42] = [
 
 /// Which of [`NODE_VALUES`] are not of a group itself but of what it would be a part of, or of the wall on which it lies.
 pub const VALUES_OF_LARGER: Range<usize> = 24..30;
+
+/// The place of the level of the widest gap within a group.
+pub const LEVEL: usize = 18;
+/// The place of the level at which it is joined with others.
+pub const JOINED_AT: usize = 19;
+const _: () =
+    assert!(NODE_VALUES[LEVEL].len() == "level".len() && NODE_VALUES[JOINED_AT].len() == "joined_at".len());
 
 /// Which groups may be objects by their size.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]

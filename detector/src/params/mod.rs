@@ -16,11 +16,9 @@ use crate::group::candidates::CandidatesParams;
 use crate::group::dense_gaps::DenseGapsParams;
 use crate::group::leaf_cuts::LeafCutsParams;
 use crate::group::node_values::NodeBoundsParams;
-use crate::regroup::regrouping_params::RegroupingParams;
-use crate::segment::connected_components::ConnectedComponentsParams;
+use crate::portable_math::ln;
 use crate::segment::foreground::ForegroundParams;
 use crate::segment::ground_segmentation::GroundSegmentationParams;
-use crate::segment::separation_params::DenseSeparationParams;
 use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 
@@ -53,18 +51,12 @@ pub struct HierarchicalParams {
     pub foreground: ForegroundParams,
     /// Weights of cell counts.
     pub density_weighting: DensityWeightingParams,
-    /// Merging of coarse cells.
-    pub merge: ConnectedComponentsParams,
-    /// Separation by dense cells.
-    pub separation: DenseSeparationParams,
     /// Which clusters are objects.
     pub cluster: ClusterParams,
     /// Which objects are vehicles.
     pub vehicle_size: SizeGateParams,
     /// Which objects the vehicle model is asked about.
     pub vehicle_bounds: VehicleBoundsParams,
-    /// Cutting and joining objects by the vehicle model.
-    pub regrouping: RegroupingParams,
     /// The tree of groupings and its best cut.
     pub grouping: GroupingParams,
     /// Points of objects that are no foreground.
@@ -75,8 +67,6 @@ pub struct HierarchicalParams {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroupingParams {
-    /// Whether objects are the best cut of a tree of groupings; if not, cells are merged and separated as in the paper.
-    pub enabled: bool,
     /// What an object costs: one that is expected to have a smaller intersection over union is none.
     pub object_cost: f32,
     /// What a vehicle costs: a group that is expected to have so great an intersection over union, but too small a one for an
@@ -94,12 +84,20 @@ pub struct GroupingParams {
     pub bounds: NodeBoundsParams,
 }
 
+impl GroupingParams {
+    /// The log odds of a vehicle from which on an object is ranked as one.
+    pub fn ranked_log_odds(&self) -> f32 {
+        let probability = f64::from(self.ranked_probability);
+        ln(probability / (1.0 - probability)) as f32
+    }
+}
+
 impl HierarchicalParams {
     /// Checks that there is room for all dense cells, of which the tree of groupings keeps a plan.
     fn check_dense_cells(&self) -> Result<(), ParamsError> {
         let GridParams { cell_size_m, xi, extent_m } = self.grid;
         let least_m = 2.0 * f64::from(extent_m) * f64::from(xi) / f64::from(MOST_DENSE_CELLS);
-        if self.grouping.enabled && f64::from(cell_size_m) < least_m {
+        if f64::from(cell_size_m) < least_m {
             return Err(ParamsError::TooLow {
                 name: "grid.cell_size_m",
                 value: as_written(cell_size_m.into()),
@@ -233,9 +231,9 @@ mod tests {
         );
         check_refused("growth_m = 0.1", "growth_m = nan", "completion.growth_m = NaN");
         check_refused(
-            "max_gap_m = 0.3",
-            "max_gap_m = -0.1",
-            "regrouping.max_gap_m = -0.1 is not within 0 to 100 m",
+            "min_end_m = 0.4",
+            "min_end_m = -0.1",
+            "grouping.cuts.min_end_m = -0.1 is not within 0 to 100 m",
         );
         check_refused(
             "low_quantile = 0.25",
@@ -253,7 +251,7 @@ mod tests {
         let error = HierarchicalParams::from_toml(&table.to_string()).unwrap_err().to_string();
         let expected = "grid.cell_size_m = 0.1 is less than 0.150, as grouping needs it with grid.xi = 3";
         assert!(error.starts_with(expected), "{error}");
-        table["grouping"]["enabled"] = false.into();
+        table["grid"]["extent_m"] = 80.0.into();
         assert!(HierarchicalParams::from_toml(&table.to_string()).is_ok());
     }
 }

@@ -6,13 +6,14 @@ use super::bounds::{HIERARCHICAL_BOUNDS, check_bounds};
 use super::{HierarchicalParams, ParamsError};
 use crate::grid::hierarchical_grid::GridParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
-use crate::segment::ground_segmentation::{GroundSegmentationParams, HeightOver};
+use crate::segment::ground_segmentation::GroundSegmentationParams;
 use crate::segment::hough_lines::HoughParams;
 use crate::segment::separation_params::DenseSeparationParams;
 use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 
-/// Parameters of what the papers have, and of nothing else. `params/paper.toml` explains the values.
+/// Parameters of what the papers have, and of readings that the papers do not have, which are off. `params/paper.toml` explains the
+/// values.
 ///
 /// ```
 /// use detector::params::HierarchicalParams;
@@ -20,7 +21,7 @@ use crate::segment::wall_refinement::WallRefinementParams;
 ///
 /// let of_sensor = HierarchicalParams::shipped();
 /// let params = PaperParams::shipped().stages(&of_sensor);
-/// assert!(of_sensor.regrouping.enabled && !params.regrouping.enabled);
+/// assert!(of_sensor.completion.enabled && !params.completion.enabled);
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -30,9 +31,11 @@ pub struct PaperParams {
     /// The terrain.
     pub terrain: TerrainParams,
     /// Cell classes.
-    pub ground: PaperGroundParams,
+    pub ground: GroundSegmentationParams,
     /// Refinement of walls.
     pub walls: PaperWallParams,
+    /// Foreground points.
+    pub foreground: PaperForegroundParams,
     /// Weights of cell counts.
     pub density_weighting: PaperWeightingParams,
     /// Merging of coarse cells.
@@ -43,30 +46,26 @@ pub struct PaperParams {
     pub cluster: PaperClusterParams,
 }
 
-/// Cell classes as printed.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PaperGroundParams {
-    /// Cells with fewer points are clutter.
-    pub min_points: u32,
-    /// Highest minus lowest point of a ground cell stays below this, in metres.
-    pub max_ground_extent_m: f32,
-    /// The mean elevation around a ground cell is within this of the terrain, in metres.
-    pub ground_band_m: f32,
-    /// A cell that reaches higher above a level road, or spans more, is tall; in metres.
-    pub tall_height_m: f32,
-}
-
-/// Walls as printed.
+/// Walls.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PaperWallParams {
     /// Whether walls are looked for at all.
     pub enabled: bool,
+    /// Whether they are found as the paper prints it.
+    pub as_printed: bool,
     /// Least share of a segment's length along which cells are tall.
     pub min_support: f32,
     /// How the segments are found.
     pub hough: HoughParams,
+}
+
+/// Which points are foreground.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaperForegroundParams {
+    /// Points of a foreground cell that are no higher than this above the lowest ground of the cell are road, in metres.
+    pub clearance_m: f32,
 }
 
 /// Whether cell counts are weighted. The curve is that of the sensor.
@@ -110,33 +109,21 @@ impl PaperParams {
         Ok(params)
     }
 
-    /// What the stages of `hierarchical` make of these parameters: everything that is in no paper is off. The density curve,
-    /// and the sizes of vehicles for runs without models, are those of `hierarchical`.
+    /// The parameters of the stages up to the foreground, and of what follows the clusters. Completion, which is in no paper, is off. The
+    /// density curve, the sizes of vehicles for runs without models, and what walls that are not found as printed need, are those of
+    /// `hierarchical`.
     pub fn stages(&self, hierarchical: &HierarchicalParams) -> HierarchicalParams {
         let mut params = hierarchical.clone();
         params.grid = self.grid.clone();
         params.terrain = self.terrain.clone();
-        let PaperGroundParams { min_points, max_ground_extent_m, ground_band_m, tall_height_m } = self.ground;
-        params.ground = GroundSegmentationParams {
-            min_points,
-            fewer_far_away: false,
-            max_ground_extent_m,
-            ground_band_m,
-            low_itself: false,
-            tall_height_m,
-            tall_over: HeightOver::LevelRoad,
-        };
-        let PaperWallParams { enabled, min_support, hough } = self.walls.clone();
-        params.walls = WallRefinementParams { enabled, as_printed: true, min_support, hough, ..params.walls };
-        params.foreground.clearance_m = f32::NEG_INFINITY;
+        params.ground = self.ground.clone();
+        let PaperWallParams { enabled, as_printed, min_support, hough } = self.walls.clone();
+        params.walls = WallRefinementParams { enabled, as_printed, min_support, hough, ..params.walls };
+        params.foreground.clearance_m = self.foreground.clearance_m;
         params.density_weighting.enabled = self.density_weighting.enabled;
-        params.merge = self.merge.clone();
-        params.separation = self.separation.clone();
         params.cluster.min_points = self.cluster.min_points;
         params.cluster.min_vehicle_points = self.cluster.min_points;
         params.vehicle_bounds.enabled = false;
-        params.regrouping.enabled = false;
-        params.grouping.enabled = false;
         params.completion.enabled = false;
         params
     }
@@ -145,6 +132,7 @@ impl PaperParams {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::segment::ground_segmentation::HeightOver;
 
     #[test]
     fn printed_values_are_in_the_file() {
@@ -155,14 +143,17 @@ mod tests {
     }
 
     #[test]
-    fn nothing_that_is_in_no_paper_has_a_parameter() {
+    fn what_is_in_no_paper_is_off_or_has_no_parameter() {
         let table = PaperParams::shipped_table();
-        for absent in ["foreground", "vehicle_size", "vehicle_bounds", "regrouping", "grouping", "completion"]
-        {
+        for absent in ["vehicle_size", "vehicle_bounds", "grouping", "completion"] {
             assert!(!table.contains_key(absent), "{absent}");
         }
-        let stages = PaperParams::shipped().stages(&HierarchicalParams::shipped());
-        assert!(!stages.vehicle_bounds.enabled && !stages.regrouping.enabled && !stages.completion.enabled);
+        let params = PaperParams::shipped();
+        assert!(params.walls.as_printed && params.foreground.clearance_m == f32::NEG_INFINITY);
+        assert!(!params.ground.fewer_far_away && !params.ground.low_itself);
+        assert_eq!(params.ground.tall_over, HeightOver::LevelRoad);
+        let stages = params.stages(&HierarchicalParams::shipped());
+        assert!(!stages.vehicle_bounds.enabled && !stages.completion.enabled);
         assert_eq!(stages.cluster.min_vehicle_points, stages.cluster.min_points);
     }
 

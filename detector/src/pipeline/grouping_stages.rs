@@ -9,6 +9,7 @@ use crate::group::dense_cells::DenseCells;
 use crate::group::dense_gaps::DenseGaps;
 use crate::group::grouping_tree::GroupingTree;
 use crate::group::leaf_cuts::LeafCuts;
+use crate::group::linkage::{Linkage, LinkedScan};
 use crate::group::node_values::{DescribedNode, NodeDescriber, NodePlaces};
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
@@ -22,8 +23,10 @@ use crate::stage;
 use crate::surface_class::SurfaceClass;
 
 /// Grid, terrain, candidates, tree and descriptions of one scan after another. Training and running walk the same trees: these.
+///
+/// What joins cells to groups is the gaps between them, or what a rival has in their place.
 #[derive(Debug, Clone)]
-pub struct GroupingStages {
+pub struct GroupingStages<L = DenseGaps> {
     params: HierarchicalParams,
     grid: HierarchicalGrid,
     terrain: Terrain,
@@ -32,7 +35,7 @@ pub struct GroupingStages {
     classes: Vec<SurfaceClass>,
     candidates: Candidates,
     dense: DenseCells,
-    gaps: DenseGaps,
+    linkage: L,
     tree: GroupingTree,
     cuts: LeafCuts,
     n_left_uncut: usize,
@@ -43,6 +46,15 @@ pub struct GroupingStages {
 impl GroupingStages {
     /// Stages for a sensor `sensor_height_m` above the road.
     pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
+        let weighting = DensityWeighting::new(&params.density_weighting);
+        let gaps = DenseGaps::new(params.grouping.gaps.clone(), &params.grid, &weighting);
+        Self::over(gaps, params, sensor_height_m)
+    }
+}
+
+impl<L: Linkage> GroupingStages<L> {
+    /// The same, with groups that `linkage` joins.
+    pub fn over(linkage: L, params: HierarchicalParams, sensor_height_m: f32) -> Self {
         let grid = HierarchicalGrid::new(params.grid.clone());
         let weighting = DensityWeighting::new(&params.density_weighting);
         Self {
@@ -56,12 +68,7 @@ impl GroupingStages {
                 params.ground.tall_height_m,
             ),
             dense: DenseCells::default(),
-            gaps: DenseGaps::new(
-                params.grouping.gaps.clone(),
-                (&params.merge, &params.separation),
-                &params.grid,
-                &weighting,
-            ),
+            linkage,
             tree: GroupingTree::default(),
             cuts: LeafCuts::default(),
             n_left_uncut: 0,
@@ -85,11 +92,12 @@ impl GroupingStages {
         clock.lap(stage::WALLS, stage_times);
         candidates.find(cloud, grid, &self.classes, &self.walls);
         clock.lap(stage::FOREGROUND, stage_times);
-        dense.fill(cloud, grid, terrain, candidates);
-        clock.lap(stage::DENSE_LEVEL, stage_times);
-        self.gaps.find(grid, dense, candidates);
-        clock.lap(stage::GAPS, stage_times);
-        tree.build(dense, &self.gaps);
+        let scan = LinkedScan { cloud, grid, terrain, candidates };
+        self.linkage.fill(&scan, dense);
+        clock.lap(L::STAGES[0], stage_times);
+        self.linkage.link(&scan, dense);
+        clock.lap(L::STAGES[1], stage_times);
+        tree.build(dense, &self.linkage);
         clock.lap(stage::GROUPING, stage_times);
         self.n_left_uncut = self.cuts.cut(tree, dense, &params.grouping.cuts);
         clock.lap(stage::CUTS, stage_times);
@@ -153,6 +161,11 @@ impl GroupingStages {
     /// Their cells.
     pub fn dense(&self) -> &DenseCells {
         &self.dense
+    }
+
+    /// Whether there are groups within groups.
+    pub fn is_nested(&self) -> bool {
+        self.linkage.is_nested()
     }
 
     /// All groupings.

@@ -4,6 +4,5 @@ pub mod foreground_stages;
 pub mod grouping_stages;
 pub mod vehicle_stages;
 pub mod object_stages;
-pub mod hierarchical_detector;
 pub mod paper_detector;
 pub mod tree_detector;

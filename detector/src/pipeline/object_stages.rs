@@ -1,6 +1,5 @@
 //! From objects with boxes to detections. Shared with baselines that classify as the paper does.
 
-use crate::classify::object_classifier::NO_VEHICLE;
 use crate::classify::size_gate::size_gate;
 use crate::classify::vehicle_model::{VehicleModel, class_by_decision};
 use crate::complete::completed_object::{box_with_points, merge_points};
@@ -16,37 +15,34 @@ use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
 use crate::pipeline::vehicle_stages::VehicleStages;
 use crate::point_cloud::PointCloud;
-use crate::regroup::regrouping::Regrouping;
 use crate::rule::Rule;
 use crate::stage;
 use crate::stage_product::StageProduct;
 
-/// Classes, regrouping and completion of one scan after another.
+/// Classes and completion of one scan after another.
 #[derive(Debug, Clone)]
 pub struct ObjectStages {
     params: HierarchicalParams,
     min_points: usize,
     min_vehicle_points: usize,
     fitted: FittedObjects,
-    // The objects before regrouping, which are drawn.
-    as_fitted: Vec<FittedObject>,
     vehicles: Option<VehicleStages>,
-    regrouping: Option<Regrouping>,
     completion: Completion,
+    // Log odds of the least likely vehicle that is ranked.
+    ranked_log_odds: f32,
     point_indices: Vec<u32>,
 }
 
 impl ObjectStages {
-    /// Stages that tell vehicles by their size, and leave the objects as they are. Objects have at least `min_points`.
+    /// Stages that tell vehicles by their size. Objects have at least `min_points`.
     pub fn new(params: &HierarchicalParams, min_points: usize) -> Self {
         Self {
             min_points,
             min_vehicle_points: params.cluster.min_vehicle_points.min(min_points),
             fitted: FittedObjects::default(),
-            as_fitted: Vec::new(),
             vehicles: None,
-            regrouping: None,
             completion: Completion::new(params.completion.clone()),
+            ranked_log_odds: params.grouping.ranked_log_odds(),
             point_indices: Vec::new(),
             params: params.clone(),
         }
@@ -54,13 +50,8 @@ impl ObjectStages {
 
     /// The same stages, which tell vehicles by `model` instead.
     pub fn with_vehicle_model(self, model: VehicleModel) -> Self {
-        let vehicles = VehicleStages::new(model, &self.params, self.min_vehicle_points);
+        let vehicles = VehicleStages::new(model, &self.params);
         Self { vehicles: Some(vehicles), ..self }
-    }
-
-    /// The same stages, which cut and join objects if there is a vehicle model.
-    pub fn with_regrouping(self, regrouping: Regrouping) -> Self {
-        Self { regrouping: Some(regrouping), ..self }
     }
 
     /// Fewest points of what may become a detection.
@@ -77,9 +68,6 @@ impl ObjectStages {
             }
             if self.params.vehicle_bounds.enabled {
                 rules.push(Rule::SizeBounds);
-            }
-            if self.regrouping.as_ref().is_some_and(Regrouping::is_enabled) {
-                rules.push(Rule::Regrouping);
             }
         }
         if self.completion.is_enabled() {
@@ -114,19 +102,12 @@ impl ObjectStages {
         clock: &mut StageClock,
         output: &mut DetectorOutput,
     ) {
-        // Regrouping puts others in their place.
-        self.as_fitted.clone_from(&self.fitted.objects);
         if let Some(vehicles) = &mut self.vehicles {
             vehicles.describe(&self.fitted, foreground);
             clock.lap(stage::FEATURES, &mut output.stage_times);
             vehicles.decide(&mut self.fitted);
             clock.lap(stage::CLASSIFICATION, &mut output.stage_times);
-            if let Some(regrouping) = &mut self.regrouping {
-                vehicles.regroup(regrouping, &mut self.fitted, foreground);
-                clock.lap(stage::REGROUPING, &mut output.stage_times);
-            }
         }
-        // Not before: what is small may be a part that regrouping joins, or that it cuts off.
         self.drop_small_background(output);
         self.complete(cloud, foreground);
         self.report(cloud, output);
@@ -140,7 +121,7 @@ impl ObjectStages {
             let n_points = it.members.len();
             let is_kept = n_points >= self.min_points || it.decision.is_some_and(|decision| decision > 0.0);
             if !is_kept {
-                output.drop_small(it.detection(members, DetectedClass::Object), NO_VEHICLE);
+                output.drop_small(it.detection(members, DetectedClass::Object), self.ranked_log_odds);
             }
             is_kept
         });
@@ -168,7 +149,7 @@ impl ObjectStages {
                 class: self.class_of(object),
                 score: object.decision,
             };
-            output.push_ranked(detection, NO_VEHICLE);
+            output.push_ranked(detection, self.ranked_log_odds);
         }
     }
 
@@ -184,19 +165,15 @@ impl ObjectStages {
     /// What the stages left behind of the latest scan, which has `n_points` points.
     pub fn stage_products(&self, n_points: usize) -> Vec<StageProduct> {
         let FittedObjects { objects, members, .. } = &self.fitted;
-        let mut products = fitted_boxes(&self.fitted, &self.as_fitted);
+        let mut products = fitted_boxes(&self.fitted, objects);
         if let Some(vehicles) = &self.vehicles {
-            let described = self.as_fitted.iter().map(|it| {
+            let described = objects.iter().map(|it| {
                 let positions_m = members.positions_m(&it.members).iter().copied();
                 (it.bounding_box, positions_m)
             });
             products.extend(vehicle_shapes(vehicles.prototypes(), described));
         }
         let own = |it: &FittedObject| members.point_indices(&it.members).iter().copied();
-        if self.vehicles.is_some() && self.regrouping.is_some() {
-            let shape = point_clusters(n_points, objects.iter().map(own));
-            products.push(StageProduct { stage: stage::REGROUPING, name: "regrouped_clusters", shape });
-        }
         let completed = objects.iter().enumerate().map(|(object_idx, object)| {
             let added = self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx);
             own(object).chain(added)

@@ -1,7 +1,6 @@
 //! The detector of the papers to the letter.
 
-use crate::classify::object_classifier::NO_VEHICLE;
-use crate::classify::paper_model::PaperModel;
+use crate::classify::paper_model::{NO_VEHICLE, PaperModel};
 use crate::classify::size_gate::size_gate;
 use crate::classify::vehicle_model::class_by_decision;
 use crate::describe::paper_features::N_PAPER_FEATURES;
@@ -22,7 +21,7 @@ use crate::params::paper::PaperParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
 use crate::point_cloud::PointCloud;
 use crate::rule::Rule;
-use crate::segment::connected_components::connected_components;
+use crate::segment::connected_components::{ConnectedComponentsParams, connected_components};
 use crate::segment::dense_level::DenseLevel;
 use crate::segment::dense_separation::DenseSeparation;
 use crate::segment::object_points::ObjectPoints;
@@ -31,8 +30,7 @@ use crate::stage_product::StageProduct;
 
 /// Objects from a hierarchical grid, and vehicles by eight values, as the papers print it.
 ///
-/// It is what [`HierarchicalDetector`](super::hierarchical_detector::HierarchicalDetector) started from, and has nothing that
-/// is in no paper: no size bounds, no regrouping, no completion.
+/// It has nothing that is in no paper: no size bounds, no trained judge of groups, no completion.
 ///
 /// Paper: HG sections 3 to 4, VM sections 3 to 5.
 ///
@@ -52,6 +50,7 @@ use crate::stage_product::StageProduct;
 #[derive(Debug, Clone)]
 pub struct PaperDetector {
     params: HierarchicalParams,
+    merge: ConnectedComponentsParams,
     foreground: ForegroundStages,
     dense: DenseLevel,
     links: Vec<[u32; 2]>,
@@ -68,13 +67,15 @@ impl PaperDetector {
     /// A detector for a sensor `sensor_height_m` above the road, whose density curve is that of `of_sensor`, as are the sizes
     /// by which vehicles are told without a model.
     pub fn new(params: &PaperParams, of_sensor: &HierarchicalParams, sensor_height_m: f32) -> Self {
+        let PaperParams { merge, separation, .. } = params.clone();
         let params = params.stages(of_sensor);
         let weighting = DensityWeighting::new(&params.density_weighting);
         Self {
+            merge,
             foreground: ForegroundStages::new(params.clone(), sensor_height_m),
             dense: DenseLevel::default(),
             links: Vec::new(),
-            separation: DenseSeparation::new(params.separation.clone(), &params.grid, &weighting),
+            separation: DenseSeparation::new(separation, &params.grid, &weighting),
             clusters: ObjectPoints::default(),
             outline: Outline::new(params.grid.xi),
             box_fit: ConvexHullBox::default(),
@@ -103,7 +104,7 @@ impl Detector for PaperDetector {
         let grid = self.foreground.grid();
         self.dense.fill(grid, self.foreground.foreground_cells(), self.foreground.point_indices());
         clock.lap(stage::DENSE_LEVEL, &mut output.stage_times);
-        connected_components(grid, &self.dense, &self.params.merge, &mut self.links);
+        connected_components(grid, &self.dense, &self.merge, &mut self.links);
         clock.lap(stage::MERGE, &mut output.stage_times);
         self.separation.separate(grid, &self.dense, &self.links);
         self.clusters.fill(cloud, self.foreground.point_indices(), &self.dense, &self.separation);

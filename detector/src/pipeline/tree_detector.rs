@@ -19,12 +19,13 @@ use crate::drawn::walls::wall_segments;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::fitted_objects::FittedObjects;
 use crate::group::best_cut::BestCut;
+use crate::group::dense_gaps::DenseGaps;
 use crate::group::doubtful_groups::DoubtfulGroups;
+use crate::group::linkage::Linkage;
 use crate::group::node_points::NodePoints;
 use crate::params::{GroupingParams, HierarchicalParams};
 use crate::pipeline::grouping_stages::GroupingStages;
 use crate::point_cloud::PointCloud;
-use crate::portable_math::ln;
 use crate::rule::Rule;
 use crate::stage;
 use crate::stage_product::{Shape, StageProduct};
@@ -36,8 +37,9 @@ use crate::stage_product::{Shape, StageProduct};
 /// object. Disjoint groups with the greatest sum are taken: Hu, Held, Ramanan 2020, *Learning to optimally segment point
 /// clouds*, with the expected intersection over union for the worth of a group. A wall is no verdict but a value.
 #[derive(Debug, Clone)]
-pub struct TreeDetector {
-    grouping: GroupingStages,
+pub struct TreeDetector<L = DenseGaps> {
+    name: &'static str,
+    grouping: GroupingStages<L>,
     model: Arc<GroupingModel>,
     tells_vehicles: bool,
     // For every described group: what it is expected to be worth.
@@ -66,12 +68,21 @@ pub struct TreeDetector {
 impl TreeDetector {
     /// A detector for a sensor `sensor_height_m` above the road, which tells vehicles by their size.
     pub fn new(params: HierarchicalParams, model: Arc<GroupingModel>, sensor_height_m: f32) -> Self {
-        let ranked_probability = f64::from(params.grouping.ranked_probability);
+        let grouping = GroupingStages::new(params, sensor_height_m);
+        Self::over("hierarchical", grouping, model)
+    }
+}
+
+impl<L: Linkage> TreeDetector<L> {
+    /// A detector of this name that looks at other groups, by a model that was trained on them.
+    pub fn over(name: &'static str, grouping: GroupingStages<L>, model: Arc<GroupingModel>) -> Self {
+        let params = grouping.params();
         Self {
-            ranked_log_odds: ln(ranked_probability / (1.0 - ranked_probability)) as f32,
+            name,
+            ranked_log_odds: params.grouping.ranked_log_odds(),
             completion: Completion::new(params.completion.clone()),
             describer: VehicleDescriber::new(model.library.clone()),
-            grouping: GroupingStages::new(params, sensor_height_m),
+            grouping,
             model,
             tells_vehicles: false,
             worth: Vec::new(),
@@ -229,9 +240,9 @@ impl TreeDetector {
     }
 }
 
-impl Detector for TreeDetector {
+impl<L: Linkage> Detector for TreeDetector<L> {
     fn name(&self) -> &'static str {
-        "hierarchical"
+        self.name
     }
 
     fn detect(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
@@ -293,7 +304,10 @@ impl Detector for TreeDetector {
     }
 
     fn rules(&self) -> Vec<Rule> {
-        let mut rules = vec![Rule::BestCut];
+        let mut rules = vec![Rule::TrainedGroups];
+        if self.grouping.is_nested() {
+            rules.push(Rule::BestCut);
+        }
         let cluster = &self.grouping.params().cluster;
         if self.tells_vehicles && cluster.min_vehicle_points < cluster.min_points {
             rules.push(Rule::SmallVehicles { min_points: cluster.min_vehicle_points });

@@ -1,38 +1,31 @@
-//! What a vehicle model makes of objects: features, decisions, and objects cut and joined by these.
+//! What a vehicle model makes of objects: features and decisions.
 
-use crate::classify::size_gate::SizeGateParams;
 use crate::classify::vehicle_model::{N_FEATURES, VehicleModel};
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::surroundings::{ObjectRaster, Surroundings};
-use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::fitted_objects::FittedObjects;
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
-use crate::regroup::regrouping::{Judge, Regrouping};
 
 /// A vehicle model, with buffers for one scan after another.
 #[derive(Debug, Clone)]
 pub struct VehicleStages {
     model: VehicleModel,
     bounds: VehicleBoundsParams,
-    sizes: SizeGateParams,
     raster: ObjectRaster,
     values: Vec<Option<[f32; N_FEATURES]>>,
-    box_fit: ConvexHullBox,
 }
 
 impl VehicleStages {
-    /// Stages that ask `model` about objects of `min_points` and more.
-    pub fn new(model: VehicleModel, params: &HierarchicalParams, min_points: usize) -> Self {
+    /// Stages that ask `model`.
+    pub fn new(model: VehicleModel, params: &HierarchicalParams) -> Self {
         Self {
             model: model.within(params.vehicle_bounds),
             bounds: params.vehicle_bounds,
-            sizes: SizeGateParams { min_points, ..params.vehicle_size.clone() },
             raster: ObjectRaster::new(params.grid.extent_m),
             values: Vec::new(),
-            box_fit: ConvexHullBox::default(),
         }
     }
 
@@ -55,19 +48,6 @@ impl VehicleStages {
         for (object, values) in fitted.objects.iter_mut().zip(&self.values) {
             object.decision = Some(self.model.decision_on(values.as_ref()));
         }
-    }
-
-    /// Cuts and joins objects that were decided about.
-    pub fn regroup(
-        &mut self,
-        regrouping: &mut Regrouping,
-        fitted: &mut FittedObjects,
-        foreground: &ForegroundStages,
-    ) {
-        let Self { model, bounds, sizes, raster, box_fit, .. } = self;
-        let surroundings =
-            |bounding_box: &OrientedBox| surroundings(raster, *bounds, foreground, bounding_box);
-        regrouping.regroup(fitted, Judge { box_fit, model, surroundings, sizes });
     }
 
     /// What the side profiles of objects are compared with.

@@ -41,7 +41,11 @@ impl DenseSeparation {
     /// Nothing separated yet, in grids of the geometry `grid`.
     pub fn new(params: DenseSeparationParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
         Self {
-            expected: ExpectedDensity::new(&params, grid, weighting),
+            expected: ExpectedDensity::new(
+                (params.object_density_ratio, params.single_gap_points),
+                grid,
+                weighting,
+            ),
             params,
             reach: DenseReach::new(grid.xi),
             object_of_dense: Vec::new(),

@@ -3,7 +3,6 @@
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::portable_math::single;
-use crate::segment::separation_params::DenseSeparationParams;
 
 /// What is expected of dense cells at one range.
 #[derive(Debug, Clone, Copy)]
@@ -26,15 +25,19 @@ pub struct ExpectedDensity {
 }
 
 impl ExpectedDensity {
-    /// Of dense cells of grids of the geometry `grid`.
-    pub fn new(params: &DenseSeparationParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
+    /// Of dense cells of grids of the geometry `grid`. Upright objects hold `object_density_ratio` times what all points together put
+    /// into a dense cell at their range; where that is `single_gap_points`, a single empty dense cell is a gap.
+    pub fn new(
+        (object_density_ratio, single_gap_points): (f32, f32),
+        grid: &GridParams,
+        weighting: &DensityWeighting,
+    ) -> Self {
         let dense_size_m = grid.cell_size_m / grid.xi as f32;
         let points_at_weight_1 = weighting.peak_points_per_m2() * dense_size_m * dense_size_m;
         // Multiplying what is expected by the weight is dividing all counts by it.
         let expected = |weight: &f32| Expected {
-            object_points: params.object_density_ratio * points_at_weight_1 * weight,
-            max_steps: single::cbrt(params.single_gap_points / (points_at_weight_1 * weight)).ceil().max(1.0)
-                as u32,
+            object_points: object_density_ratio * points_at_weight_1 * weight,
+            max_steps: single::cbrt(single_gap_points / (points_at_weight_1 * weight)).ceil().max(1.0) as u32,
         };
         Self { by_metre: weighting.weight_by_metre().iter().map(expected).collect() }
     }

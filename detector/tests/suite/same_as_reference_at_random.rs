@@ -2,17 +2,19 @@
 
 use detector::PointCloud;
 use detector::params::HierarchicalParams;
+use detector::params::paper::PaperParams;
 use detector::segment::ground_segmentation::HeightOver;
 use proptest::prelude::*;
 
 use crate::drawn_street::SENSOR_HEIGHT_M;
-use crate::reference::twins::Twins;
+use crate::reference::twins::{CompletionTwins, Twins};
+use crate::same_as_reference::beyond_papers;
 
 const EXTENT_M: f32 = 12.0;
 
 /// Parameters for clouds of few points on a small grid.
-fn params(cell_size_m: f32, xi: u32) -> HierarchicalParams {
-    let mut params = HierarchicalParams::shipped();
+fn params(cell_size_m: f32, xi: u32) -> PaperParams {
+    let mut params = beyond_papers();
     params.grid.cell_size_m = cell_size_m;
     params.grid.xi = xi;
     params.grid.extent_m = EXTENT_M;
@@ -78,7 +80,6 @@ proptest! {
         let mut params = params(cell_size_m, xi);
         params.terrain.enabled = is_whole;
         params.separation.enabled = is_whole;
-        params.completion.enabled = is_whole;
         if is_printed {
             params.ground.fewer_far_away = false;
             params.ground.low_itself = false;
@@ -87,6 +88,17 @@ proptest! {
             params.foreground.clearance_m = f32::NEG_INFINITY;
         }
         let mut twins = Twins::new(params, SENSOR_HEIGHT_M);
+        for cloud in &clouds {
+            twins.check(cloud, "a random cloud");
+        }
+    }
+
+    #[test]
+    fn completed_objects_on_random_clouds(clouds in prop::collection::vec(cloud(400), 1..4)) {
+        let mut params = HierarchicalParams::shipped();
+        params.grid.extent_m = EXTENT_M;
+        params.cluster.min_points = 5;
+        let mut twins = CompletionTwins::new(params, SENSOR_HEIGHT_M);
         for cloud in &clouds {
             twins.check(cloud, "a random cloud");
         }

@@ -1,18 +1,19 @@
-//! What each stage of the hierarchical detector makes of a drawn street.
+//! What each stage of the detector of the papers makes of a drawn street.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use detector::params::HierarchicalParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::pipeline::paper_detector::PaperDetector;
 use detector::stage_product::Shape;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
 use crate::drawn_street::{SENSOR_HEIGHT_M, main_road};
+use crate::same_as_reference::beyond_papers;
 
 /// Stage products and detections of `cloud` in words, lengths and angles with two decimals.
 fn described(cloud: &PointCloud) -> String {
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
+    let mut detector = PaperDetector::new(&beyond_papers(), &HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();
     detector.detect(cloud, &mut output);
     let mut text = String::new();
@@ -91,7 +92,6 @@ fn a_main_road_comes_apart_into_cars_person_pole_and_facade() {
     boxes/hulls: 3 of 4, 4, 4 corners
     boxes/rectangles: 3 of 4, 4, 4 corners
     boxes/boxes: 3 boxes
-    completion/objects: 3 of 2492, 2287, 356 points
     vehicle of 2492 points, centre 6.20 3.00 -0.88 m, 4.20 x 1.80 x 1.30 m, yaw 0.00 degrees
     vehicle of 2287 points, centre 10.70 3.10 -0.88 m, 4.00 x 1.80 x 1.30 m, yaw 0.00 degrees
     object of 356 points, centre 5.45 -4.10 -0.73 m, 0.50 x 0.40 x 1.60 m, yaw 0.00 degrees

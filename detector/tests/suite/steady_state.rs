@@ -4,25 +4,29 @@ use detector::classify::grouping_model::GroupingModel;
 use detector::classify::paper_model::PaperModel;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::pipeline::paper_detector::PaperDetector;
 use detector::pipeline::tree_detector::TreeDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
 use test_data::test_data;
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
-use crate::trained_on_drawings::vehicle_model;
 use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 
-/// Checks that a detector that has seen `first` allocates nothing on `second`.
+fn tree_detector() -> TreeDetector {
+    TreeDetector::new(HierarchicalParams::shipped(), GroupingModel::shipped(), SENSOR_HEIGHT_M)
+        .telling_vehicles()
+}
+
+fn paper_detector() -> PaperDetector {
+    PaperDetector::new(&PaperParams::shipped(), &HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
+}
+
+/// Checks that detectors that have seen `first` allocate nothing on `second`.
 #[track_caller]
 fn check(first: &PointCloud, second: &PointCloud) {
-    let detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
-    check_detector(detector.clone(), first, second);
-    check_detector(detector.with_vehicle_model(vehicle_model()), first, second);
-    let of_papers =
-        PaperDetector::new(&PaperParams::shipped(), &HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
-    check_detector(of_papers.with_vehicle_model(PaperModel::shipped()), first, second);
+    check_detector(tree_detector(), first, second);
+    check_detector(paper_detector(), first, second);
+    check_detector(paper_detector().with_vehicle_model(PaperModel::shipped()), first, second);
 }
 
 #[track_caller]
@@ -54,28 +58,18 @@ fn a_drive_seen_before_allocates_nothing() {
     let paths = velodyne_paths(&test_data("data/kitti_tracking/training/velodyne/0000"));
     let scans: Vec<PointCloud> = paths.iter().step_by(5).map(|path| read_velodyne_bin(path)).collect();
     assert!(scans.len() > 1, "too few scans");
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
-        .with_vehicle_model(vehicle_model());
+    for mut detector in [Box::new(tree_detector()) as Box<dyn Detector>, Box::new(paper_detector())] {
+        check_drive(&mut *detector, &scans);
+    }
+}
+
+fn check_drive(detector: &mut dyn Detector, scans: &[PointCloud]) {
     let mut output = DetectorOutput::default();
-    for scan in &scans {
+    for scan in scans {
         detector.detect(scan, &mut output);
     }
     for scan in scans.iter().rev() {
         let steady = allocation_counter::measure(|| detector.detect(scan, &mut output));
         assert_eq!(steady.count_total, 0, "allocations on a scan of {} points", scan.len());
-    }
-}
-
-#[test]
-fn the_tree_of_groupings_allocates_nothing_either() {
-    for (first, second) in [(main_road(), main_road()), (main_road(), PointCloud::default())] {
-        let model = GroupingModel::shipped();
-        let mut detector =
-            TreeDetector::new(HierarchicalParams::shipped(), model, SENSOR_HEIGHT_M).telling_vehicles();
-        let mut output = DetectorOutput::default();
-        detector.detect(&first, &mut output);
-        assert!(!output.detections.is_empty());
-        let steady = allocation_counter::measure(|| detector.detect(&second, &mut output));
-        assert_eq!((steady.count_total, steady.bytes_total), (0, 0), "allocations and their bytes");
     }
 }

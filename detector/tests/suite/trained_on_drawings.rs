@@ -2,20 +2,20 @@
 
 use detector::OrientedBox;
 use detector::classify::nu_svc_solver::{NuSvcParams, Tolerance};
+use detector::classify::paper_model::PaperModel;
 use detector::classify::svm_training::train_svm;
-use detector::classify::vehicle_model::{N_FEATURES, VehicleModel};
+use detector::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber, PaperFeatures};
 use detector::describe::prototype_library::PrototypeLibrary;
-use detector::describe::surroundings::Surroundings;
 use detector::describe::trained_file::Provenance;
-use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
+use detector::describe::vehicle_features::VehicleDescriber;
 
 /// How far ahead of the sensor the drawings stand, in metres.
 const AHEAD_M: f32 = 7.0;
 
 /// Drawn vehicles of all kinds and sizes against upright blocks from a pole to a stretch of wall.
-pub fn vehicle_model() -> VehicleModel {
+pub fn vehicle_model() -> PaperModel {
     let library = PrototypeLibrary::drawn();
-    let mut describer = VehicleDescriber::new(library.clone());
+    let mut describer = PaperDescriber::new(library.clone());
     let (mut vectors, mut is_vehicle) = (Vec::new(), Vec::new());
     for prototype in library.prototypes() {
         for scale in [0.9, 0.95, 1.0, 1.05, 1.1] {
@@ -42,13 +42,17 @@ pub fn vehicle_model() -> VehicleModel {
         seed: 0,
         split: "nothing held out".to_owned(),
     };
-    let named = (VehicleFeatures::NAMES, VehicleDescriber::name(&library));
+    let named = (PaperFeatures::NAMES, VehicleDescriber::name(&library));
     let svm = train_svm(&vectors, &is_vehicle, named, &params, made).expect("a classifier");
-    VehicleModel::new(library, &svm)
+    PaperModel::from_toml(&library.to_toml(), &svm.to_toml()).expect("a model")
 }
 
 /// The features of a profile that is drawn out to `width_m`.
-fn features_of(describer: &mut VehicleDescriber, contour_m: &[[f32; 2]], width_m: f32) -> [f32; N_FEATURES] {
+fn features_of(
+    describer: &mut PaperDescriber,
+    contour_m: &[[f32; 2]],
+    width_m: f32,
+) -> [f32; N_PAPER_FEATURES] {
     let extent_m = |axis: usize| {
         contour_m.iter().fold([f32::MAX, f32::MIN], |[low, high], it| [low.min(it[axis]), high.max(it[axis])])
     };
@@ -70,6 +74,5 @@ fn features_of(describer: &mut VehicleDescriber, contour_m: &[[f32; 2]], width_m
             positions_m.extend(sides.map(|side| [AHEAD_M + along, side * width_m, up]));
         }
     }
-    let surroundings = Surroundings::default();
-    describer.describe(&bounding_box, &surroundings, positions_m.into_iter()).expect("features").values()
+    describer.describe(&bounding_box, positions_m.into_iter()).expect("features").values()
 }

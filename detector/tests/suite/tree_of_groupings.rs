@@ -121,9 +121,9 @@ fn what_is_no_number_and_what_is_no_scan_is_no_object() {
 #[test]
 fn it_says_what_it_does_beside_grouping() {
     let rules = |change: fn(&mut HierarchicalParams)| detector(change).rules();
-    let all = [Rule::BestCut, Rule::SmallVehicles { min_points: 10 }, Rule::Completion];
+    let all = [Rule::TrainedGroups, Rule::BestCut, Rule::SmallVehicles { min_points: 10 }, Rule::Completion];
     assert_eq!(rules(|_| ()), all);
-    assert_eq!(rules(|it| it.completion.enabled = false), all[..2]);
+    assert_eq!(rules(|it| it.completion.enabled = false), all[..3]);
 }
 
 #[test]

@@ -1,13 +1,14 @@
-//! The vehicle model inside the hierarchical detector.
+//! The vehicle model inside the detector of the papers.
 
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::params::HierarchicalParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::pipeline::paper_detector::PaperDetector;
 use detector::stage;
 use detector::stage_product::{Shape, StageProduct};
 use detector::{DetectedClass, Detector, DetectorOutput, PointCloud};
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M};
+use crate::same_as_reference::beyond_papers;
 use crate::trained_on_drawings::vehicle_model;
 
 /// A hatchback ahead, and a box of its size to the right.
@@ -16,9 +17,13 @@ fn street() -> PointCloud {
     DrawnStreet::road().vehicle([7.0, 3.0], hatchback).block([5.0, 9.0], [-5.0, -3.2], 1.5).cloud()
 }
 
+fn by_size() -> PaperDetector {
+    PaperDetector::new(&beyond_papers(), &HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
+}
+
 #[test]
 fn a_car_is_told_from_a_box_of_its_size() {
-    let by_size = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
+    let by_size = by_size();
     let by_model = by_size.clone().with_vehicle_model(vehicle_model());
     let mut found = Vec::new();
     for mut detector in [by_size, by_model] {
@@ -42,27 +47,9 @@ fn a_car_is_told_from_a_box_of_its_size() {
     }
 }
 
-#[test]
-fn what_is_small_for_an_object_is_kept_if_the_model_takes_it_for_a_vehicle() {
-    let mut params = HierarchicalParams::shipped();
-    params.cluster.min_points = 1_000_000;
-    let by_size = HierarchicalDetector::new(params, SENSOR_HEIGHT_M);
-    let by_model = by_size.clone().with_vehicle_model(vehicle_model());
-    for (mut detector, n_vehicles) in [(by_size, 0), (by_model, 1)] {
-        let mut output = DetectorOutput::default();
-        detector.detect(&street(), &mut output);
-        let classes: Vec<_> = output.detections.iter().map(|it| it.class).collect();
-        assert_eq!(classes, vec![DetectedClass::Vehicle; n_vehicles]);
-        assert_eq!(output.dropped_clusters.len(), 2 - n_vehicles);
-    }
-}
-
 /// The street with the products of the detector with a model, and what it found.
 fn products_of_street() -> (PointCloud, Vec<StageProduct>, DetectorOutput) {
-    let mut params = HierarchicalParams::shipped();
-    // So that detections have the boxes that features were taken from.
-    params.completion.enabled = false;
-    let mut detector = HierarchicalDetector::new(params, SENSOR_HEIGHT_M).with_vehicle_model(vehicle_model());
+    let mut detector = by_size().with_vehicle_model(vehicle_model());
     let mut output = DetectorOutput::default();
     detector.detect(&street(), &mut output);
     (street(), detector.stage_products(&street()), output)
@@ -104,34 +91,8 @@ fn what_the_model_looked_at_is_drawn_where_the_object_is() {
 }
 
 #[test]
-fn boxes_are_drawn_as_they_were_fitted_and_clusters_as_they_were_regrouped() {
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
-        .with_vehicle_model(vehicle_model());
-    // Near enough for one cluster, and cars to the model.
-    let hatchback = &PrototypeLibrary::drawn().prototypes()[0].contour_m.clone();
-    let along_m = hatchback.iter().map(|it| it[0]);
-    let length_m = along_m.clone().fold(f32::MIN, f32::max) - along_m.fold(f32::MAX, f32::min);
-    let row = DrawnStreet::road()
-        .vehicle([7.0, 3.0], hatchback)
-        .vehicle([7.0 + length_m + 0.05, 3.0], hatchback)
-        .cloud();
-    let mut output = DetectorOutput::default();
-    detector.detect(&row, &mut output);
-    let products = detector.stage_products(&row);
-    let Shape::Boxes(boxes) = shape(&products, stage::BOXES, "boxes") else { panic!("no boxes") };
-    let n_clusters = |stage: &str, name: &str| {
-        let Shape::Clusters(clusters) = shape(&products, stage, name) else { panic!("no clusters") };
-        clusters.iter().flatten().max().map_or(0, |&last| last as usize + 1)
-    };
-    assert_eq!((boxes.len(), n_clusters(stage::SEPARATION, "clusters")), (1, 1));
-    assert_eq!(n_clusters(stage::REGROUPING, "regrouped_clusters"), 2);
-    assert_eq!((n_clusters(stage::COMPLETION, "objects"), output.detections.len()), (2, 2));
-}
-
-#[test]
 fn every_stage_has_one_name_for_its_time_and_its_products() {
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
-        .with_vehicle_model(vehicle_model());
+    let mut detector = by_size().with_vehicle_model(vehicle_model());
     let mut output = DetectorOutput::default();
     detector.detect(&street(), &mut output);
     let timed: Vec<&str> = output.stage_times.iter().map(|it| it.stage).collect();
@@ -147,8 +108,6 @@ fn every_stage_has_one_name_for_its_time_and_its_products() {
         "boxes",
         "features",
         "classification",
-        "regrouping",
-        "completion",
     ];
     assert_eq!(timed, expected);
     let mut drawn: Vec<&str> = detector.stage_products(&street()).iter().map(|it| it.stage).collect();

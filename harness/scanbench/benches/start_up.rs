@@ -19,8 +19,8 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let point = |it: u32| [4.0 + it as f32 * 0.1, (it % 7) as f32, -1.7, 0.5];
     fs::write(&scan, (0..100).flat_map(point).flat_map(f32::to_le_bytes).collect::<Vec<u8>>())?;
     let scan = scan.to_string_lossy().into_owned();
-    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params/vehicle_model");
-    let of_files = format!("vehicle_model.directory={shipped:?}");
+    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params");
+    let of_files = format!("vehicle_model.groupings_directory={shipped:?}");
     let commands = [
         ("hierarchical", vec!["detect", &scan, "-d", "hierarchical"]),
         ("hierarchical, model from files", vec!["detect", &scan, "-P", &of_files]),

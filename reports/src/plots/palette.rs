@@ -28,11 +28,12 @@ pub struct Hue {
 }
 
 /// Hues for detectors, none of which means right or wrong in the viewer.
-pub const DETECTOR_HUES: [Hue; 4] = [
+pub const DETECTOR_HUES: [Hue; 5] = [
     Hue { on_dark: SKY_BLUE, on_light: BLUE },
     Hue { on_dark: ORANGE, on_light: VERMILION },
     Hue { on_dark: REDDISH_PURPLE, on_light: [156, 74, 120] },
     Hue { on_dark: [214, 214, 222], on_light: [70, 72, 84] },
+    Hue { on_dark: [120, 90, 255], on_light: [58, 32, 190] },
 ];
 
 /// The hue of the detector at `detector_idx` in the order of the run: the same in the viewer, in plots and on pages.

@@ -1,4 +1,4 @@
-//! Lines and markers of up to four series, told apart by form as well as by colour.
+//! Lines and markers of up to five series, told apart by form as well as by colour.
 
 use std::iter::{Once, once};
 
@@ -9,11 +9,11 @@ use plotters_backend::{BackendCoord, DrawingBackend, DrawingErrorKind};
 use super::style::{LINE_WIDTH_PX, color};
 use crate::plots::palette::detector_hue;
 
-/// How the series of this number is drawn; a fifth looks like the first.
+/// How the series of this number is drawn; a sixth looks like the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SeriesMark(pub(crate) usize);
 
-/// A filled circle, hollow triangle, hollow square or cross at a place of any coordinate system.
+/// A filled circle, hollow triangle, hollow square, cross or plus at a place of any coordinate system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Marker<C> {
     place: C,
@@ -27,7 +27,7 @@ impl SeriesMark {
 
     /// Length of the dashes and of the gaps between them in pixels; `None` for a full line.
     pub(crate) fn dashes_px(self) -> Option<[i32; 2]> {
-        [None, Some([9, 5]), Some([2, 4]), Some([14, 4])][self.0 % 4]
+        [None, Some([9, 5]), Some([2, 4]), Some([14, 4]), Some([5, 2])][self.0 % 5]
     }
 
     pub(crate) fn marker<C>(self, place: C) -> Marker<C> {
@@ -54,10 +54,14 @@ impl<C, Backend: DrawingBackend> Drawable<Backend> for Marker<C> {
         let Some((x, y)) = places.next() else { return Ok(()) };
         let style = self.mark.color().stroke_width(LINE_WIDTH_PX);
         let at = |[right, down]: [i32; 2]| (x + right, y + down);
-        match self.mark.0 % 4 {
+        match self.mark.0 % 5 {
             0 => backend.draw_circle((x, y), 4, &self.mark.color(), true),
             1 => backend.draw_path([[0, -6], [5, 4], [-5, 4], [0, -6]].map(at), &style),
             2 => backend.draw_path([[-4, -4], [4, -4], [4, 4], [-4, 4], [-4, -4]].map(at), &style),
+            4 => {
+                backend.draw_path([[-5, 0], [5, 0]].map(at), &style)?;
+                backend.draw_path([[0, -5], [0, 5]].map(at), &style)
+            }
             _ => {
                 backend.draw_path([[-4, -4], [4, 4]].map(at), &style)?;
                 backend.draw_path([[-4, 4], [4, -4]].map(at), &style)

@@ -5,23 +5,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use detector::params::HierarchicalParams;
 use detector::{OrientedBox, PointCloud};
 
-use super::FoundObject;
-use super::cells::{Cell, CellPoints};
+use super::cells::{Cell, CellPoints, coarse_cells};
 use super::terrain::Terrain;
 
-/// Gives `objects` the points in their boxes, and their boxes the height of these.
+/// Gives objects the points in their boxes, and their boxes the height of these.
 pub fn complete(
     cloud: &PointCloud,
-    cells: &BTreeMap<Cell, CellPoints>,
-    terrain: &Terrain,
     params: &HierarchicalParams,
-    objects: &mut [FoundObject],
+    sensor_height_m: f32,
+    objects: &mut [(Vec<u32>, OrientedBox)],
 ) {
-    if !params.completion.enabled {
-        return;
-    }
-    let taken: BTreeSet<u32> = objects.iter().flat_map(|it| it.point_indices.clone()).collect();
-    let boxes: Vec<OrientedBox> = objects.iter().map(|it| it.bounding_box).collect();
+    let cells: BTreeMap<Cell, CellPoints> = coarse_cells(cloud, &params.grid);
+    let terrain = &Terrain::grown(&cells, params, sensor_height_m);
+    let taken: BTreeSet<u32> = objects.iter().flat_map(|it| it.0.clone()).collect();
+    let boxes: Vec<OrientedBox> = objects.iter().map(|it| it.1).collect();
     let mut free: Vec<u32> = cells.values().flat_map(|it| it.point_indices.clone()).collect();
     free.retain(|it| !taken.contains(it));
     free.sort_unstable();
@@ -29,10 +26,10 @@ pub fn complete(
         let position_m = cloud.position_m(point_idx as usize);
         let is_around = |it: &OrientedBox| is_in(it, ground_m(it, terrain, params), position_m, params);
         if let Some(object_idx) = boxes.iter().position(is_around) {
-            let object = &mut objects[object_idx];
-            object.point_indices.push(point_idx);
-            object.point_indices.sort_unstable();
-            make_room(&mut object.bounding_box, position_m[2]);
+            let (point_indices, bounding_box) = &mut objects[object_idx];
+            point_indices.push(point_idx);
+            point_indices.sort_unstable();
+            make_room(bounding_box, position_m[2]);
         }
     }
 }

@@ -11,13 +11,26 @@ mod foreground;
 mod merge;
 mod separation;
 mod boxes;
-mod completion;
+pub mod completion;
 pub mod twins;
 
 use detector::classify::size_gate::size_gate;
 use detector::params::HierarchicalParams;
+use detector::params::paper::PaperParams;
 use detector::surface_class::SurfaceClass;
 use detector::{DetectedClass, OrientedBox, PointCloud};
+
+/// The parameters of the detector of the papers, and what its stages make of them.
+pub struct Params {
+    pub of_papers: PaperParams,
+    pub stages: HierarchicalParams,
+}
+
+impl Params {
+    pub fn new(of_papers: PaperParams, of_sensor: &HierarchicalParams) -> Self {
+        Self { stages: of_papers.stages(of_sensor), of_papers }
+    }
+}
 
 /// What the reference finds in a scan.
 #[derive(Debug, PartialEq)]
@@ -43,14 +56,15 @@ pub struct FoundObject {
 }
 
 /// Finds the objects of `cloud`.
-pub fn detect(cloud: &PointCloud, params: &HierarchicalParams, sensor_height_m: f32) -> Found {
+pub fn detect(cloud: &PointCloud, all: &Params, sensor_height_m: f32) -> Found {
+    let params = &all.stages;
     let cells = cells::coarse_cells(cloud, &params.grid);
     let terrain = terrain::Terrain::grown(&cells, params, sensor_height_m);
     let classes = classes::cell_classes(&cells, &terrain, params, sensor_height_m);
     let classes = walls::refine(cloud, classes, params, sensor_height_m);
     let foreground = foreground::foreground(cloud, &cells, &classes, &terrain, &params.foreground);
-    let links = merge::links(cloud, &foreground, &params.merge);
-    let separated = separation::separate(cloud, &foreground, &links, params);
+    let links = merge::links(cloud, &foreground, &all.of_papers.merge);
+    let separated = separation::separate(cloud, &foreground, &links, all);
     let large = separated.clusters.iter().filter(|cluster| cluster.points.len() >= params.cluster.min_points);
     let objects = large.map(|cluster| {
         let point_indices = cluster.points.clone();
@@ -58,12 +72,10 @@ pub fn detect(cloud: &PointCloud, params: &HierarchicalParams, sensor_height_m: 
         let class = size_gate(point_indices.len(), &bounding_box, &params.vehicle_size);
         FoundObject { point_indices, bounding_box, hull_m, class }
     });
-    let mut objects: Vec<FoundObject> = objects.collect();
-    completion::complete(cloud, &cells, &terrain, params, &mut objects);
     Found {
         point_classes: foreground::point_classes(cloud.len(), &cells, &classes, &foreground),
         n_cuts: separated.n_cuts,
-        objects,
+        objects: objects.collect(),
         clusters: separated.clusters.iter().map(|cluster| cluster.points.clone()).collect(),
     }
 }

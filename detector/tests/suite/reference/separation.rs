@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use detector::PointCloud;
-use detector::params::HierarchicalParams;
 use detector::portable_math::single;
 
+use super::Params;
 use super::cells::{Cell, dense_cell};
 use super::density::points_per_cell;
 use super::foreground::Foreground;
@@ -38,13 +38,13 @@ pub fn separate(
     cloud: &PointCloud,
     foreground: &Foreground,
     links: &[[Cell; 2]],
-    params: &HierarchicalParams,
+    params: &Params,
 ) -> Separated {
     let mut parts = Vec::new();
     for (&coarse, points) in foreground {
         let mut points_of_dense: BTreeMap<Cell, Vec<u32>> = BTreeMap::new();
         for &point_idx in points {
-            let dense = dense_cell(coarse, cloud.position_m(point_idx as usize), &params.grid);
+            let dense = dense_cell(coarse, cloud.position_m(point_idx as usize), &params.stages.grid);
             points_of_dense.entry(dense).or_default().push(point_idx);
         }
         push_parts(coarse, points_of_dense, params, &mut parts);
@@ -55,7 +55,7 @@ pub fn separate(
     let mut n_cuts = 0;
     for &[coarse, neighbor] in links {
         // Without separation each coarse cell is one part, and all links hold.
-        let steps = if params.separation.enabled { max_steps(coarse, params) } else { u32::MAX };
+        let steps = if params.of_papers.separation.enabled { max_steps(coarse, params) } else { u32::MAX };
         let touching = touching_parts(&parts, [coarse, neighbor], steps);
         if touching.is_empty() {
             n_cuts += 1;
@@ -74,13 +74,13 @@ pub fn separate(
 fn push_parts(
     coarse: Cell,
     points_of_dense: BTreeMap<Cell, Vec<u32>>,
-    params: &HierarchicalParams,
+    params: &Params,
     parts: &mut Vec<Part>,
 ) {
     let n_points: usize = points_of_dense.values().map(Vec::len).sum();
     let mean = n_points as f32 / points_of_dense.len() as f32;
-    let on_objects = params.separation.object_density_ratio * points_per_dense_cell(coarse, params);
-    let least = (params.separation.low_density_share * mean.min(on_objects)).max(1.0);
+    let on_objects = params.of_papers.separation.object_density_ratio * points_per_dense_cell(coarse, params);
+    let least = (params.of_papers.separation.low_density_share * mean.min(on_objects)).max(1.0);
     let occupied = points_of_dense.iter().filter(|(_, points)| points.len() as f32 >= least);
     let mut left: BTreeSet<Cell> = occupied.map(|(&dense, _)| dense).collect();
     let first_part = parts.len();
@@ -89,7 +89,8 @@ fn push_parts(
         let mut n_followed = 0;
         while n_followed < occupied.len() {
             let from = occupied[n_followed];
-            let max_steps = if params.separation.enabled { max_steps(coarse, params) } else { u32::MAX };
+            let max_steps =
+                if params.of_papers.separation.enabled { max_steps(coarse, params) } else { u32::MAX };
             occupied.extend(left.extract_if(.., |it| from.steps_to(*it) <= max_steps));
             n_followed += 1;
         }
@@ -120,13 +121,13 @@ fn touching_parts(parts: &[Part], coarse: [Cell; 2], max_steps: u32) -> Vec<[usi
 }
 
 /// Up to how many steps between dense cells there is no gap.
-fn max_steps(coarse: Cell, params: &HierarchicalParams) -> u32 {
-    let share = params.separation.single_gap_points / points_per_dense_cell(coarse, params);
+fn max_steps(coarse: Cell, params: &Params) -> u32 {
+    let share = params.of_papers.separation.single_gap_points / points_per_dense_cell(coarse, params);
     single::cbrt(share).ceil().max(1.0) as u32
 }
 
-fn points_per_dense_cell(coarse: Cell, params: &HierarchicalParams) -> f32 {
-    points_per_cell(coarse, params.grid.cell_size_m / params.grid.xi as f32, params)
+fn points_per_dense_cell(coarse: Cell, params: &Params) -> f32 {
+    points_per_cell(coarse, params.stages.grid.cell_size_m / params.stages.grid.xi as f32, &params.stages)
 }
 
 fn clusters(parts: Vec<Part>) -> Vec<Cluster> {

@@ -1,35 +1,30 @@
-//! Holding the detector against the reference.
+//! Holding the detectors against the reference.
 
+use detector::classify::grouping_model::GroupingModel;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::pipeline::paper_detector::PaperDetector;
+use detector::pipeline::tree_detector::TreeDetector;
 use detector::stage_product::{Shape, StageProduct};
 use detector::surface_class::SurfaceClass;
-use detector::{Detector, DetectorOutput, PointCloud};
+use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
-use super::{Found, FoundObject};
+use super::{Found, FoundObject, Params};
 
-/// A detector and the reference with the same parameters.
+/// The detector of the papers and the reference with the same parameters.
 pub struct Twins {
-    params: HierarchicalParams,
+    params: Params,
     sensor_height_m: f32,
-    detector: Box<dyn Detector>,
+    detector: PaperDetector,
     output: DetectorOutput,
 }
 
 impl Twins {
-    pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
-        let detector = HierarchicalDetector::new(params.clone(), sensor_height_m);
-        Self { params, sensor_height_m, detector: Box::new(detector), output: DetectorOutput::default() }
-    }
-
-    /// The detector of the papers, and the reference with its readings.
-    pub fn of_papers(sensor_height_m: f32) -> Self {
-        let (params, of_sensor) = (PaperParams::shipped(), HierarchicalParams::shipped());
+    pub fn new(params: PaperParams, sensor_height_m: f32) -> Self {
+        let of_sensor = HierarchicalParams::shipped();
         let detector = PaperDetector::new(&params, &of_sensor, sensor_height_m);
-        let params = params.stages(&of_sensor);
-        Self { params, sensor_height_m, detector: Box::new(detector), output: DetectorOutput::default() }
+        let params = Params::new(params, &of_sensor);
+        Self { params, sensor_height_m, detector, output: DetectorOutput::default() }
     }
 
     /// Checks that both find the same in `cloud`; the detector has its buffers from the clouds before. Returns the number of objects.
@@ -46,7 +41,7 @@ impl Twins {
             assert_eq!(found, expected, "an object of {name}");
         }
         let too_small =
-            expected.clusters.iter().map(Vec::len).filter(|&n| n < self.params.cluster.min_points);
+            expected.clusters.iter().map(Vec::len).filter(|&n| n < self.params.stages.cluster.min_points);
         assert!(self.output.dropped_clusters.iter().map(|it| it.n_points).eq(too_small), "drops of {name}");
         found.objects.len()
     }
@@ -67,6 +62,41 @@ impl Twins {
             objects: objects.collect(),
         }
     }
+}
+
+/// The completion of the best cut's objects, and the reference of it.
+pub struct CompletionTwins {
+    params: HierarchicalParams,
+    sensor_height_m: f32,
+    whole: TreeDetector,
+    as_cut: TreeDetector,
+}
+
+impl CompletionTwins {
+    pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
+        let detector = |params| TreeDetector::new(params, GroupingModel::shipped(), sensor_height_m);
+        let mut without = params.clone();
+        without.completion.enabled = false;
+        Self { whole: detector(params.clone()), as_cut: detector(without), params, sensor_height_m }
+    }
+
+    /// Checks that both give the objects of `cloud` the same points. Returns how many they give.
+    #[track_caller]
+    pub fn check(&mut self, cloud: &PointCloud, name: &str) -> usize {
+        let [completed, mut expected] = [&mut self.whole, &mut self.as_cut].map(|it| found_by(it, cloud));
+        let n_points =
+            |objects: &[(Vec<u32>, OrientedBox)]| objects.iter().map(|it| it.0.len()).sum::<usize>();
+        let n_before = n_points(&expected);
+        super::completion::complete(cloud, &self.params, self.sensor_height_m, &mut expected);
+        assert_eq!(completed, expected, "objects of {name}");
+        n_points(&completed) - n_before
+    }
+}
+
+fn found_by(detector: &mut TreeDetector, cloud: &PointCloud) -> Vec<(Vec<u32>, OrientedBox)> {
+    let mut output = DetectorOutput::default();
+    detector.detect(cloud, &mut output);
+    output.detections.iter().map(|it| (it.point_indices.to_vec(), it.bounding_box)).collect()
 }
 
 fn shape<'a>(products: &'a [StageProduct], name: &str) -> &'a Shape {

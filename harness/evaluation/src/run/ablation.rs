@@ -15,44 +15,35 @@ const PARTS: &[(&str, &str)] = &[
     ("without terrain", "hierarchical.terrain.enabled=false"),
     ("without walls", "hierarchical.walls.enabled=false"),
     ("without distance weighting", "hierarchical.density_weighting.enabled=false"),
-    ("without tree of groupings", "hierarchical.grouping.enabled=false"),
     ("without completion", "hierarchical.completion.enabled=false"),
 ];
 
-/// What the method has beyond the papers, in the order of the stages: what a row adds to those above it, and the overrides
-/// that take it away. Overrides that end in `=` get the value of the same parameter of the papers' detector. The last has no
-/// row, because with it the method is whole.
+/// What leads from the papers to the method, in the order of the stages: what a row adds to those above it, and how the detector of the
+/// papers does so. Overrides that end in `=` get the value that the method has for the same parameter.
 const STEPS: &[(&str, &[&str])] = &[
+    ("and points clear of the ground", &["paper.foreground.clearance_m="]),
     (
         "and cells by the terrain",
-        &[
-            "hierarchical.ground.fewer_far_away=false",
-            "hierarchical.ground.low_itself=false",
-            "hierarchical.ground.tall_over=level_road",
-        ],
+        &["paper.ground.fewer_far_away=", "paper.ground.low_itself=", "paper.ground.tall_over="],
     ),
-    (
-        "and walls by their support",
-        &["hierarchical.walls.as_printed=true", "hierarchical.walls.min_support="],
-    ),
-    ("and points clear of the ground", &["hierarchical.foreground.clearance_m=-inf"]),
+    ("and walls by their support", &["paper.walls.as_printed=", "paper.walls.min_support="]),
     (
         "and smaller objects",
         &[
-            "hierarchical.separation.low_density_share=",
-            "hierarchical.separation.object_density_ratio=",
-            "hierarchical.cluster.min_points=",
-            "hierarchical.cluster.min_vehicle_points=",
-            "hierarchical.vehicle_bounds.enabled=false",
+            "paper.cluster.min_points=",
+            // Tuned on simulated streets, for objects of so few points.
+            "paper.separation.low_density_share=0.3",
+            "paper.separation.object_density_ratio=5.0",
         ],
     ),
-    ("and regrouping", &["hierarchical.regrouping.enabled=false"]),
-    ("and completion", &["hierarchical.completion.enabled=false"]),
-    ("and the tree of groupings", &["hierarchical.grouping.enabled=false"]),
 ];
 
+/// The last step: the method, with what follows the best cut switched off.
+const BEST_CUT: (&str, &str) = ("and the best cut of groups", "hierarchical.completion.enabled=false");
+
 /// `method` with the parameters of `config`, then without each of its parts in turn, then without all of them; then the
-/// detector of the papers, and `method` with one after another of the steps that lead from it to the whole.
+/// detector of the papers, the same with one after another of the steps that lead from it to the method, and the method
+/// without what the whole adds.
 ///
 /// # Errors
 ///
@@ -67,25 +58,29 @@ pub fn variants(method: ListedDetector, config: &RunConfig) -> Result<Vec<Entran
     let lacking = PARTS.iter().map(|part| without(part.0, &[*part]));
     let bare = without("without all of these", PARTS);
     let papers = Entrant { name: "the papers", chosen: PAPER.into(), config: config.clone() };
-    let built_up = (1..STEPS.len()).map(|n_taken| {
-        let config = without_steps(&STEPS[n_taken..], config)?;
-        Ok(Entrant { name: STEPS[n_taken - 1].0, chosen: method.into(), config })
+    let built_up = (0..STEPS.len()).map(|step_idx| {
+        let config = with_steps(&STEPS[..=step_idx], config)?;
+        Ok(Entrant { name: STEPS[step_idx].0, chosen: PAPER.into(), config })
     });
-    [Ok(whole)].into_iter().chain(lacking).chain([bare, Ok(papers)]).chain(built_up).collect()
+    let before_whole = without(BEST_CUT.0, &[BEST_CUT]);
+    [Ok(whole)]
+        .into_iter()
+        .chain(lacking)
+        .chain([bare, Ok(papers)])
+        .chain(built_up)
+        .chain([before_whole])
+        .collect()
 }
 
-/// The parameters of `config` without what `steps` add.
-fn without_steps(steps: &[(&str, &[&str])], config: &RunConfig) -> Result<RunConfig, ConfigError> {
-    let of_papers = |switch: &str| {
-        let parameter = match switch.strip_suffix('=')? {
-            "hierarchical.cluster.min_vehicle_points" => "paper.cluster.min_points".to_owned(),
-            same => same.replacen("hierarchical", "paper", 1),
-        };
-        Some(config.value_of(&parameter).expect("the list of steps is tested").to_string())
+/// The parameters of `config` with what `steps` add to the detector of the papers.
+fn with_steps(steps: &[(&str, &[&str])], config: &RunConfig) -> Result<RunConfig, ConfigError> {
+    let of_method = |switch: &str| {
+        let same = switch.strip_suffix('=')?.replacen("paper", "hierarchical", 1);
+        Some(config.value_of(&same).expect("the list of steps is tested").to_string())
     };
-    let switches = steps.iter().flat_map(|(_, undone)| undone.iter());
+    let switches = steps.iter().flat_map(|(_, added)| added.iter());
     let switches = switches.map(|it| {
-        format!("{it}{}", of_papers(it).unwrap_or_default()).parse().expect("the list of steps is tested")
+        format!("{it}{}", of_method(it).unwrap_or_default()).parse().expect("the list of steps is tested")
     });
     let switches: Vec<OverrideOption> = switches.collect();
     config.overridden(&switches, &[])
@@ -93,6 +88,8 @@ fn without_steps(steps: &[(&str, &[&str])], config: &RunConfig) -> Result<RunCon
 
 #[cfg(test)]
 mod tests {
+    use detector::params::HierarchicalParams;
+
     use super::*;
     use crate::run::detector_list::built_in_named;
 
@@ -101,7 +98,7 @@ mod tests {
         let config = RunConfig::load(None).unwrap();
         let method = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
         let variants = variants(method, &config).unwrap();
-        assert_eq!(variants.len(), PARTS.len() + 2 + STEPS.len());
+        assert_eq!(variants.len(), PARTS.len() + 4 + STEPS.len());
         let variants = &variants[..PARTS.len() + 2];
         let is_on = |variant: &Entrant, part: &(&str, &str)| {
             let keys = part.1.trim_end_matches("=false").split('.');
@@ -116,22 +113,23 @@ mod tests {
         }
         assert!(PARTS.iter().all(|part| !is_on(variants.last().unwrap(), part)));
     }
+
     #[test]
-    fn the_steps_lead_from_the_papers_to_the_whole() {
+    fn the_steps_lead_from_the_papers_to_the_method() {
         let config = RunConfig::load(None).unwrap();
         let method = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
-        // Without any, the method has the stages of the papers' detector.
-        let printed = without_steps(STEPS, &config).unwrap();
-        assert_eq!(printed.hierarchical, config.paper.stages(&config.hierarchical));
         let variants = variants(method, &config).unwrap();
         let built_up = &variants[PARTS.len() + 2..];
         assert_eq!((built_up[0].name, built_up[0].chosen.name()), ("the papers", "paper"));
-        for pair in built_up[1..].windows(2) {
-            assert_ne!(pair[0].config.hierarchical, pair[1].config.hierarchical, "{}", pair[1].name);
+        for pair in built_up[..=STEPS.len()].windows(2) {
+            assert_ne!(pair[0].config.paper, pair[1].config.paper, "{}", pair[1].name);
         }
-        // The row before the whole lacks the last step alone.
-        let last = without_steps(&STEPS[STEPS.len() - 1..], &config).unwrap();
-        assert_eq!(built_up.last().unwrap().config.hierarchical, last.hierarchical);
-        assert_eq!(without_steps(&[], &config).unwrap().hierarchical, config.hierarchical);
+        // With all of them the stages up to the foreground are those of the method.
+        let all = &built_up[STEPS.len()].config;
+        let stages = all.paper.stages(&config.hierarchical);
+        let HierarchicalParams { ground, walls, foreground, .. } = &config.hierarchical;
+        assert_eq!((&stages.ground, &stages.walls, &stages.foreground), (ground, walls, foreground));
+        let [.., last] = built_up else { unreachable!("there are some") };
+        assert_eq!((last.name, last.chosen.name()), (BEST_CUT.0, "hierarchical"));
     }
 }

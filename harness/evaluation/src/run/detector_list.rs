@@ -1,15 +1,17 @@
 //! The detectors there are.
 
 use baselines::kd_tree_detector::KdTreeDetector;
+use baselines::kd_tree_groups::{kd_tree_trained, kd_tree_tree};
+use baselines::kd_tree_models::{TrainedComponents, shipped_tree};
 use baselines::pca_detector::PcaDetector;
 use baselines::simple_grid_detector::SimpleGridDetector;
 use detector::Detector;
 use detector::classify::grouping_model::GroupingModel;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::group::linkage::Linkage;
 use detector::pipeline::paper_detector::PaperDetector;
 use detector::pipeline::tree_detector::TreeDetector;
 
-use crate::run::config::{DETECTOR_TABLE, RunConfig, TrainedModel};
+use crate::run::config::{DETECTOR_TABLE, RunConfig, TrainedModel, VehicleModels};
 use crate::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
 
 /// A detector that can be asked for by name.
@@ -21,16 +23,16 @@ pub struct ListedDetector {
     pub table: &'static str,
     /// Parameters of the table that it has whatever the configuration says, with their values.
     pub fixed: &'static [(&'static str, &'static str)],
-    model: fn(&RunConfig) -> TrainedModel,
+    model: TrainedModel,
     build: fn(&RunConfig, f32) -> Box<dyn Detector>,
 }
 
-/// What the hierarchical detector was before it had anything that is in no paper.
+/// The method of the papers, and nothing that is in neither.
 pub const PAPER: ListedDetector = ListedDetector {
     name: "paper",
     table: "paper",
     fixed: &[],
-    model: |_| TrainedModel::Paper,
+    model: TrainedModel::Paper,
     build: |config, sensor_height_m| {
         let by_size = PaperDetector::new(&config.paper, &config.hierarchical, sensor_height_m);
         match &config.vehicle_models {
@@ -40,34 +42,44 @@ pub const PAPER: ListedDetector = ListedDetector {
     },
 };
 
-/// Every detector, in the order of tables and pictures.
+/// Every detector, in the order of tables and pictures: the best cut of the hierarchical grid, its rivals with the same training, the
+/// method of the papers, and the baselines of the papers.
 pub const DETECTORS: &[ListedDetector] = &[
     ListedDetector {
         name: "hierarchical",
         table: "hierarchical",
         fixed: &[],
-        model: |config| {
-            if config.hierarchical.grouping.enabled {
-                TrainedModel::Groupings
-            } else {
-                TrainedModel::Clusters
-            }
-        },
+        model: TrainedModel::Groupings,
         build: |config, sensor_height_m| {
             let params = config.hierarchical.clone();
-            match &config.vehicle_models {
-                Some(models) if params.grouping.enabled => Box::new(
-                    TreeDetector::new(params, models.groupings(), sensor_height_m).telling_vehicles(),
-                ),
-                None if params.grouping.enabled => {
-                    Box::new(TreeDetector::new(params, GroupingModel::shipped(), sensor_height_m))
-                }
-                Some(models) => {
-                    let by_size = HierarchicalDetector::new(params, sensor_height_m);
-                    Box::new(by_size.with_vehicle_model(models.by_shape()))
-                }
-                None => Box::new(HierarchicalDetector::new(params, sensor_height_m)),
-            }
+            let groupings = config.vehicle_models.as_ref().map(VehicleModels::groupings);
+            let model = groupings.unwrap_or_else(GroupingModel::shipped);
+            telling_vehicles_if(config, TreeDetector::new(params, model, sensor_height_m))
+        },
+    },
+    ListedDetector {
+        name: "kd-tree-trained",
+        table: "hierarchical",
+        fixed: &[],
+        model: TrainedModel::Components,
+        build: |config, sensor_height_m| {
+            let params = config.hierarchical.clone();
+            let components = config.vehicle_models.as_ref().map(VehicleModels::components);
+            let model = components.unwrap_or_else(TrainedComponents::shipped);
+            let sensor = (config.sensor.as_deref(), sensor_height_m);
+            telling_vehicles_if(config, kd_tree_trained(params, &model, sensor))
+        },
+    },
+    ListedDetector {
+        name: "kd-tree-tree",
+        table: "hierarchical",
+        fixed: &[],
+        model: TrainedModel::NestedComponents,
+        build: |config, sensor_height_m| {
+            let params = config.hierarchical.clone();
+            let nested = config.vehicle_models.as_ref().map(VehicleModels::nested_components);
+            let model = nested.unwrap_or_else(shipped_tree);
+            telling_vehicles_if(config, kd_tree_tree(params, model, sensor_height_m))
         },
     },
     PAPER,
@@ -76,13 +88,13 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "kd-tree-same-walls",
         table: "kd_tree",
         fixed: &[("foreground", "refined")],
-        model: |_| TrainedModel::Clusters,
+        model: TrainedModel::Clusters,
         build: |config, sensor_height_m| {
             let params = config.baselines.kd_tree.clone();
             let by_size =
                 KdTreeDetector::with_same_walls(params, config.hierarchical.clone(), sensor_height_m);
             match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
+                Some(models) => Box::new(by_size.with_vehicle_model(models.clusters())),
                 None => Box::new(by_size),
             }
         },
@@ -91,12 +103,12 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "kd-tree",
         table: "kd_tree",
         fixed: &[],
-        model: |_| TrainedModel::Clusters,
+        model: TrainedModel::Clusters,
         build: |config, sensor_height_m| {
             let params = config.baselines.kd_tree.clone();
             let by_size = KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m);
             match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
+                Some(models) => Box::new(by_size.with_vehicle_model(models.clusters())),
                 None => Box::new(by_size),
             }
         },
@@ -105,7 +117,7 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "pca",
         table: "pca",
         fixed: &[],
-        model: |_| TrainedModel::Pca,
+        model: TrainedModel::Pca,
         build: |config, _| {
             let vehicle_size = config.hierarchical.vehicle_size.clone();
             let by_size = PcaDetector::new(config.baselines.pca.clone(), vehicle_size);
@@ -120,21 +132,30 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "simple-grid",
         table: "hierarchical",
         fixed: &[],
-        model: |_| TrainedModel::Clusters,
+        model: TrainedModel::Clusters,
         build: |config, sensor_height_m| {
             let by_size = SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m);
             match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
+                Some(models) => Box::new(by_size.with_vehicle_model(models.clusters())),
                 None => Box::new(by_size),
             }
         },
     },
 ];
 
-/// The detectors that run if none are asked for: the method, its rival with the same walls and as it is, and the other rival.
-/// Ablations, as cheap as they may be, would crowd the papers' tables and make recordings a quarter larger. `paper` is one
-/// option away, `-d paper,hierarchical,kd-tree,pca`.
-pub const DEFAULT_DETECTORS: [&str; 4] = ["hierarchical", "kd-tree-same-walls", "kd-tree", "pca"];
+fn telling_vehicles_if<L: Linkage + 'static>(
+    config: &RunConfig,
+    by_size: TreeDetector<L>,
+) -> Box<dyn Detector> {
+    match config.vehicle_models {
+        Some(_) => Box::new(by_size.telling_vehicles()),
+        None => Box::new(by_size),
+    }
+}
+
+/// The detectors that run if none are asked for: the method, its strongest rival, which has the same training, the method of the papers,
+/// and the baselines of the papers.
+pub const DEFAULT_DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-trained", "paper", "kd-tree", "pca"];
 
 /// A detector that was asked for, built in or not.
 #[derive(Debug, Clone)]
@@ -195,7 +216,7 @@ impl ChosenDetector {
     pub fn vehicle_model(&self, config: &RunConfig) -> Option<TrainedModel> {
         config.vehicle_models.as_ref()?;
         match self {
-            Self::BuiltIn(listed) => Some((listed.model)(config)),
+            Self::BuiltIn(listed) => Some(listed.model),
             Self::Foreign(foreign) => {
                 (foreign.vehicles == VehicleRule::Model).then_some(TrainedModel::Clusters)
             }
@@ -309,8 +330,7 @@ mod tests {
     /// The rules that a detector shows by what it does with `scans`.
     fn rules_seen(detector: &mut dyn Detector, scans: &[LabeledScan], min_points: usize) -> Vec<Rule> {
         let mut output = DetectorOutput::default();
-        let (mut has_walls, mut has_best_cut, mut has_small, mut has_regrouped, mut has_completed) =
-            (false, false, false, false, false);
+        let (mut has_walls, mut is_judged, mut has_small, mut has_completed) = (false, false, false, false);
         for scan in scans {
             detector.detect(&scan.cloud, &mut output);
             for product in detector.stage_products(&scan.cloud) {
@@ -333,15 +353,13 @@ mod tests {
             }
             let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
             has_small |= vehicles.into_iter().any(|it| it.point_indices.len() < min_points);
-            has_best_cut |= output.stage_times.iter().any(|it| it.stage == "best_cut");
-            has_regrouped |= output.stage_times.iter().any(|it| it.stage == "regrouping");
+            is_judged |= output.stage_times.iter().any(|it| it.stage == "best_cut");
         }
         let seen = [
             // Walls that are evidence stay.
-            (has_walls && !has_best_cut, Rule::Walls),
-            (has_best_cut, Rule::BestCut),
+            (has_walls && !is_judged, Rule::Walls),
+            (is_judged, Rule::TrainedGroups),
             (has_small, Rule::SmallVehicles { min_points: 10 }),
-            (has_regrouped, Rule::Regrouping),
             (has_completed, Rule::Completion),
         ];
         seen.into_iter().filter_map(|(is_seen, rule)| is_seen.then_some(rule)).collect()
@@ -357,12 +375,15 @@ mod tests {
             assert_eq!(detector.name(), listed.name);
             let said: Vec<Rule> = detector.rules();
             n_rules.push((listed.name, said.len()));
-            // Of the bounds nothing is to be seen from outside.
-            let to_be_seen: Vec<Rule> = said.into_iter().filter(|it| *it != Rule::SizeBounds).collect();
+            // Of the bounds, and of groups within groups, nothing is to be seen from outside.
+            let is_hidden = |it: &Rule| [Rule::SizeBounds, Rule::BestCut].contains(it);
+            let to_be_seen: Vec<Rule> = said.into_iter().filter(|it| !is_hidden(it)).collect();
             assert_eq!(rules_seen(&mut *detector, &scans, 15), to_be_seen, "{}", listed.name);
         }
         let expected = [
-            ("hierarchical", 3),
+            ("hierarchical", 4),
+            ("kd-tree-trained", 3),
+            ("kd-tree-tree", 4),
             // Walls, which the papers have.
             ("paper", 1),
             ("kd-tree-same-walls", 4),
@@ -398,13 +419,11 @@ mod tests {
         let rules = |options: &[&str]| {
             let options: Vec<_> = options.iter().map(|it| it.parse().unwrap()).collect();
             let config = RunConfig::load(None).unwrap().overridden(&options, &["hierarchical"]).unwrap();
-            let listed = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
+            let listed = built_in_named(&["kd-tree".to_owned()], &config).unwrap()[0];
             listed.build(&config.for_sensor(SENSOR).unwrap(), 1.73).rules()
         };
-        let greedy = "hierarchical.grouping.enabled=false";
-        assert!(rules(&[greedy]).contains(&Rule::SizeBounds));
-        let without = [greedy, "hierarchical.vehicle_bounds.enabled=false"];
-        assert!(!rules(&without).contains(&Rule::SizeBounds));
+        assert!(rules(&[]).contains(&Rule::SizeBounds));
+        assert!(!rules(&["hierarchical.vehicle_bounds.enabled=false"]).contains(&Rule::SizeBounds));
     }
 
     #[test]

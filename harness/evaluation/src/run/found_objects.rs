@@ -240,7 +240,7 @@ mod tests {
         let scan = street.read_scan(0).unwrap();
         let description = street.description();
         let config = RunConfig::load(None).unwrap().for_sensor(&description.sensor).unwrap();
-        let model = config.vehicle_models.as_ref().unwrap().by_shape();
+        let model = config.vehicle_models.as_ref().unwrap().clusters();
         let mut vehicles =
             ForeignVehicles::by_model(&config.hierarchical, model, description.sensor_height_m);
         let large: Vec<_> = scan.annotations.iter().filter(|it| it.point_indices.len() >= 100).collect();

@@ -6,7 +6,6 @@ use detector::describe::surroundings::{ObjectRaster, Surroundings};
 use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
-use detector::regroup::regrouping_params::RegroupingParams;
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +16,6 @@ use scans::dataset::Dataset;
 use crate::object_box::ObjectBox;
 use crate::realism::survey::SurveyError;
 use crate::training::candidate_kind::CandidateKind;
-use crate::training::regroupings::regroupings;
 use crate::training::vehicle_labels::VehicleLabels;
 
 /// Rectangles that are cut out of the foreground of a scan.
@@ -37,8 +35,6 @@ pub struct Candidate {
     pub bounding_box: OrientedBox,
     /// The ground below it, and what stands around it.
     pub surroundings: Surroundings,
-    /// Whether it is no object of the detector, but what regrouping might make of one or two.
-    pub is_regrouped: bool,
     /// Its points, in the sensor frame.
     pub positions_m: Vec<[f32; 3]>,
 }
@@ -47,47 +43,37 @@ pub struct Candidate {
 pub struct CandidateSource<'a> {
     /// Makes the detector whose clusters they are.
     pub new_detector: &'a (dyn Fn() -> Box<dyn Detector> + Sync),
-    /// The box around them; the detector's own if it has it from the same fit.
-    pub boxes: CandidateBoxes,
+    /// How the box around regions that are cut out is fitted; clusters have those of the detector.
+    pub object_box: ObjectBox,
     /// How the ground below them is found.
     pub ground: &'a HierarchicalParams,
     /// Candidates of fewer points are left out: the detector takes them for nothing.
     pub min_points: usize,
-    /// How clusters may be regrouped; `None` if they are not.
-    pub regrouping: Option<&'a RegroupingParams>,
     /// What regions are cut out is drawn from it.
     pub seed: u64,
-}
-
-/// The boxes around candidates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CandidateBoxes {
-    /// Clusters have those that the detector put around them, which are fitted like this.
-    OfDetector(ObjectBox),
-    /// All are fitted like this.
-    Fitted(ObjectBox),
 }
 
 /// What every thread looks at its scans with.
 type State = (Box<dyn Detector>, ForegroundStages, ObjectRaster);
 
-/// The candidates of the scans `scan_indices` of `dataset`, in their order: what the detector of `source` finds in them,
-/// and regions cut out of it.
+/// What `kept` makes of the candidates of the scans `scan_indices` of `dataset`, in their order: what the detector of `source` finds in
+/// them, and regions cut out of it.
 ///
-/// `on_scan` is called after every scan, from several threads.
+/// `kept` and `on_scan` are called for every scan, from several threads.
 ///
 /// # Errors
 ///
 /// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
 ///
 /// Paper: VM section 6, training set; background regions are cut out as there.
-pub fn collect_candidates(
+pub fn collect_candidates<T: Send>(
     dataset: &dyn Dataset,
     scan_indices: &[usize],
     source: &CandidateSource<'_>,
     interrupted: &AtomicBool,
+    kept: impl Fn(Vec<Candidate>) -> Vec<T> + Sync,
     on_scan: impl Fn() + Sync,
-) -> Result<Vec<Candidate>, SurveyError> {
+) -> Result<Vec<T>, SurveyError> {
     let sensor_height_m = dataset.description().sensor_height_m;
     let new_state = || {
         let ground = ForegroundStages::new(source.ground.clone(), sensor_height_m);
@@ -107,20 +93,17 @@ pub fn collect_candidates(
         rng.set_stream(scan_idx as u64);
         let mut found = clusters(&scan, &output, source);
         found.extend(cut_regions(&scan, &output, source, &mut rng));
-        if let Some(params) = source.regrouping {
-            found.extend(regrouped(&scan, &output, source, params));
-        }
         let on_objects = output.detections.iter().flat_map(|it| it.point_indices.iter());
         raster.fill(on_objects.map(|&it| scan.cloud.position_m(it as usize)));
         for Candidate { bounding_box, surroundings, .. } in &mut found {
             *surroundings = raster.around(bounding_box, ground.ground_below_m(bounding_box));
         }
         on_scan();
-        Ok(found)
+        Ok(kept(found))
     };
     // Collected before it is looked through for errors, so that the first in order is reported.
     let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_state, of_scan).collect();
-    let of_scans: Vec<Vec<Candidate>> = of_scans.into_iter().collect::<Result<_, _>>()?;
+    let of_scans: Vec<Vec<T>> = of_scans.into_iter().collect::<Result<_, _>>()?;
     Ok(of_scans.into_iter().flatten().collect())
 }
 
@@ -131,31 +114,9 @@ fn clusters(scan: &LabeledScan, output: &DetectorOutput, source: &CandidateSourc
             return None;
         }
         let kind = labels.kind_of(detection.point_indices)?;
-        let bounding_box = match source.boxes {
-            CandidateBoxes::OfDetector(_) => Some(detection.bounding_box),
-            CandidateBoxes::Fitted(_) => None,
-        };
-        candidate(scan, kind, (bounding_box, source.boxes), detection.point_indices)
+        Some(candidate(scan, kind, detection.bounding_box, detection.point_indices))
     };
     output.detections.iter().filter_map(of_detection).collect()
-}
-
-/// What regrouping might make of the clusters: parts of them, and pairs.
-fn regrouped(
-    scan: &LabeledScan,
-    output: &DetectorOutput,
-    source: &CandidateSource<'_>,
-    params: &RegroupingParams,
-) -> Vec<Candidate> {
-    let labels = VehicleLabels::of(scan);
-    let of_points = |point_indices: Vec<u32>| {
-        if point_indices.len() < source.min_points {
-            return None;
-        }
-        let it = candidate(scan, labels.kind_of(&point_indices)?, (None, source.boxes), &point_indices)?;
-        Some(Candidate { is_regrouped: true, ..it })
-    };
-    regroupings(&scan.cloud, &output.detections, params).into_iter().filter_map(of_points).collect()
 }
 
 fn cut_regions(
@@ -182,23 +143,23 @@ fn cut_regions(
         let is_inside = |&point_idx: &u32| rectangle.contains(scan.cloud.position_m(point_idx as usize));
         let inside: Vec<u32> = of_clusters.iter().copied().filter(is_inside).collect();
         if inside.len() >= source.min_points && labels.kind_of(&inside) == Some(CandidateKind::Cluster) {
-            found.extend(candidate(scan, CandidateKind::CutRegion, (None, source.boxes), &inside));
+            let positions_m: Vec<[f32; 3]> =
+                inside.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
+            let fitted = source.object_box.around(&positions_m);
+            found.extend(fitted.map(|it| candidate(scan, CandidateKind::CutRegion, it, &inside)));
         }
     }
     found
 }
 
-/// The candidate of these points, in the box it was found in or else a fitted one. `None` without points.
+/// The candidate of these points, in this box.
 fn candidate(
     scan: &LabeledScan,
     kind: CandidateKind,
-    (found_in, boxes): (Option<OrientedBox>, CandidateBoxes),
+    bounding_box: OrientedBox,
     point_indices: &[u32],
-) -> Option<Candidate> {
-    let positions_m: Vec<[f32; 3]> =
-        point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
-    let (CandidateBoxes::OfDetector(fit) | CandidateBoxes::Fitted(fit)) = boxes;
-    let bounding_box = found_in.or_else(|| fit.around(&positions_m))?;
+) -> Candidate {
+    let positions_m = point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
     let (sequence, surroundings) = (scan.id.sequence.clone(), Surroundings::default());
-    Some(Candidate { sequence, kind, bounding_box, surroundings, is_regrouped: false, positions_m })
+    Candidate { sequence, kind, bounding_box, surroundings, positions_m }
 }

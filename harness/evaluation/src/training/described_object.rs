@@ -4,11 +4,8 @@ use baselines::pca_features::{N_PCA_FEATURES, PcaDescriber};
 use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams};
 use detector::classify::svm_model::SvmModel;
 use detector::classify::svm_training::train_svm;
-use detector::classify::vehicle_model::N_FEATURES;
 use detector::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber};
-use detector::describe::seen_size::may_be_vehicle;
 use detector::describe::trained_file::Provenance;
-use detector::describe::vehicle_features::VehicleDescriber;
 
 use super::candidates::Candidate;
 
@@ -16,27 +13,9 @@ use super::candidates::Candidate;
 pub trait CandidateDescriber<const D: usize> {
     /// The values; `None` without points.
     fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; D]>;
-
-    /// Whether the model looks at such objects at all.
-    fn is_looked_at(candidate: &Candidate) -> bool;
-}
-
-impl CandidateDescriber<N_FEATURES> for VehicleDescriber {
-    fn is_looked_at(candidate: &Candidate) -> bool {
-        may_be_vehicle(&candidate.bounding_box, candidate.surroundings.ground_m)
-    }
-
-    fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; N_FEATURES]> {
-        let positions_m = candidate.positions_m.iter().copied();
-        self.describe(&candidate.bounding_box, &candidate.surroundings, positions_m).map(|it| it.values())
-    }
 }
 
 impl CandidateDescriber<N_PAPER_FEATURES> for PaperDescriber {
-    fn is_looked_at(_: &Candidate) -> bool {
-        true
-    }
-
     fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; N_PAPER_FEATURES]> {
         let positions_m = candidate.positions_m.iter().copied();
         self.describe(&candidate.bounding_box, positions_m).map(|it| it.values())
@@ -44,10 +23,6 @@ impl CandidateDescriber<N_PAPER_FEATURES> for PaperDescriber {
 }
 
 impl CandidateDescriber<N_PCA_FEATURES> for PcaDescriber {
-    fn is_looked_at(_: &Candidate) -> bool {
-        true
-    }
-
     fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; N_PCA_FEATURES]> {
         let positions_m = candidate.positions_m.iter().copied();
         self.describe(&candidate.bounding_box, positions_m).map(|it| it.values())

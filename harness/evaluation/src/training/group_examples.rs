@@ -8,8 +8,8 @@ use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::vehicle_features::VehicleDescriber;
 use detector::detector::StageClock;
 use detector::fit::convex_hull_box::ConvexHullBox;
-use detector::group::node_values::N_NODE_VALUES;
-use detector::params::HierarchicalParams;
+use detector::group::linkage::Linkage;
+use detector::group::node_values::{JOINED_AT, LEVEL, N_NODE_VALUES};
 use detector::pipeline::grouping_stages::GroupingStages;
 use rayon::prelude::*;
 use scans::annotation::{LabeledScan, PointRegion};
@@ -56,6 +56,18 @@ pub struct GroupLabels {
     pub is_vehicle: Option<bool>,
 }
 
+impl GroupExample {
+    /// Whether it shows an annotated object.
+    pub fn shows_object(&self) -> bool {
+        self.labels.is_some_and(|it| it.iou >= LEAST_IOU)
+    }
+
+    /// The levels at which it is a group of its own: from that at which its parts are joined to that at which it is.
+    pub fn levels(&self) -> std::ops::Range<usize> {
+        self.node_values[LEVEL] as usize..self.node_values[JOINED_AT] as usize
+    }
+}
+
 impl ScanGroups {
     /// What `looks` says that each of its groups is worth.
     pub fn worths(&self, looks: &ObjectLooks, buffers: &mut LookBuffers) -> Vec<f32> {
@@ -67,33 +79,34 @@ impl ScanGroups {
 }
 
 /// What every thread looks at its scans with.
-struct Looker {
-    grouping: GroupingStages,
+struct Looker<L> {
+    grouping: GroupingStages<L>,
     describer: VehicleDescriber,
     box_fit: ConvexHullBox,
 }
 
-/// The groups of the scans `scan_indices` of `dataset` that the detector with `params` would look at, scan by scan.
+/// The groups of the scans `scan_indices` of `dataset` that a detector of the stages that `new_grouping` makes would look at, scan by
+/// scan; side profiles are compared with those of `library`.
 ///
 /// `on_scan` is called after every scan, from several threads.
 ///
 /// # Errors
 ///
 /// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
-pub fn collect_groups(
+pub fn collect_groups<L: Linkage>(
     dataset: &dyn Dataset,
     scan_indices: &[usize],
-    (params, library): (&HierarchicalParams, &PrototypeLibrary),
+    (new_grouping, library): (&(dyn Fn() -> GroupingStages<L> + Sync), &PrototypeLibrary),
     interrupted: &AtomicBool,
     on_scan: impl Fn() + Sync,
 ) -> Result<Vec<ScanGroups>, SurveyError> {
     let description = dataset.description();
     let new_looker = || Looker {
-        grouping: GroupingStages::new(params.clone(), description.sensor_height_m),
+        grouping: new_grouping(),
         describer: VehicleDescriber::new(library.clone()),
         box_fit: ConvexHullBox::default(),
     };
-    let look = |looker: &mut Looker, &scan_idx: &usize| {
+    let look = |looker: &mut Looker<L>, &scan_idx: &usize| {
         if interrupted.load(Ordering::Relaxed) {
             let (dataset, n_scans) = (description.id.clone(), scan_indices.len());
             return Err(SurveyError::Interrupted { dataset, n_scans });
@@ -107,7 +120,7 @@ pub fn collect_groups(
     of_scans.into_iter().collect()
 }
 
-fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
+fn groups_of<L: Linkage>(scan: &LabeledScan, looker: &mut Looker<L>) -> ScanGroups {
     let Looker { grouping, describer, box_fit } = looker;
     grouping.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
     let annotations_of_point = annotations_of_points(scan);
@@ -172,7 +185,7 @@ pub fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
 }
 
 /// The points of each dense cell of the latest scan that `grouping` saw, ascending.
-pub fn points_of_dense_cells(grouping: &GroupingStages) -> Vec<Vec<u32>> {
+pub fn points_of_dense_cells<L: Linkage>(grouping: &GroupingStages<L>) -> Vec<Vec<u32>> {
     let mut points = vec![Vec::new(); grouping.dense().heaps().len()];
     let point_indices = grouping.candidates().point_indices();
     for (&point_idx, &dense_idx) in point_indices.iter().zip(grouping.dense().dense_of_point()) {

@@ -14,10 +14,10 @@ use crate::training::group_examples::{GroupExample, ScanGroups};
 /// Parts of the drives; what a look says of one of them is learned from the others.
 const N_FOLDS: usize = 3;
 
-/// Forests that [`train_looks`] trains: each look, and what all looks but the last say of each part by the others.
-pub const N_FORESTS: usize = 1 + N_MORE_LOOKS + N_FOLDS * N_MORE_LOOKS;
+/// Forests that [`train_looks`] trains: each look, and what all looks say of each part by the others.
+pub const N_FORESTS: usize = (1 + N_MORE_LOOKS) * (1 + N_FOLDS);
 
-/// Trains all looks with `scans`.
+/// Trains all looks with `scans`. Returns them, and what each group of the scans is worth to looks that have not seen its drive.
 ///
 /// What a look says of the scans that it learned from is better than what it says of others. So the look after it learns from what forests
 /// say that have not seen these drives: the drives are parted in three, by their names, since one street may be there under several
@@ -32,7 +32,7 @@ pub fn train_looks(
     scans: &[&ScanGroups],
     params: &BoostingParams,
     on_forest: &(dyn Fn() + Sync),
-) -> Result<ObjectLooks, ForustError> {
+) -> Result<(ObjectLooks, Vec<Vec<f32>>), ForustError> {
     let folds = folds(scans);
     let seen: Vec<Vec<_>> =
         scans.iter().map(|it| it.groups.iter().map(|it| Some(it.node_values)).collect()).collect();
@@ -45,11 +45,10 @@ pub fn train_looks(
         let pairs = scans.iter().zip(&worths);
         let seen: Vec<Vec<_>> = pairs.map(|(scan, worths)| seen_again(scan, worths)).collect();
         more.push(examples.forest(&seen, None)?);
-        if more.len() < N_MORE_LOOKS {
-            examples.look_by_others(&seen, &mut worths)?;
-        }
+        examples.look_by_others(&seen, &mut worths)?;
     }
-    Ok(ObjectLooks { first, more: more.try_into().expect("as many were trained") })
+    let looks = ObjectLooks { first, more: more.try_into().expect("as many were trained") };
+    Ok((looks, worths))
 }
 
 /// The part that each scan belongs to.
@@ -183,8 +182,14 @@ mod tests {
         let on_forest = || {
             n_forests.fetch_add(1, Ordering::Relaxed);
         };
-        let looks = train_looks(&scans.iter().collect::<Vec<_>>(), &PARAMS, &on_forest).unwrap();
+        let (looks, worths) = train_looks(&scans.iter().collect::<Vec<_>>(), &PARAMS, &on_forest).unwrap();
         assert_eq!(n_forests.into_inner(), N_FORESTS);
+        // Drives differ by their names alone, so that what others say of them is right, too.
+        let groups = scans.iter().flat_map(|it| &it.groups);
+        for (worth, group) in worths.iter().flatten().zip(groups) {
+            let iou = group.labels.unwrap().iou;
+            assert!((worth - iou).abs() < 0.1, "{worth} instead of {iou}");
+        }
         let mut buffers = LookBuffers::default();
         for it in &scans {
             for (worth, group) in it.worths(&looks, &mut buffers).into_iter().zip(&it.groups) {

@@ -1,8 +1,7 @@
-//! From labelled scans to a trained vehicle model, and how good it is on streets it has not seen.
+//! From labelled scans to trained models, and how good they are on streets they have not seen.
 
 pub mod model_kind;
 pub mod candidate_kind;
-pub mod regroupings;
 pub mod vehicle_labels;
 pub mod candidates;
 pub mod held_out;
@@ -14,6 +13,8 @@ pub mod evaluation;
 pub mod group_examples;
 pub mod boosting;
 pub mod looks;
+pub mod grouping_training;
+pub mod cluster_training;
 pub mod calibration;
 
 /// The last of so many drives is held out.

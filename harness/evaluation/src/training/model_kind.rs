@@ -7,8 +7,6 @@ use crate::object_box::ObjectBox;
 /// A vehicle model that is a support vector machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelKind {
-    /// By the shape of clusters of grids, of the kd-tree, or of others (VM sections 4 and 5).
-    Clusters,
     /// By the eight values of the paper (VM section 5).
     Paper,
     /// By how points lie in their neighbourhoods (VM section 6, the rival).
@@ -16,19 +14,9 @@ pub enum ModelKind {
 }
 
 impl ModelKind {
-    /// The detector that it is trained for; others read it, too.
+    /// The detector that it is trained for, whose clusters are the examples.
     pub fn detector(self) -> &'static str {
         match self {
-            Self::Clusters => "kd-tree",
-            Self::Paper => "paper",
-            Self::Pca => "pca",
-        }
-    }
-
-    /// The detector whose clusters are the examples.
-    pub fn clusters(self) -> &'static str {
-        match self {
-            Self::Clusters => "hierarchical",
             Self::Paper => "paper",
             Self::Pca => "pca",
         }
@@ -37,24 +25,20 @@ impl ModelKind {
     /// The box that it puts around its clusters.
     pub fn object_box(self) -> ObjectBox {
         match self {
-            Self::Clusters | Self::Paper => ObjectBox::ConvexHull,
+            Self::Paper => ObjectBox::ConvexHull,
             Self::Pca => ObjectBox::PrincipalAxes,
         }
     }
 
-    /// Width of the Gaussian kernel, chosen by held-out simulated drives, or that of the paper.
+    /// Width of the Gaussian kernel, as printed.
     pub fn gamma(self) -> f32 {
-        match self {
-            Self::Clusters => 0.054,
-            Self::Paper | Self::Pca => 0.1078,
-        }
+        0.1078
     }
 
-    /// Bound of the share of objects inside the margin, chosen likewise; at the paper's 0.0377 there is next to no margin
-    /// between objects as mixed as these.
+    /// Bound of the share of objects inside the margin: as printed, or chosen by held-out simulated drives. At the paper's 0.0377 there is
+    /// next to no margin between objects as mixed as these.
     pub fn nu(self) -> f64 {
         match self {
-            Self::Clusters => 0.12,
             Self::Paper => 0.0377,
             Self::Pca => 0.2,
         }
@@ -64,7 +48,7 @@ impl ModelKind {
     /// reach, so its model is trained as far as the library of the paper goes by default (VM section 5, reference 15).
     pub fn tolerance(self) -> Tolerance {
         match self {
-            Self::Clusters | Self::Pca => Tolerance::OfMargin(0.1),
+            Self::Pca => Tolerance::OfMargin(0.1),
             Self::Paper => Tolerance::OfGradients(0.001),
         }
     }

@@ -39,7 +39,7 @@ pub fn find_prototypes(candidates: &[&Candidate], n_per_kind: usize) -> Vec<Prot
     let mut prototypes = Vec::new();
     for kind in KINDS {
         let seen_well: Vec<&Candidate> =
-            candidates.iter().copied().filter(|it| is_seen_well(it, kind)).collect();
+            candidates.iter().copied().filter(|it| is_seen_well(it) && is_of(it, kind)).collect();
         // Evenly over all drives.
         let step = seen_well.len().div_ceil(MOST_PROFILES).max(1);
         let profiles: Vec<Profile> = seen_well.iter().step_by(step).filter_map(|it| profile(it)).collect();
@@ -53,14 +53,18 @@ pub fn find_prototypes(candidates: &[&Candidate], n_per_kind: usize) -> Vec<Prot
     prototypes
 }
 
-fn is_seen_well(candidate: &Candidate, kind: AnnotationClass) -> bool {
-    let CandidateKind::Vehicle { class, whole: Some(whole), occlusion } = candidate.kind else {
+fn is_of(candidate: &Candidate, kind: AnnotationClass) -> bool {
+    matches!(candidate.kind, CandidateKind::Vehicle { class, .. } if class == kind)
+}
+
+/// Whether a profile may be taken of a candidate: a vehicle of which most is seen.
+pub fn is_seen_well(candidate: &Candidate) -> bool {
+    let CandidateKind::Vehicle { whole: Some(whole), occlusion, .. } = candidate.kind else {
         return false;
     };
     let [length_m, _, height_m] = candidate.bounding_box.length_width_height_m;
     let [whole_length_m, _, whole_height_m] = whole.length_width_height_m;
-    class == kind
-        && occlusion.is_none_or(|it| it == Occlusion::None)
+    occlusion.is_none_or(|it| it == Occlusion::None)
         && candidate.positions_m.len() >= LEAST_POINTS
         && length_m >= LEAST_SHARE_OF_LENGTH * whole_length_m
         && height_m >= LEAST_SHARE_OF_HEIGHT * whole_height_m

@@ -22,7 +22,7 @@ use super::selftest::SelftestArgs;
 use super::serve::ServeArgs;
 use super::submit::SubmitCommand;
 use super::sweep::SweepArgs;
-use super::train::TrainArgs;
+use super::train::TrainCommand;
 use super::view::ViewArgs;
 
 /// Evaluates and benchmarks LiDAR object detectors side by side.
@@ -103,8 +103,12 @@ pub enum Command {
     /// List, check, convert, simulate, prelabel, hash and compare data sets
     #[command(subcommand, after_help = "Example:\n  scanbench data list")]
     Data(DataCommand),
-    /// Train an SVM that classifies vehicles, and test it on held-out drives
-    Train(Box<TrainArgs>),
+    /// Train what detectors judge by, and test it on held-out drives
+    #[command(
+        subcommand,
+        after_help = "Example:\n  scanbench train groupings training-streets --scans 0..300:6 -o model"
+    )]
+    Train(TrainCommand),
     /// Fit the point density over range, which weights cells of the hierarchical detector
     FitDensity(Box<FitDensityArgs>),
     /// Measure what each part of the hierarchical detector contributes

@@ -32,7 +32,13 @@ pub struct ResultFilesArgs {
     /// Write all detections for the evaluators of others, too; needs --as
     ///
     /// The folder, which must not exist, gets a folder for each detector; of several data sets, one in it for each.
-    #[arg(long, value_name = "DIR", requires = "result_format", conflicts_with = "shard")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        requires = "result_format",
+        conflicts_with = "shard",
+        hide_short_help = true
+    )]
     pub detections_out: Option<PathBuf>,
     /// Format of --detections-out
     #[arg(

@@ -97,7 +97,9 @@ pub fn refuse_unread_models<'a>(
     let entrants: Vec<(&ChosenDetector, &RunConfig)> = entrants.collect();
     for model in TrainedModel::ALL {
         let directory = entrants.iter().find_map(|(_, config)| config.directory_of(model));
-        let is_read = entrants.iter().any(|(chosen, config)| chosen.vehicle_model(config) == Some(model));
+        let is_read = entrants.iter().any(|(chosen, config)| {
+            chosen.vehicle_model(config).is_some_and(|it| it.parameter() == model.parameter())
+        });
         let Some(directory) = directory.filter(|_| !is_read) else { continue };
         let reads: BTreeSet<String> = entrants
             .iter()

@@ -2,7 +2,9 @@
 
 use clap::CommandFactory as _;
 
-use crate::cli::{BaselineCommand, Cli, Command, DataCommand, SubmitCommand};
+use evaluation::training::model_kind::ModelKind;
+
+use crate::cli::{BaselineCommand, Cli, Command, DataCommand, SubmitCommand, TrainCommand};
 use crate::commands::ablation::ablation;
 use crate::commands::baseline::{baseline_accept, baseline_init};
 use crate::commands::boxes::boxes;
@@ -33,7 +35,10 @@ use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
 use crate::commands::submit::kubernetes::submit_kubernetes;
 use crate::commands::submit::slurm::submit_slurm;
 use crate::commands::sweep::sweep;
-use crate::commands::train::train;
+use crate::commands::train_groupings::train_groupings;
+use crate::commands::train_partial::train_partial;
+use crate::commands::train_rivals::train_rivals;
+use crate::commands::train_svm::train_svm;
 use crate::commands::view::view;
 
 /// Does what the command line asks for.
@@ -62,7 +67,11 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Data(DataCommand::Objects(arguments)) => data_objects(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
         Command::FitDensity(arguments) => fit_density(arguments),
-        Command::Train(arguments) => train(arguments),
+        Command::Train(TrainCommand::Groupings(arguments)) => train_groupings(arguments),
+        Command::Train(TrainCommand::Rivals(arguments)) => train_rivals(arguments),
+        Command::Train(TrainCommand::Paper(arguments)) => train_svm(arguments, ModelKind::Paper),
+        Command::Train(TrainCommand::Pca(arguments)) => train_svm(arguments, ModelKind::Pca),
+        Command::Train(TrainCommand::Partial(arguments)) => train_partial(arguments),
         Command::Gaps(arguments) => gaps(arguments),
         Command::Boxes(arguments) => boxes(arguments),
         Command::Partial(arguments) => partial(arguments),

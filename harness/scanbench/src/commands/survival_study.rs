@@ -10,7 +10,7 @@ use std::num::NonZeroUsize;
 
 use crate::cli::AblationArgs;
 use crate::commands::config::built_in_detectors;
-use crate::commands::failure::{Failure, Usage};
+use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{ids_of, open_datasets};
@@ -31,15 +31,11 @@ const ORACLE_CSV: &str = "oracle.csv";
 ///
 /// # Errors
 ///
-/// If the tree of groupings is switched off, anything asked for is not there, data are damaged, or the output cannot be
+/// If anything asked for is not there, data are damaged, or the output cannot be
 /// written; nothing is left behind then.
 pub fn survival_study(arguments: &AblationArgs) -> Result<(), Failure> {
     let (interrupted, started) = (interruption_flag(), Timestamp::now());
     let (listed, mut config) = built_in_detectors(&arguments.config, &[METHOD.to_owned()])?;
-    if !config.hierarchical.grouping.enabled {
-        let problem = "--oracle looks into the tree of groupings, which hierarchical.grouping.enabled=false switches off";
-        return Err(Usage(problem.to_owned()).into());
-    }
     let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
     let unnamed = format!("{}-oracle-{}", compact_utc(started), ids_of(&datasets));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;

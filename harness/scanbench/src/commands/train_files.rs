@@ -3,11 +3,9 @@
 use detector::classify::nu_svm::NuSvm;
 use detector::classify::svm_model::SvmModel;
 use detector::describe::prototype_library::PrototypeLibrary;
-use detector::describe::trained_file::Provenance;
 use evaluation::training::candidates::Candidate;
 use evaluation::training::described_object::DescribedObject;
 use evaluation::training::evaluation::Evaluation;
-use evaluation::training::held_out::HeldOut;
 use jiff::Timestamp;
 use reports::files::archive::SCHEMA;
 use reports::files::csv_rows::to_csv_bytes;
@@ -21,24 +19,7 @@ use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::{command_line, git_state, rfc3339_utc, rustc_version};
 use crate::commands::run_manifest::dataset_entry;
-
-/// What a model was trained on.
-pub struct TrainingSettings<'a> {
-    /// As model files say it.
-    pub made: Provenance,
-    /// How the data sets were opened.
-    pub data: &'a DatasetArgs,
-    /// How those only to judge by were.
-    pub held_out_data: Option<&'a DatasetArgs>,
-    /// The data sets trained on.
-    pub trained: &'a [OpenedDataset],
-    /// Those only to judge by; without any, drives of the others are.
-    pub held_out: &'a [OpenedDataset],
-    /// Which drives are on which side.
-    pub parted: &'a HeldOut,
-    /// When it began.
-    pub started: Timestamp,
-}
+use crate::commands::training_data::TrainingData;
 
 /// A model and how it was judged.
 pub struct TrainedModel<'a, const D: usize> {
@@ -58,7 +39,7 @@ pub struct TrainedModel<'a, const D: usize> {
 ///
 /// If a number is not finite.
 pub fn write_files<const D: usize>(
-    settings: &TrainingSettings<'_>,
+    (data, started): (&TrainingData<'_>, Timestamp),
     trained: &TrainedModel<'_, D>,
 ) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
     let TrainedModel { model, library, judged, evaluation } = trained;
@@ -72,40 +53,40 @@ pub fn write_files<const D: usize>(
         .map(|&(name, loss)| ImportanceRow::new(name, loss, judged.len()))
         .collect();
     let mut files = vec![
-        (MANIFEST_JSON, format!("{:#}\n", manifest(settings)).into_bytes()),
+        (MANIFEST_JSON, format!("{:#}\n", manifest(data, started)).into_bytes()),
         ("model.toml", model.to_toml().into_bytes()),
         ("objects.csv", objects(model, judged)?),
         ("importance.csv", to_csv_bytes(&importance)?),
         ("curves.csv", to_csv_bytes(&curve)?),
-        ("curves.svg", operating_plot(&curve, &title(settings, totals)).into_bytes()),
+        ("curves.svg", operating_plot(&curve, &title(data, totals)).into_bytes()),
     ];
     files.extend(library.map(|it| ("prototypes.toml", it.to_toml().into_bytes())));
     Ok(files)
 }
 
 /// Everything that decides the model.
-pub(super) fn manifest(settings: &TrainingSettings<'_>) -> serde_json::Value {
+pub fn manifest(data: &TrainingData<'_>, started: Timestamp) -> serde_json::Value {
     let entries = |opened: &[OpenedDataset], arguments: &DatasetArgs| {
         opened.iter().map(|it| dataset_entry(it, arguments.scans.as_deref())).collect::<Vec<_>>()
     };
-    let to_judge_by = settings.held_out_data.map_or_else(Vec::new, |it| entries(settings.held_out, it));
+    let to_judge_by = data.held_out_data.as_ref().map_or_else(Vec::new, |it| entries(&data.held_out, it));
     serde_json::json!({
         "schema": SCHEMA,
         "scanbench_version": env!("CARGO_PKG_VERSION"),
-        "created": rfc3339_utc(settings.started),
+        "created": rfc3339_utc(started),
         "argv": command_line(),
-        "datasets": entries(settings.trained, settings.data),
+        "datasets": entries(&data.trained, data.data),
         "held_out_datasets": to_judge_by,
-        "trained": settings.parted.trained,
-        "held_out": settings.parted.held_out,
+        "trained": data.parted.trained,
+        "held_out": data.parted.held_out,
         "git": git_state(),
         "rustc_version": rustc_version(),
     })
 }
 
 /// What was judged, and whether it is simulated.
-fn title(settings: &TrainingSettings<'_>, [n_vehicles, n_others]: [usize; 2]) -> String {
-    let judged_by = if settings.held_out.is_empty() { settings.trained } else { settings.held_out };
+fn title(data: &TrainingData<'_>, [n_vehicles, n_others]: [usize; 2]) -> String {
+    let judged_by = if data.held_out.is_empty() { &data.trained } else { &data.held_out };
     let n_simulated = judged_by.iter().filter(|it| it.dataset.description().is_simulated()).count();
     let simulated = match n_simulated {
         0 => "",

@@ -1,233 +1,180 @@
-//! `scanbench train --detector hierarchical`.
+//! `scanbench train groupings`.
 
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use detector::classify::forest::Forest;
-use detector::classify::forest_file::write_forest;
-use detector::classify::grouping_model::{
-    MORE_LOOKS_PURPOSES, OBJECTS_PURPOSE, SECOND_LOOK_VALUES, VEHICLE_VALUES, vehicles_purpose,
-};
-use detector::classify::object_looks::{LookBuffers, ObjectLooks};
+use detector::classify::grouping_model::{GROUPING_MODEL, GroupingModel};
+use detector::classify::model_file::ModelFile;
+use detector::classify::object_looks::LookBuffers;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::prototype_library::PrototypeLibrary;
-use detector::describe::trained_file::Provenance;
-use detector::group::node_values::NODE_VALUES;
-use evaluation::run::config::RunConfig;
-use evaluation::training::boosting::{BoostingParams, Target, boost};
+use detector::group::linkage::Linkage;
+use detector::params::HierarchicalParams;
+use detector::pipeline::grouping_stages::GroupingStages;
+use evaluation::run::config::{GROUPINGS_FILE, RunConfig};
+use evaluation::training::CHOICE_SEED;
 use evaluation::training::calibration::{CalibrationBin, calibration};
 use evaluation::training::group_examples::{GroupLabels, LEAST_IOU, ScanGroups, collect_groups};
+use evaluation::training::grouping_training::{LEAST_WORTH_TOLD, N_GROUPING_FORESTS, train_on_groups};
 use evaluation::training::held_out::HeldOut;
-use evaluation::training::looks::{N_FORESTS, train_looks};
 use evaluation::training::operating_curves::OperatingCurves;
-use evaluation::training::{CHOICE_SEED, HOLD_OUT_EVERY, OTHERS_PER_VEHICLE, PROTOTYPES};
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::rows::training_row::CalibrationRow;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
-use scans::dataset::class_table::ClassTable;
 
-use crate::cli::{DEFAULT_VEHICLES, TrainArgs};
+use crate::cli::TreeTrainingArgs;
 use crate::commands::config::warn_of_unknown_sensor;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
+use crate::commands::open_datasets::{OpenedDataset, ids_of};
 use crate::commands::progress::{progress_over_results, progress_over_scans};
 use crate::commands::provenance::compact_utc;
-use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::commands::train_files::{TrainingSettings, manifest};
-use crate::commands::training_data::{held_out_arguments, name_with_seed, nothing, parted};
+use crate::commands::train_files::manifest;
+use crate::commands::training_data::{TrainingData, nothing};
 
-/// Chosen on held-out drives of the training streets. Trees that each learn from half of the examples and values do as well, and
-/// take less time.
-const OBJECTS: BoostingParams =
-    BoostingParams { n_trees: 80, depth: 6, learning_rate: 0.18, least_leaf_weight: 50.0, drawn_share: 0.5 };
-/// More trees are better on held-out drives, and rank the cars of recorded scans worse.
-const VEHICLES: BoostingParams =
-    BoostingParams { n_trees: 400, depth: 6, learning_rate: 0.1, least_leaf_weight: 5.0, drawn_share: 0.5 };
-
-/// The forest of vehicles learns from groups that the looks say are worth so much: what is worth less is not taken for an object.
-const LEAST_WORTH_TOLD: f32 = 0.25;
-
-/// Trains both forests, judges them by drives they have not seen, and writes and prints the result.
+/// Trains all forests, judges them by drives they have not seen, and writes and prints the result.
 ///
 /// # Errors
 ///
-/// If an option is given that says nothing here, anything asked for is not there, data are damaged or too few, or the output
-/// cannot be written; nothing is left behind then.
-pub fn train_groupings(arguments: &TrainArgs) -> Result<(), Failure> {
-    check_options(arguments)?;
+/// If anything asked for is not there, data are damaged or too few, or the output cannot be written; nothing is left behind then.
+pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let named = claim_named(&arguments.output)?;
-    let trained = open_for_sensors(arguments)?;
-    let held_out_arguments = held_out_arguments(arguments);
-    let held_out = match &held_out_arguments {
-        Some(arguments) => open_datasets(arguments, &ClassTable::default())?,
-        None => Vec::new(),
+    let library = match &arguments.prototypes {
+        Some(path) => prototypes_from(path)?,
+        None => VehicleModel::shipped().prototypes().clone(),
     };
-    let parted = parted(arguments, &trained, &held_out)?;
-    let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&trained));
+    let data = TrainingData::open(&arguments.data, &arguments.sensors, &arguments.judging)?;
+    let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
-    // The side profiles are those of the vehicle model.
-    let library = VehicleModel::shipped().prototypes().clone();
-    let mut scans = Vec::new();
-    for opened in [&trained, &held_out] {
-        scans.extend(collect_all(opened, &library, interrupted)?);
-    }
-    let made = provenance(arguments, &trained, &parted);
-    let (judged, taught): (Vec<_>, Vec<_>) =
-        scans.iter().partition(|(dataset, it)| parted.is_held_out(dataset, &it.sequence));
-    let taught: Vec<&ScanGroups> = taught.into_iter().map(|(_, it)| it).collect();
-    let judged: Vec<&ScanGroups> = judged.into_iter().map(|(_, it)| it).collect();
-    let forests = Forests::train(&taught)?;
-    let judgement = Judgement::of(&forests, &judged);
-    let purpose = vehicles_purpose(&library);
-    let settings = TrainingSettings {
-        made: made.clone(),
-        data: &arguments.data,
-        held_out_data: held_out_arguments.as_ref(),
-        trained: &trained,
-        held_out: &held_out,
-        parted: &parted,
-        started,
-    };
-    let second_look = |look_idx: usize| {
-        let forest = &forests.objects.more[look_idx];
-        write_forest(forest, MORE_LOOKS_PURPOSES[look_idx], SECOND_LOOK_VALUES, &made)
-    };
-    for (name, content) in [
-        (MANIFEST_JSON, format!("{:#}\n", manifest(&settings))),
-        ("prototypes.toml", library.to_toml()),
-        ("objects.toml", write_forest(&forests.objects.first, OBJECTS_PURPOSE, NODE_VALUES, &made)),
-        ("objects_second_look.toml", second_look(0)),
-        ("objects_third_look.toml", second_look(1)),
-        ("vehicles.toml", write_forest(&forests.vehicles, &purpose, VEHICLE_VALUES, &made)),
-    ] {
-        directory.write_file(name, content.as_bytes())?;
-    }
-    directory.write_file("calibration.csv", &to_csv_bytes(&judgement.rows())?)?;
+    let stages = |params: &HierarchicalParams, height_m| GroupingStages::new(params.clone(), height_m);
+    let scans =
+        groups_of_all(data.opened(), &library, &|_, params, height_m| stages(params, height_m), interrupted)?;
+    let trained = TrainedTrees::of(&data, &scans, library)?;
+    let made = data.provenance("train groupings", &options(arguments), &arguments.judging, CHOICE_SEED);
+    let file = trained.model.to_file(GROUPING_MODEL, made, toml::Table::new());
+    directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
+    directory.write_file(GROUPINGS_FILE, &file.to_bytes())?;
+    directory.write_file("calibration.csv", &to_csv_bytes(&trained.judgement.rows("groupings"))?)?;
     let finished = directory.finish()?;
-    let n_taught = taught.iter().flat_map(|it| &it.groups).filter(|it| it.labels.is_some()).count();
-    let printed = print_result(judgement.text(&parted, n_taught));
-    print_diagnostic(format_args!("Model: {}", finished.display()));
+    let printed = print_result(format_args!("{}\n\n{}", drives(&data.parted), trained.text()));
+    let path = finished.display();
+    print_diagnostic(format_args!(
+        "Model: {path}\nRun it: scanbench run -d hierarchical -P vehicle_model.groupings_directory={path}"
+    ));
     printed
 }
 
-/// The data sets, seen by each sensor in turn.
-fn open_for_sensors(arguments: &TrainArgs) -> Result<Vec<OpenedDataset>, Failure> {
-    if arguments.sensors.is_empty() {
-        return open_datasets(&arguments.data, &ClassTable::default());
-    }
-    let mut opened = Vec::new();
-    for sensor in &arguments.sensors {
-        let mut data = arguments.data.clone();
-        data.source.sensor = Some(sensor.clone());
-        opened.extend(open_datasets(&data, &ClassTable::default())?);
-    }
-    Ok(opened)
+/// The side profiles of the model at `path`.
+///
+/// # Errors
+///
+/// If there is no such file, or no model with side profiles in it.
+pub fn prototypes_from(path: &Path) -> Result<PrototypeLibrary, Failure> {
+    let problem = |error: &dyn std::fmt::Display| Usage(format!("--prototypes {}: {error}", path.display()));
+    let bytes = std::fs::read(path).map_err(|error| problem(&error))?;
+    let file = ModelFile::of_any_kind(&bytes).map_err(|error| problem(&error))?;
+    Ok(file.prototypes().map_err(|error| problem(&error))?)
 }
 
-/// Refuses what is there for the other models.
-fn check_options(arguments: &TrainArgs) -> Result<(), Failure> {
-    let given = [
-        ("--clusters", arguments.clusters.is_some()),
-        ("--vehicles", arguments.vehicles != DEFAULT_VEHICLES),
-        ("--others", arguments.others != OTHERS_PER_VEHICLE),
-        ("--parts-and-pairs", arguments.parts_and_pairs),
-        ("--any-size", arguments.any_size),
-        ("--prototypes", arguments.prototypes != PROTOTYPES),
-        ("--gamma", arguments.gamma.is_some()),
-        ("--nu", arguments.nu.is_some()),
-        ("--choice-seed", arguments.choice_seed != CHOICE_SEED),
-    ];
-    match given.iter().find(|it| it.1) {
-        Some((option, _)) => {
-            let problem = format!(
-                "{option} says nothing about --detector hierarchical, which is trained on all groups; --detector kd-tree, paper and pca \
-                 have it"
-            );
-            Err(Usage(problem).into())
-        }
-        None => Ok(()),
-    }
+/// The options that decide what trees learn.
+pub fn options(arguments: &TreeTrainingArgs) -> Vec<(&'static str, Option<String>)> {
+    let sensors = (!arguments.sensors.is_empty()).then(|| arguments.sensors.join(","));
+    let prototypes = arguments.prototypes.as_ref().map(|it| it.display().to_string());
+    vec![("--sensors", sensors), ("--prototypes", prototypes)]
 }
 
-fn collect_all<'a>(
-    opened: &'a [OpenedDataset],
+/// Which drives are trained on and which are held out, for people.
+pub fn drives(parted: &HeldOut) -> String {
+    format!(
+        "Trained on {} drives: {}\nHeld out {} drives: {}",
+        parted.trained.len(),
+        HeldOut::summary(&parted.trained),
+        parted.held_out.len(),
+        HeldOut::summary(&parted.held_out),
+    )
+}
+
+/// Makes the stages whose groups are learned from, for a sensor of this name and height above the road.
+pub type StagesFor<'a, L> = &'a (dyn Fn(&str, &HierarchicalParams, f32) -> GroupingStages<L> + Sync);
+
+/// The groups of all scans, with their data sets.
+///
+/// # Errors
+///
+/// If a scan cannot be read, or once `interrupted` is set.
+pub fn groups_of_all<'a, L: Linkage>(
+    opened: impl Iterator<Item = &'a OpenedDataset>,
     library: &PrototypeLibrary,
+    new_stages: StagesFor<'_, L>,
     interrupted: &AtomicBool,
-) -> Result<Vec<(&'a str, ScanGroups)>, Failure> {
+) -> Result<Vec<(&'a OpenedDataset, ScanGroups)>, Failure> {
     let config = RunConfig::without_vehicle_models()?;
     let mut scans = Vec::new();
     for it in opened {
         let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
         warn_of_unknown_sensor(&config, description);
-        let of_sensor = config.for_scans_of(description);
+        let of_sensor = config.for_scans_of(description).hierarchical;
+        let new_grouping = || new_stages(&description.sensor, &of_sensor, description.sensor_height_m);
         let progress = progress_over_scans(scan_indices.len(), &description.id);
-        let described_with = (&of_sensor.hierarchical, library);
-        let found =
-            collect_groups(&**dataset, scan_indices, described_with, interrupted, || progress.inc(1))?;
-        scans.extend(found.into_iter().map(|it| (description.id.as_str(), it)));
+        let found = collect_groups(&**dataset, scan_indices, (&new_grouping, library), interrupted, || {
+            progress.inc(1);
+        })?;
+        scans.extend(found.into_iter().map(|found| (it, found)));
         progress.finish_and_clear();
         it.warn_of_points_left_out();
     }
     Ok(scans)
 }
 
-fn provenance(arguments: &TrainArgs, opened: &[OpenedDataset], parted: &HeldOut) -> Provenance {
-    let hold_out_every =
-        (arguments.hold_out_every != HOLD_OUT_EVERY).then(|| arguments.hold_out_every.to_string());
-    let mut options =
-        vec![("--detector", Some("groupings".to_owned())), ("--hold-out-every", hold_out_every)];
-    let sensors = (!arguments.sensors.is_empty()).then(|| arguments.sensors.join(","));
-    options.push(("--sensors", sensors));
-    options.extend(arguments.held_out.iter().map(|it| ("--held-out", Some(it.clone()))));
-    options.extend([
-        ("--held-out-format", arguments.held_out_format.clone()),
-        ("--held-out-scans", arguments.held_out_scans.clone()),
-    ]);
-    Provenance {
-        command: reproducible_command("train", &arguments.data, &options),
-        data: opened.iter().map(name_with_seed).collect(),
-        seed: arguments.choice_seed,
-        split: format!("held out: {}", HeldOut::names(&parted.held_out)),
-    }
+/// Trained forests, and how they do on drives they have not seen.
+pub struct TrainedTrees {
+    /// The forests.
+    pub model: GroupingModel,
+    /// How they do.
+    pub judgement: Judgement,
+    n_taught: usize,
 }
 
-struct Forests {
-    objects: ObjectLooks,
-    vehicles: Forest<{ VEHICLE_VALUES.len() }>,
-}
-
-impl Forests {
-    fn train(taught: &[&ScanGroups]) -> Result<Self, Failure> {
-        let progress = progress_over_results(N_FORESTS + 1, 0, "forests");
-        let on_forest = || progress.inc(1);
-        let objects = train_looks(taught, &OBJECTS, &on_forest).map_err(|error| nothing(&error))?;
-        let mut buffers = LookBuffers::default();
-        let (mut values, mut are_vehicles) = (Vec::new(), Vec::new());
-        for scan in taught {
-            for (worth, it) in scan.worths(&objects, &mut buffers).into_iter().zip(&scan.groups) {
-                let told = it.labels.and_then(|it| it.is_vehicle).filter(|_| worth >= LEAST_WORTH_TOLD);
-                if let Some(is_vehicle) = told {
-                    values.push(&it.vehicle_values);
-                    are_vehicles.push(f64::from(u8::from(is_vehicle)));
-                }
-            }
+impl TrainedTrees {
+    /// Trains with those of `scans` that are not held out, and judges by the others.
+    ///
+    /// # Errors
+    ///
+    /// If there is nothing to learn from.
+    pub fn of(
+        data: &TrainingData<'_>,
+        scans: &[(&OpenedDataset, ScanGroups)],
+        library: PrototypeLibrary,
+    ) -> Result<Self, Failure> {
+        let (mut judged, mut taught): (Vec<&ScanGroups>, Vec<&ScanGroups>) = (Vec::new(), Vec::new());
+        for (opened, it) in scans {
+            let is_judged = data.parted.is_held_out(&opened.dataset.description().id, &it.sequence);
+            if is_judged { &mut judged } else { &mut taught }.push(it);
         }
-        let vehicles =
-            boost(&values, &are_vehicles, Target::Yes, &VEHICLES).map_err(|error| nothing(&error))?;
+        let progress = progress_over_results(N_GROUPING_FORESTS, 0, "forests");
+        let model =
+            train_on_groups(&taught, library, &|| progress.inc(1)).map_err(|error| nothing(&error))?;
         progress.finish_and_clear();
-        Ok(Self { objects, vehicles })
+        let judgement = Judgement::of(&model, &judged);
+        let n_taught = taught.iter().flat_map(|it| &it.groups).filter(|it| it.labels.is_some()).count();
+        Ok(Self { model, judgement, n_taught })
+    }
+
+    /// How they do, for people.
+    pub fn text(&self) -> String {
+        self.judgement.text(self.n_taught)
     }
 }
 
 /// How the forests do on groups of drives they have not seen.
-struct Judgement {
+pub struct Judgement {
     n: usize,
     n_objects: usize,
     objects: OperatingCurves,
@@ -238,15 +185,15 @@ struct Judgement {
 }
 
 impl Judgement {
-    fn of(forests: &Forests, judged: &[&ScanGroups]) -> Self {
+    fn of(model: &GroupingModel, judged: &[&ScanGroups]) -> Self {
         let mut buffers = LookBuffers::default();
         let (mut worths, mut odds) = (Vec::new(), Vec::new());
         for scan in judged {
-            for (worth, it) in scan.worths(&forests.objects, &mut buffers).into_iter().zip(&scan.groups) {
+            for (worth, it) in scan.worths(&model.objects, &mut buffers).into_iter().zip(&scan.groups) {
                 let Some(GroupLabels { iou, is_vehicle }) = it.labels else { continue };
                 worths.push((worth, iou));
                 if let Some(is_vehicle) = is_vehicle.filter(|_| worth >= LEAST_WORTH_TOLD) {
-                    odds.push((forests.vehicles.sum(&it.vehicle_values), is_vehicle));
+                    odds.push((model.vehicles.sum(&it.vehicle_values), is_vehicle));
                 }
             }
         }
@@ -262,19 +209,19 @@ impl Judgement {
         }
     }
 
-    fn rows(&self) -> Vec<CalibrationRow> {
-        let row =
-            |what: &str, it: &CalibrationBin| CalibrationRow::new(what, [it.expected, it.observed], it.n);
+    /// What was expected, and what was seen, of the model of this name.
+    pub fn rows(&self, model: &str) -> Vec<CalibrationRow> {
+        let row = |what: &str, it: &CalibrationBin| {
+            CalibrationRow::new(&format!("{model}: {what}"), [it.expected, it.observed], it.n)
+        };
         let ious = self.ious.iter().map(|it| row("iou", it));
         ious.chain(self.probabilities.iter().map(|it| row("vehicle", it))).collect()
     }
 
-    fn text(&self, parted: &HeldOut, n_taught: usize) -> String {
+    fn text(&self, n_taught: usize) -> String {
         let share = |area: Option<f64>| area.map_or_else(|| "undefined".to_owned(), |it| format!("{it:.4}"));
         let Self { n, n_objects, n_vehicles, .. } = self;
         let mut lines = vec![
-            format!("Trained on {} drives: {}", parted.trained.len(), HeldOut::summary(&parted.trained)),
-            format!("Held out {} drives: {}", parted.held_out.len(), HeldOut::summary(&parted.held_out)),
             format!("Trained on {n_taught} groups"),
             String::new(),
             format!(

@@ -1,4 +1,4 @@
-//! `scanbench train --task partial`.
+//! `scanbench train partial`.
 
 use detector::describe::trained_file::Provenance;
 use detector::partial::partial_model::PartialModel;
@@ -15,7 +15,7 @@ use simulator::object_clouds::open_objects::{ObjectSource, open_objects};
 use simulator::object_clouds::simulated_objects::ObjectPart;
 use simulator::open::OpenOptions;
 
-use crate::cli::{TrainArgs, object_options};
+use crate::cli::{PartialTrainingArgs, object_options};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::open_datasets::open_catalogue;
 use crate::commands::progress::progress_over_results;
@@ -31,7 +31,7 @@ const MODEL_TOML: &str = "model.toml";
 /// # Errors
 ///
 /// If there are no such objects, they are damaged or too few, or the output cannot be written; nothing is left behind then.
-pub fn train_partial(arguments: &TrainArgs) -> Result<(), Failure> {
+pub fn train_partial(arguments: &PartialTrainingArgs) -> Result<(), Failure> {
     let started = Timestamp::now();
     let named = claim_named(&arguments.output)?;
     let recipe = recipe(arguments)?;
@@ -56,9 +56,9 @@ pub fn train_partial(arguments: &TrainArgs) -> Result<(), Failure> {
 }
 
 /// What is trained on: as the shipped model, unless the arguments say otherwise.
-fn recipe(arguments: &TrainArgs) -> Result<PartialRecipe, Failure> {
+fn recipe(arguments: &PartialTrainingArgs) -> Result<PartialRecipe, Failure> {
     let shipped = PartialRecipe::shipped();
-    let asked = &arguments.partial;
+    let asked = arguments;
     let objects = if asked.objects.is_empty() { shipped.objects } else { asked.objects.clone() };
     let has_simulated = objects.iter().any(|it| ObjectSource::of(it) == ObjectSource::Simulated);
     if asked.per_class.is_some() && !has_simulated {
@@ -68,20 +68,23 @@ fn recipe(arguments: &TrainArgs) -> Result<PartialRecipe, Failure> {
     Ok(PartialRecipe { objects, per_class: asked.per_class.unwrap_or(shipped.per_class) })
 }
 
-fn open_all(arguments: &TrainArgs, recipe: &PartialRecipe) -> Result<Vec<Box<dyn ObjectCloudSet>>, Failure> {
-    let catalogue = open_catalogue(arguments.data.source.catalogue.catalogue.as_deref())?;
+fn open_all(
+    arguments: &PartialTrainingArgs,
+    recipe: &PartialRecipe,
+) -> Result<Vec<Box<dyn ObjectCloudSet>>, Failure> {
+    let catalogue = open_catalogue(arguments.catalogue.catalogue.as_deref())?;
     let options = object_options(ObjectPart::Training, recipe.per_class);
     let open = |name: &String| open_objects(name, &options, &OpenOptions::default(), &catalogue);
     Ok(recipe.objects.iter().map(open).collect::<Result<Vec<_>, DatasetError>>()?)
 }
 
-fn provenance(arguments: &TrainArgs, recipe: &PartialRecipe) -> Provenance {
-    let mut command = "scanbench train --task partial".to_owned();
-    if !arguments.partial.objects.is_empty() {
+fn provenance(arguments: &PartialTrainingArgs, recipe: &PartialRecipe) -> Provenance {
+    let mut command = "scanbench train partial".to_owned();
+    if !arguments.objects.is_empty() {
         command.push_str(" --objects ");
         command.push_str(&recipe.objects.join(","));
     }
-    if let Some(per_class) = arguments.partial.per_class {
+    if let Some(per_class) = arguments.per_class {
         command.push_str(" --per-class ");
         command.push_str(&per_class.to_string());
     }

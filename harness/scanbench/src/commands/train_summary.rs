@@ -17,14 +17,12 @@ pub fn summary<const D: usize>(
 ) -> String {
     let n_vehicles = selected.iter().filter(|it| it.kind.is_vehicle()).count();
     let n_cut = selected.iter().filter(|it| it.kind == CandidateKind::CutRegion).count();
-    let n_regrouped = selected.iter().filter(|it| it.is_regrouped && !it.kind.is_vehicle()).count();
     let prototypes = library.map_or_else(String::new, |it| format!("{} prototypes, ", it.prototypes().len()));
     let mut lines = vec![
         format!("Trained on {} drives: {}", parted.trained.len(), HeldOut::summary(&parted.trained)),
         format!("Held out {} drives: {}", parted.held_out.len(), HeldOut::summary(&parted.held_out)),
         format!(
-            "{n_vehicles} vehicles and {} others, of which {n_cut} cut regions and {n_regrouped} parts or pairs of \
-             clusters; {prototypes}{} support vectors",
+            "{n_vehicles} vehicles and {} others, of which {n_cut} cut regions; {prototypes}{} support vectors",
             selected.len() - n_vehicles,
             model.support_vectors.len()
         ),

@@ -308,7 +308,7 @@ fn an_unknown_detector() {
     let it = Spoilt::drive();
     let parts = [
         "there is no detector \"kdtree\"",
-        "detectors are hierarchical, paper, kd-tree-same-walls, kd-tree, pca",
+        "detectors are hierarchical, kd-tree-trained, kd-tree-tree, paper, kd-tree-same-walls, kd-tree, pca",
     ];
     it.check("run street -d pca,kdtree -o out", 2, &parts);
 }
@@ -399,9 +399,9 @@ fn a_parameter_of_another_name_type_or_range() {
             "run street -P tolerance_m=far -o out",
             ["-P tolerance_m=far: kd_tree.tolerance_m is", "but must be float"],
         ),
-        ("run street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is not within 1 to 8"]),
+        ("run street -P hierarchical.grid.xi=9 -o out", ["hierarchical.grid.xi = 9", "is not within 1 to 8"]),
         (
-            "run street -P low_quantile=1.1 -o out",
+            "run street -P hierarchical.terrain.low_quantile=1.1 -o out",
             ["hierarchical.terrain.low_quantile = 1.1 is", "not within 0 to 1"],
         ),
         ("ablation street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is not within 1 to 8"]),

@@ -17,7 +17,7 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 34] = [
+const VERBS: [&str; 39] = [
     "run",
     "merge",
     "detect",
@@ -39,6 +39,11 @@ const VERBS: [&str; 34] = [
     "data simulate",
     "data realism",
     "train",
+    "train groupings",
+    "train rivals",
+    "train paper",
+    "train pca",
+    "train partial",
     "fit-density",
     "ablation",
     "sweep",

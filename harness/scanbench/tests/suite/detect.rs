@@ -138,7 +138,7 @@ fn parameters_and_sensor_height_change_what_is_found() {
         let street = [
             "street-narrow",
             "--scan",
-            "narrow-9001/000000",
+            "narrow-803595/000000",
             "--boxes",
             "-",
             "-c",

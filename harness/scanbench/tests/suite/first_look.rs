@@ -77,7 +77,7 @@ fn a_sensor_on_a_robot_is_recognised_with_its_height_and_tilt() {
     workplace.succeed(&["detect", "robot", "--scan", "0", "-d", "kd-tree", "--boxes", "others.csv"]);
     let of_others = ["--detections", "others=others.csv", "--missing-detections", "empty"];
     let (said, entry) = run(&workplace, &of_others);
-    assert!(said.contains("the ground is tilted by 7.7 degrees in the frame of the scans"), "{said}");
+    assert!(said.contains("the ground is tilted by 8.0 degrees in the frame of the scans"), "{said}");
     assert_eq!(entry["seen"]["taken"], serde_json::json!(["sensor", "height"]));
 }
 

@@ -160,7 +160,7 @@ fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_g
     assert!(ended.stderr.contains(said) && !ended.stderr.contains("warning"), "{ended:#?}");
     let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).expect("it is JSON");
     assert_eq!(manifest["datasets"][0]["seen"]["taken"], json!(["density"]));
-    let scan = ["--scan", "narrow-9001/000000", "-d", "hierarchical"];
+    let scan = ["--scan", "narrow-803595/000000", "-d", "hierarchical"];
     let detect = [&["detect"], &drives[..3], &scan].concat();
     let ended = workplace.succeed(&detect);
     assert!(ended.stderr.contains(said), "{ended:#?}");
@@ -173,7 +173,7 @@ fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_g
 #[test]
 fn training_warns_of_a_sensor_without_a_curve() {
     let workplace = Workplace::new();
-    let drives = ["train", "training-narrow", "--sensor", "xt32", "--scans", "0..81:40", "--detector", "pca"];
+    let drives = ["train", "pca", "training-narrow", "--sensor", "xt32", "--scans", "0..81:40"];
     let ended = workplace.run(&drives);
     assert!(
         ended.stderr.contains("warning: there is no density curve for the sensor \"xt32\""),

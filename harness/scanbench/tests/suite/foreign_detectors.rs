@@ -275,7 +275,7 @@ fn lasers_and_times_of_points_are_sent_where_the_data_have_them() {
     let place = place_with("by-ring-and-time", "");
     let with = crate::readers::argoverse2::drawn().display().to_string();
     place.succeed(&["detect", &with, "--scan", "0", "-d", "odd"]);
-    let without = place.run(&["detect", STREET[0], "--scan", "narrow-9001/000000", "-d", "odd"]);
+    let without = place.run(&["detect", STREET[0], "--scan", "narrow-803595/000000", "-d", "odd"]);
     assert_eq!(without.exit_code, Some(6), "{}", without.stderr);
     assert!(
         without.stderr.contains("ring") && !without.stderr.contains("time_offset_s"),

@@ -134,19 +134,14 @@ fn what_needs_training_or_a_drive_is_refused_without() {
         &["partial", "objects-air", "objects-around", "--peer-results", "a=b"],
         "of one set of objects",
     );
-    check_refused(&["train", "--task", "partial", "streets"], "cannot be used with");
-    check_refused(&["train", "--task", "partial", "--nu", "0.1"], "cannot be used with");
-    check_refused(&["train", "--per-class", "3"], "--task <TASK>");
-    check_refused(
-        &["train", "--task", "partial", "--objects", "mine", "--per-class", "3"],
-        "--per-class is for",
-    );
+    check_refused(&["train", "partial", "streets"], "unexpected argument");
+    check_refused(&["train", "partial", "--nu", "0.1"], "unexpected argument");
+    check_refused(&["train", "partial", "--objects", "mine", "--per-class", "3"], "--per-class is for");
 }
 
 #[test]
 fn a_model_is_trained_to_the_byte_with_any_number_of_threads_and_tells_objects() {
-    let train =
-        ["train", "--task", "partial", "--objects", "objects-vlp-16,objects-approach", "--per-class", "3"];
+    let train = ["train", "partial", "--objects", "objects-vlp-16,objects-approach", "--per-class", "3"];
     let [one, three] = ["1", "3"].map(|n_threads| {
         let workplace = Workplace::new();
         let mut command = workplace.command(&[&train[..], &["-o", "model"]].concat());

@@ -46,6 +46,17 @@ impl Workplace {
         std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
+    /// The content of the file `name`, which is no text.
+    pub fn read_bytes(&self, name: &str) -> Vec<u8> {
+        let path = self.path(name);
+        std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    }
+
+    /// Writes the file `name`, which is no text.
+    pub fn write_bytes(&self, name: &str, content: &[u8]) {
+        std::fs::write(self.path(name), content).unwrap();
+    }
+
     /// Writes the file `name`.
     pub fn write(&self, name: &str, content: &str) {
         std::fs::write(self.path(name), content).unwrap();

@@ -143,8 +143,10 @@ fn verbs_about_data_end_soon() {
 
 #[test]
 fn training_ends_soon() {
-    let streets = ["streets", "--simulated-scans", "1000"];
-    check(&Workplace::new(), &[&["train"][..], &streets, &["-o", "out"]].concat(), &[]);
+    let streets = ["streets", "--seed", "7", "--simulated-scans", "1000"];
+    for model in ["groupings", "rivals", "paper"] {
+        check(&Workplace::new(), &[&["train", model][..], &streets, &["-o", "out"]].concat(), &[]);
+    }
     check(&Workplace::new(), &[&["fit-density"][..], &ENDLESS_STREET, &["-o", "out.toml"]].concat(), &[]);
 }
 

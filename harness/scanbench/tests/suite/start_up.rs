@@ -7,10 +7,10 @@ use crate::program::Workplace;
 fn a_model_may_come_from_files() {
     let workplace = Workplace::new();
     DrawnDataset::tracking(workplace.folder(), 1);
-    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params/vehicle_model");
-    let directory = format!("vehicle_model.directory={shipped:?}");
+    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params");
+    let directory = format!("vehicle_model.groupings_directory={shipped:?}");
     let detect = |options: &[&str]| {
-        let arguments = [&["detect", "street", "--scan", "0", "-d", "kd-tree"], options].concat();
+        let arguments = [&["detect", "street", "--scan", "0", "-d", "hierarchical"], options].concat();
         let ended = workplace.run(&arguments);
         assert_eq!(ended.exit_code, Some(0), "{arguments:?}: {ended:#?}");
     };
@@ -23,7 +23,7 @@ fn a_model_may_come_from_files() {
 fn errors_of_the_command_line_come_before_anything_is_loaded() {
     let workplace = Workplace::new();
     // No model can be read from there, but that is found out later.
-    let broken = ["-P", "vehicle_model.directory=\"/nowhere\""];
+    let broken = ["-P", "vehicle_model.groupings_directory=\"/nowhere\""];
     for (arguments, exit_code, part) in [
         (vec!["run", "street-narrow", "-d", "nonsense"], 2, "nonsense"),
         (vec!["run", "street-narrow", "-P", "nonsense=1"], 2, "nonsense"),

@@ -18,8 +18,17 @@ pub const DETECTOR_TABLE: &str = "detector";
 const KEYS: [&str; 7] =
     ["command", "results", "parameters", "start_limit_s", "time_limit_s", "threads", "vehicles"];
 /// Names that mean something else.
-pub const TAKEN_NAMES: [&str; 7] =
-    ["hierarchical", "paper", "kd-tree", "kd-tree-same-walls", "pca", "simple-grid", "nothing"];
+pub const TAKEN_NAMES: [&str; 9] = [
+    "hierarchical",
+    "kd-tree-trained",
+    "kd-tree-tree",
+    "paper",
+    "kd-tree",
+    "kd-tree-same-walls",
+    "pca",
+    "simple-grid",
+    "nothing",
+];
 /// How long a detector may take until it can be asked, unless the file says otherwise.
 const START_LIMIT: Duration = Duration::from_secs(30);
 /// How long it may take for a scan.

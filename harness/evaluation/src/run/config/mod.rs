@@ -13,4 +13,6 @@ pub mod run_config;
 pub use detector_table::{DETECTOR_TABLE, TAKEN_NAMES, check_name};
 pub use error::ConfigError;
 pub use run_config::RunConfig;
-pub use vehicle_model_table::{TrainedModel, VehicleModels};
+pub use vehicle_model_table::{
+    CLUSTERS_FILE, COMPONENTS_FILE, GROUPINGS_FILE, NESTED_FILE, TrainedModel, VehicleModels,
+};

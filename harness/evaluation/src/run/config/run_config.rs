@@ -40,6 +40,8 @@ pub struct RunConfig {
     pub classes: ClassTable,
     /// Detectors that are not built in, as the file tells of them.
     pub foreign: Vec<ForeignDetector>,
+    /// The sensor whose scans are looked at, once that is known.
+    pub sensor: Option<String>,
     /// By id, the density curves of data sets whose sensor none is shipped for, learned from their scans.
     pub own_curves: BTreeMap<String, DensityCurve>,
     /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
@@ -90,12 +92,12 @@ impl RunConfig {
     /// The same for scans of `sensor`, whose density curve takes the place of the paper's; `None` if none comes with the
     /// detector. A curve that the file gives stays.
     pub fn for_sensor(&self, sensor: &str) -> Option<Self> {
-        self.with_curve(|| DensityCurve::shipped(sensor))
+        self.with_curve(sensor, || DensityCurve::shipped(sensor))
     }
 
     /// The same for scans of the data set `id`: by the curve of its `sensor`, or its own of [`Self::own_curves`].
     pub fn for_dataset(&self, id: &str, sensor: &str) -> Option<Self> {
-        self.with_curve(|| DensityCurve::shipped(sensor).or_else(|| self.own_curves.get(id).cloned()))
+        self.with_curve(sensor, || DensityCurve::shipped(sensor).or_else(|| self.own_curves.get(id).cloned()))
     }
 
     /// The same for scans of `dataset`. Whose density is not known is taken for the paper's sensor.
@@ -103,8 +105,9 @@ impl RunConfig {
         self.for_dataset(&dataset.id, &dataset.sensor).unwrap_or_else(|| self.clone())
     }
 
-    fn with_curve(&self, curve: impl FnOnce() -> Option<DensityCurve>) -> Option<Self> {
+    fn with_curve(&self, sensor: &str, curve: impl FnOnce() -> Option<DensityCurve>) -> Option<Self> {
         let mut config = self.clone();
+        config.sensor = Some(sensor.to_owned());
         if !gives_density_curve(&self.resolved) {
             config.hierarchical.density_weighting.curve = curve()?;
         }
@@ -143,7 +146,8 @@ impl RunConfig {
         options.apply(&mut resolved)?;
         let config = self.changed_to(resolved).map_err(|problem| options.value_error(problem))?;
         let (classes, foreign) = (self.classes.clone(), self.foreign.clone());
-        Ok(Self { classes, foreign, own_curves: self.own_curves.clone(), ..config })
+        let (sensor, own_curves) = (self.sensor.clone(), self.own_curves.clone());
+        Ok(Self { classes, foreign, sensor, own_curves, ..config })
     }
 
     /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
@@ -195,13 +199,11 @@ impl RunConfig {
     fn from_resolved(resolved: Table, vehicle_models: Option<VehicleModels>) -> Result<Self, ValueProblem> {
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
         // A curve that is not given is the sensor's; until that is known, the paper's stands in.
-        let of_program = HierarchicalParams::shipped_table();
         let hierarchical = if gives_density_curve(&resolved) {
             table("hierarchical")
         } else {
-            with_density_curve(table("hierarchical"), &of_program)
+            with_density_curve(table("hierarchical"), &HierarchicalParams::shipped_table())
         };
-        check_is_read(&hierarchical, &of_program)?;
         let (hierarchical, paper) = (hierarchical.to_string(), table("paper").to_string());
         let matching = table("matching").to_string();
         let of_others = ["matching", "hierarchical", "paper", VEHICLE_MODEL, DETECTOR_TABLE];
@@ -219,36 +221,12 @@ impl RunConfig {
                 .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
             vehicle_models,
             classes: ClassTable::default(),
+            sensor: None,
             own_curves: BTreeMap::new(),
             foreign: Vec::new(),
             resolved,
         })
     }
-}
-
-/// What only the way without the tree of groupings reads.
-const NOT_WITH_GROUPING: [(&str, Option<&str>); 3] =
-    [("regrouping", None), ("separation", Some("enabled")), ("separation", Some("low_density_share"))];
-
-/// Refuses other values than `shipped` ones of parameters that nobody reads: they would change nothing.
-fn check_is_read(hierarchical: &Table, shipped: &Table) -> Result<(), ValueProblem> {
-    let is_on = hierarchical.get("grouping").and_then(|it| it.get("enabled")).and_then(Value::as_bool);
-    if is_on != Some(true) {
-        return Ok(());
-    }
-    for (table, parameter) in NOT_WITH_GROUPING {
-        let value = |all: &Table| {
-            let table = all.get(table).cloned();
-            parameter.map_or(table.clone(), |it| table.as_ref().and_then(|table| table.get(it)).cloned())
-        };
-        if value(hierarchical) != value(shipped) {
-            let keys = ["hierarchical", table].into_iter().chain(parameter).map(str::to_owned).collect();
-            let problem =
-                " is read only without the tree of groupings: set hierarchical.grouping.enabled = false, too";
-            return Err(ValueProblem { keys, problem: problem.to_owned() });
-        }
-    }
-    Ok(())
 }
 
 fn vehicle_models_of(all: &Table) -> Result<Option<VehicleModels>, ValueProblem> {
@@ -282,20 +260,6 @@ mod tests {
 
     fn resolve(text: &str) -> Result<RunConfig, ConfigError> {
         RunConfig::resolve(text, Path::new("mine.toml"))
-    }
-
-    #[test]
-    fn what_nobody_reads_with_the_tree_of_groupings_is_refused() {
-        for unread in
-            ["regrouping.n_places = 3", "separation.enabled = false", "separation.low_density_share = 0.4"]
-        {
-            let error = resolve(&format!("hierarchical.{unread}")).unwrap_err().to_string();
-            assert!(error.contains("read only without the tree of groupings"), "{unread}: {error}");
-            let greedy = format!("hierarchical.{unread}\nhierarchical.grouping.enabled = false");
-            assert!(resolve(&greedy).is_ok(), "{unread}");
-        }
-        assert!(resolve("hierarchical.separation.single_gap_points = 2.0").is_ok());
-        assert!(resolve("hierarchical.regrouping.n_places = 2").is_ok());
     }
 
     #[test]

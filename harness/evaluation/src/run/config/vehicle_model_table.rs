@@ -1,12 +1,14 @@
-//! What tells vehicles, as a table of the configuration.
+//! The trained models, as a table of the configuration.
 
 use std::path::Path;
 use std::sync::Arc;
 
+use baselines::kd_tree_models::{TrainedComponents, shipped_tree, tree_from_bytes};
 use baselines::pca_vehicle_model::PcaVehicleModel;
-use detector::classify::grouping_model::{GroupingModel, GroupingModelError};
-use detector::classify::paper_model::PaperModel;
-use detector::classify::vehicle_model::{VehicleModel, VehicleModelError};
+use detector::classify::grouping_model::GroupingModel;
+use detector::classify::model_file::ModelFileError;
+use detector::classify::paper_model::{PaperModel, PaperModelError};
+use detector::classify::vehicle_model::VehicleModel;
 use detector::params::ParamsError;
 use scans::dataset::checksum::sha256;
 use serde::Deserialize;
@@ -16,10 +18,10 @@ use super::value_problem::ValueProblem;
 /// The models that come with the program, unless something else is said.
 pub(super) const VEHICLE_MODEL_TOML: &str = r#"
 enabled = true
-directory = ""
+groupings_directory = ""
+rivals_directory = ""
 paper_directory = ""
 pca_directory = ""
-groupings_directory = ""
 "#;
 
 #[derive(Deserialize)]
@@ -27,60 +29,76 @@ groupings_directory = ""
 struct VehicleModelTable {
     /// Otherwise all detectors tell vehicles by their size.
     enabled: bool,
-    /// What `scanbench train` wrote; the model that comes with the program if empty.
-    directory: String,
-    /// The same for the detector paper.
-    paper_directory: String,
-    /// The same for the detector pca.
-    pca_directory: String,
-    /// The same for the groupings of the detector hierarchical.
+    /// What `scanbench train groupings` wrote; the model that comes with the program if empty.
     groupings_directory: String,
+    /// The same of `train rivals`.
+    rivals_directory: String,
+    /// The same of `train paper`.
+    paper_directory: String,
+    /// The same of `train pca`.
+    pca_directory: String,
 }
 
-/// A model that tells vehicles.
+/// A trained model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum TrainedModel {
-    /// The SVM of the clusters of grids and kd-tree, and of detectors that are not built in.
+    /// The trees of the detector hierarchical.
+    Groupings,
+    /// The trees of the detector kd-tree-trained.
+    Components,
+    /// The trees of the detector kd-tree-tree.
+    NestedComponents,
+    /// The trees that tell the vehicles of the kd-trees, of the simple grid, and of detectors that are not built in.
     Clusters,
     /// The SVM of the detector paper.
     Paper,
     /// The SVM of the detector pca.
     Pca,
-    /// The forests of the detector hierarchical.
-    Groupings,
 }
+
+/// What the files are called that training writes.
+pub const GROUPINGS_FILE: &str = "groupings.model";
+/// The same of the detector kd-tree-trained.
+pub const COMPONENTS_FILE: &str = "kd_tree_trained.model";
+/// The same of the detector kd-tree-tree.
+pub const NESTED_FILE: &str = "kd_tree_tree.model";
+/// The same of the vehicles of clusters.
+pub const CLUSTERS_FILE: &str = "clusters.model";
 
 impl TrainedModel {
     /// All models.
-    pub const ALL: [Self; 4] = [Self::Clusters, Self::Paper, Self::Pca, Self::Groupings];
+    pub const ALL: [Self; 6] =
+        [Self::Groupings, Self::Components, Self::NestedComponents, Self::Clusters, Self::Paper, Self::Pca];
 
     /// The parameter that names its directory.
     pub fn parameter(self) -> &'static str {
         match self {
-            Self::Clusters => "vehicle_model.directory",
+            Self::Groupings => "vehicle_model.groupings_directory",
+            Self::Components | Self::NestedComponents | Self::Clusters => "vehicle_model.rivals_directory",
             Self::Paper => "vehicle_model.paper_directory",
             Self::Pca => "vehicle_model.pca_directory",
-            Self::Groupings => "vehicle_model.groupings_directory",
         }
     }
 
     /// What it is, for people.
     pub fn in_words(self) -> &'static str {
         match self {
-            Self::Clusters => "SVM of grid clusters",
+            Self::Groupings | Self::Components | Self::NestedComponents => "its own trees",
+            Self::Clusters => "trees trained on kd-tree components",
             Self::Paper | Self::Pca => "its own SVM",
-            Self::Groupings => "its own forests",
         }
     }
 }
 
-/// What tells vehicles. The models that come with the program are read when a detector first asks for one.
+/// The trained models. Those that come with the program are read when a detector first asks for one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleModels {
-    by_shape: ModelSource<VehicleModel>,
+    groupings: ModelSource<Arc<GroupingModel>>,
+    components: ModelSource<TrainedComponents>,
+    nested_components: ModelSource<Arc<GroupingModel>>,
+    clusters: ModelSource<VehicleModel>,
     paper: ModelSource<PaperModel>,
     pca: ModelSource<PcaVehicleModel>,
-    groupings: ModelSource<Arc<GroupingModel>>,
 }
 
 /// Where a model is from.
@@ -95,9 +113,24 @@ enum ModelSource<M> {
 }
 
 impl VehicleModels {
-    /// The model of the clusters of grids and kd-tree.
-    pub fn by_shape(&self) -> VehicleModel {
-        self.by_shape.model(VehicleModel::shipped)
+    /// That of the detector hierarchical.
+    pub fn groupings(&self) -> Arc<GroupingModel> {
+        self.groupings.model(GroupingModel::shipped)
+    }
+
+    /// That of the detector kd-tree-trained.
+    pub fn components(&self) -> TrainedComponents {
+        self.components.model(TrainedComponents::shipped)
+    }
+
+    /// That of the detector kd-tree-tree.
+    pub fn nested_components(&self) -> Arc<GroupingModel> {
+        self.nested_components.model(shipped_tree)
+    }
+
+    /// That of the vehicles among clusters.
+    pub fn clusters(&self) -> VehicleModel {
+        self.clusters.model(VehicleModel::shipped)
     }
 
     /// That of the detector paper.
@@ -110,15 +143,17 @@ impl VehicleModels {
         self.pca.model(PcaVehicleModel::shipped)
     }
 
-    /// That of the groupings of the detector hierarchical.
-    pub fn groupings(&self) -> Arc<GroupingModel> {
-        self.groupings.model(GroupingModel::shipped)
-    }
-
-    /// What tells these models from others of the same program: a checksum for each, of the first, of paper's, of pca's and of
-    /// groupings.
-    pub fn identity(&self) -> [&str; 4] {
-        [self.by_shape.identity(), self.paper.identity(), self.pca.identity(), self.groupings.identity()]
+    /// What tells these models from others of the same program: a checksum for each, in the order of [`TrainedModel::ALL`].
+    pub fn identity(&self) -> [&str; 6] {
+        let Self { groupings, components, nested_components, clusters, paper, pca } = self;
+        [
+            groupings.identity(),
+            components.identity(),
+            nested_components.identity(),
+            clusters.identity(),
+            paper.identity(),
+            pca.identity(),
+        ]
     }
 }
 
@@ -136,10 +171,6 @@ impl<M: Clone> ModelSource<M> {
             Self::Trained { checksum, .. } => checksum,
         }
     }
-
-    fn trained(model: M, files: &[&str]) -> Self {
-        Self::Trained { model: Arc::new(model), checksum: sha256(files.concat()) }
-    }
 }
 
 /// The models of a complete TOML document; `None` if they are switched off. Those of directories with names are read at once,
@@ -150,53 +181,43 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
     if !table.enabled {
         return Ok(None);
     }
-    let by_shape = match table.directory.as_str() {
-        "" => ModelSource::Shipped,
-        directory => {
-            ModelDirectory { parameter: "directory", directory }.with_prototypes(VehicleModel::from_toml)?
-        }
-    };
-    let paper = match table.paper_directory.as_str() {
-        "" => ModelSource::Shipped,
-        directory => ModelDirectory { parameter: "paper_directory", directory }
-            .with_prototypes(PaperModel::from_toml)?,
-    };
-    let pca = match table.pca_directory.as_str() {
-        "" => ModelSource::Shipped,
-        directory => pca_from(&ModelDirectory { parameter: "pca_directory", directory })?,
-    };
-    let groupings = match table.groupings_directory.as_str() {
-        "" => ModelSource::Shipped,
-        directory => groupings_from(&ModelDirectory { parameter: "groupings_directory", directory })?,
-    };
-    Ok(Some(VehicleModels { by_shape, paper, pca, groupings }))
+    let groupings =
+        ModelDirectory { parameter: "groupings_directory", directory: &table.groupings_directory };
+    let rivals = ModelDirectory { parameter: "rivals_directory", directory: &table.rivals_directory };
+    let paper = ModelDirectory { parameter: "paper_directory", directory: &table.paper_directory };
+    let pca = ModelDirectory { parameter: "pca_directory", directory: &table.pca_directory };
+    Ok(Some(VehicleModels {
+        groupings: groupings.model(GROUPINGS_FILE, |it| GroupingModel::from_bytes(it).map(Arc::new))?,
+        components: rivals.model(COMPONENTS_FILE, TrainedComponents::from_bytes)?,
+        nested_components: rivals.model(NESTED_FILE, |it| tree_from_bytes(it).map(Arc::new))?,
+        clusters: rivals.model(CLUSTERS_FILE, VehicleModel::from_bytes)?,
+        paper: paper_from(&paper)?,
+        pca: pca_from(&pca)?,
+    }))
 }
 
 const PROTOTYPES: &str = "prototypes.toml";
 const MODEL: &str = "model.toml";
-const OBJECTS: &str = "objects.toml";
-const MORE_LOOKS: [&str; 2] = ["objects_second_look.toml", "objects_third_look.toml"];
-const VEHICLES: &str = "vehicles.toml";
 
-fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, ValueProblem> {
-    let svm = files.read(MODEL)?;
-    let model = PcaVehicleModel::from_toml(&svm).map_err(|error| files.problem(MODEL, &error))?;
-    Ok(ModelSource::trained(model, &[&svm]))
+fn paper_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PaperModel>, ValueProblem> {
+    if files.is_shipped() {
+        return Ok(ModelSource::Shipped);
+    }
+    let [prototypes, svm] = [files.read_text(PROTOTYPES)?, files.read_text(MODEL)?];
+    let model = PaperModel::from_toml(&prototypes, &svm).map_err(|error| match error {
+        PaperModelError::Prototypes(error) => files.problem(PROTOTYPES, &error),
+        PaperModelError::Svm(error) => files.problem(MODEL, &error),
+    })?;
+    Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(prototypes + &svm) })
 }
 
-fn groupings_from(files: &ModelDirectory<'_>) -> Result<ModelSource<Arc<GroupingModel>>, ValueProblem> {
-    let mut texts = Vec::new();
-    for name in [PROTOTYPES, OBJECTS, MORE_LOOKS[0], MORE_LOOKS[1], VEHICLES] {
-        texts.push(files.read(name)?);
+fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, ValueProblem> {
+    if files.is_shipped() {
+        return Ok(ModelSource::Shipped);
     }
-    let texts = std::array::from_fn(|it| texts[it].as_str());
-    let model = GroupingModel::from_toml(texts).map_err(|error| match error {
-        GroupingModelError::Prototypes(error) => files.problem(PROTOTYPES, &error),
-        GroupingModelError::Objects(error) => files.problem(OBJECTS, &error),
-        GroupingModelError::MoreLooks { look_idx, source } => files.problem(MORE_LOOKS[look_idx], &source),
-        GroupingModelError::Vehicles(error) => files.problem(VEHICLES, &error),
-    })?;
-    Ok(ModelSource::trained(Arc::new(model), &texts))
+    let svm = files.read_text(MODEL)?;
+    let model = PcaVehicleModel::from_toml(&svm).map_err(|error| files.problem(MODEL, &error))?;
+    Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(svm) })
 }
 
 /// A directory with what training wrote, and the parameter that names it.
@@ -206,20 +227,26 @@ struct ModelDirectory<'a> {
 }
 
 impl ModelDirectory<'_> {
-    /// The model that `from_toml` makes of prototypes and classifier.
-    fn with_prototypes<M: Clone>(
-        &self,
-        from_toml: fn(&str, &str) -> Result<M, VehicleModelError>,
-    ) -> Result<ModelSource<M>, ValueProblem> {
-        let [prototypes, svm] = [self.read(PROTOTYPES)?, self.read(MODEL)?];
-        let model = from_toml(&prototypes, &svm).map_err(|error| match error {
-            VehicleModelError::Prototypes(error) => self.problem(PROTOTYPES, &error),
-            VehicleModelError::Svm(error) => self.problem(MODEL, &error),
-        })?;
-        Ok(ModelSource::trained(model, &[&prototypes, &svm]))
+    fn is_shipped(&self) -> bool {
+        self.directory.is_empty()
     }
 
-    fn read(&self, name: &str) -> Result<String, ValueProblem> {
+    /// The model that `from_bytes` makes of the file of this name.
+    fn model<M>(
+        &self,
+        name: &str,
+        from_bytes: impl FnOnce(&[u8]) -> Result<M, ModelFileError>,
+    ) -> Result<ModelSource<M>, ValueProblem> {
+        if self.is_shipped() {
+            return Ok(ModelSource::Shipped);
+        }
+        let bytes = std::fs::read(Path::new(self.directory).join(name))
+            .map_err(|error| self.problem(name, &error))?;
+        let model = from_bytes(&bytes).map_err(|error| self.problem(name, &error))?;
+        Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(bytes) })
+    }
+
+    fn read_text(&self, name: &str) -> Result<String, ValueProblem> {
         let path = Path::new(self.directory).join(name);
         std::fs::read_to_string(path).map_err(|error| self.problem(name, &error))
     }

@@ -1,0 +1,101 @@
+//! Components over a kd-tree, as the groups that trained trees judge.
+
+use detector::group::dense_cells::DenseCells;
+use detector::group::linkage::{Linkage, LinkedScan, N_LEVELS};
+
+use crate::COMPONENTS;
+use crate::kd_tree_components::{KdTreeScratch, kd_tree_components, kd_tree_links};
+
+/// The stage that finds which components are one at greater tolerances.
+pub const NESTING: &str = "nesting";
+
+/// The tolerances of components within components, in metres.
+pub const NESTED_TOLERANCES_M: [f32; N_LEVELS] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2];
+
+/// Joins candidates that chains of neighbours over a kd-tree connect: at one tolerance, or at several, the smallest first.
+///
+/// Dense cells only describe the components: over a place where there are several, each has a cell of its own.
+#[derive(Debug, Clone)]
+pub struct KdTreeLinkage {
+    // Ascending, and at most [`N_LEVELS`].
+    tolerances_m: Vec<f32>,
+    positions_m: Vec<[f32; 3]>,
+    scratch: KdTreeScratch,
+    labels: Vec<u32>,
+    // For every label, the first cell of its component.
+    dense_of_label: Vec<u32>,
+    group_of_dense: Vec<u32>,
+    between: [Vec<[u32; 2]>; N_LEVELS],
+}
+
+impl KdTreeLinkage {
+    /// Components at one tolerance.
+    pub fn at(tolerance_m: f32) -> Self {
+        Self::of(vec![tolerance_m])
+    }
+
+    /// Components within components, at [`NESTED_TOLERANCES_M`].
+    pub fn nested() -> Self {
+        Self::of(NESTED_TOLERANCES_M.to_vec())
+    }
+
+    fn of(tolerances_m: Vec<f32>) -> Self {
+        Self {
+            tolerances_m,
+            positions_m: Vec::new(),
+            scratch: KdTreeScratch::default(),
+            labels: Vec::new(),
+            dense_of_label: Vec::new(),
+            group_of_dense: Vec::new(),
+            between: Default::default(),
+        }
+    }
+}
+
+const NO_CELL: u32 = u32::MAX;
+
+impl Linkage for KdTreeLinkage {
+    const STAGES: [&'static str; 2] = [COMPONENTS, NESTING];
+
+    fn fill(&mut self, scan: &LinkedScan<'_>, dense: &mut DenseCells) {
+        let point_indices = scan.candidates.point_indices().iter();
+        self.positions_m.clear();
+        self.positions_m.extend(point_indices.map(|&it| scan.cloud.position_m(it as usize)));
+        kd_tree_components(&self.positions_m, self.tolerances_m[0], &mut self.scratch, &mut self.labels);
+        dense.fill_apart(scan.cloud, (scan.grid, scan.terrain), scan.candidates, &self.labels);
+    }
+
+    fn link(&mut self, _: &LinkedScan<'_>, dense: &DenseCells) {
+        let Self { labels, dense_of_label, group_of_dense, between, .. } = self;
+        dense_of_label.clear();
+        dense_of_label.resize(labels.len(), NO_CELL);
+        group_of_dense.clear();
+        group_of_dense.extend(0..dense.heaps().len() as u32);
+        for (&label, &dense_idx) in labels.iter().zip(dense.dense_of_point()) {
+            let first = &mut dense_of_label[label as usize];
+            if *first == NO_CELL {
+                *first = dense_idx;
+            }
+            group_of_dense[dense_idx as usize] = *first;
+        }
+        between.iter_mut().for_each(Vec::clear);
+        if self.tolerances_m.len() > 1 {
+            kd_tree_links(&self.positions_m, labels, &self.tolerances_m, &mut self.scratch, between);
+            for pair in between.iter_mut().flatten() {
+                *pair = pair.map(|label| dense_of_label[label as usize]);
+            }
+        }
+    }
+
+    fn group_of_dense(&self) -> &[u32] {
+        &self.group_of_dense
+    }
+
+    fn between(&self, level: u8) -> &[[u32; 2]] {
+        &self.between[usize::from(level)]
+    }
+
+    fn is_nested(&self) -> bool {
+        self.tolerances_m.len() > 1
+    }
+}

@@ -1,0 +1,36 @@
+//! The trees that tell vehicles among clusters, trained.
+
+use detector::classify::vehicle_model::N_FEATURES;
+use detector::describe::prototype_library::PrototypeLibrary;
+use detector::describe::seen_size::may_be_vehicle;
+use detector::describe::vehicle_features::VehicleDescriber;
+
+use super::candidate_kind::CandidateKind;
+use super::candidates::Candidate;
+
+/// A cluster as the trees see it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClusterExample {
+    /// The drive it was seen on.
+    pub sequence: String,
+    /// What the trees look at.
+    pub values: [f32; N_FEATURES],
+    /// Whether it shows a vehicle.
+    pub is_vehicle: bool,
+}
+
+/// What the trees see of the clusters among `candidates` that they are asked about: regions that were cut out are no clusters, and
+/// what has not the size of a vehicle is not looked at.
+pub fn described_clusters(candidates: &[Candidate], library: &PrototypeLibrary) -> Vec<ClusterExample> {
+    let mut describer = VehicleDescriber::new(library.clone());
+    let is_asked = |it: &&Candidate| {
+        it.kind != CandidateKind::CutRegion && may_be_vehicle(&it.bounding_box, it.surroundings.ground_m)
+    };
+    let example = |it: &Candidate| {
+        let positions_m = it.positions_m.iter().copied();
+        let features = describer.describe(&it.bounding_box, &it.surroundings, positions_m)?;
+        let (sequence, is_vehicle) = (it.sequence.clone(), it.kind.is_vehicle());
+        Some(ClusterExample { sequence, values: features.values(), is_vehicle })
+    };
+    candidates.iter().filter(is_asked).filter_map(example).collect()
+}

@@ -1,0 +1,109 @@
+//! The trees that judge groups, trained.
+
+use std::collections::BTreeMap;
+
+use detector::classify::grouping_model::GroupingModel;
+use detector::describe::prototype_library::PrototypeLibrary;
+use forust_ml::errors::ForustError;
+
+use crate::training::boosting::{BoostingParams, Target, boost};
+use crate::training::group_examples::ScanGroups;
+use crate::training::looks::{N_FORESTS, train_looks};
+
+/// Chosen on held-out drives of the training streets. Trees that each learn from half of the examples and values do as well, and
+/// take less time.
+const OBJECTS: BoostingParams =
+    BoostingParams { n_trees: 80, depth: 6, learning_rate: 0.18, least_leaf_weight: 50.0, drawn_share: 0.5 };
+/// More trees are better on held-out drives, and rank the cars of recorded scans worse.
+pub const VEHICLES: BoostingParams =
+    BoostingParams { n_trees: 400, depth: 6, learning_rate: 0.1, least_leaf_weight: 5.0, drawn_share: 0.5 };
+
+/// The forest of vehicles learns from groups that the looks say are worth so much: what is worth less is not taken for an object.
+pub const LEAST_WORTH_TOLD: f32 = 0.25;
+
+/// Forests that [`train_on_groups`] trains.
+pub const N_GROUPING_FORESTS: usize = N_FORESTS + 1;
+
+/// Trains all forests with `scans`, whose side profiles were compared with those of `library`. What a group is worth, which says
+/// whether the forest of vehicles learns from it, is said by looks that have not seen its drive.
+///
+/// `on_forest` is called after each of [`N_GROUPING_FORESTS`].
+///
+/// # Errors
+///
+/// If there are fewer scans than parts, no labels, or nothing that is worth enough.
+pub fn train_on_groups(
+    scans: &[&ScanGroups],
+    library: PrototypeLibrary,
+    on_forest: &(dyn Fn() + Sync),
+) -> Result<GroupingModel, ForustError> {
+    let (objects, worths) = train_looks(scans, &OBJECTS, on_forest)?;
+    let (mut values, mut are_vehicles) = (Vec::new(), Vec::new());
+    for (scan, worths) in scans.iter().zip(worths) {
+        for (worth, it) in worths.into_iter().zip(&scan.groups) {
+            let told = it.labels.and_then(|it| it.is_vehicle).filter(|_| worth >= LEAST_WORTH_TOLD);
+            if let Some(is_vehicle) = told {
+                values.push(&it.vehicle_values);
+                are_vehicles.push(f64::from(u8::from(is_vehicle)));
+            }
+        }
+    }
+    let vehicles = boost(&values, &are_vehicles, Target::Yes, &VEHICLES)?;
+    on_forest();
+    Ok(GroupingModel { objects, vehicles, library })
+}
+
+/// The tolerance for each sensor at which most annotated objects are a component, of those that have scans among `scans`; of equals the
+/// smallest. The groups are components within components, at `tolerances_m` by level.
+pub fn best_tolerances<'a>(
+    scans: impl Iterator<Item = (&'a str, &'a ScanGroups)>,
+    tolerances_m: &[f32],
+) -> BTreeMap<String, f32> {
+    let mut n_found: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (sensor, scan) in scans {
+        let n_found = n_found.entry(sensor.to_owned()).or_insert_with(|| vec![0; tolerances_m.len()]);
+        for (level, n) in n_found.iter_mut().enumerate() {
+            *n += scan.groups.iter().filter(|it| it.shows_object() && it.levels().contains(&level)).count();
+        }
+    }
+    let best = |n_found: Vec<usize>| {
+        let most = n_found.iter().copied().max().unwrap_or(0);
+        tolerances_m[n_found.iter().position(|&it| it == most).unwrap_or(0)]
+    };
+    n_found.into_iter().map(|(sensor, n_found)| (sensor, best(n_found))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use detector::classify::grouping_model::N_VEHICLE_VALUES;
+    use detector::group::node_values::{N_NODE_VALUES, NODE_VALUES};
+
+    use super::*;
+    use crate::training::group_examples::{GroupExample, GroupLabels};
+
+    /// A group that is there from one level to another, and fits an object so well.
+    fn group(level: f32, joined_at: f32, iou: f32) -> GroupExample {
+        let mut node_values = [0.0; N_NODE_VALUES];
+        for (name, value) in [("level", level), ("joined_at", joined_at)] {
+            node_values[NODE_VALUES.iter().position(|it| *it == name).unwrap()] = value;
+        }
+        let labels = Some(GroupLabels { iou, is_vehicle: None });
+        GroupExample { node_idx: 0, node_values, vehicle_values: [0.0; N_VEHICLE_VALUES], labels }
+    }
+
+    #[test]
+    fn the_best_tolerance_is_that_at_which_most_objects_are_a_component() {
+        let scan = |groups| ScanGroups { sequence: String::new(), upward: vec![], wholes: vec![], groups };
+        // One object from the second level on, one up to the second, one at the third alone; and what fits none.
+        let far = scan(vec![
+            group(1.0, 10.0, 0.9),
+            group(0.0, 2.0, 0.5),
+            group(2.0, 3.0, 0.7),
+            group(0.0, 10.0, 0.4),
+        ]);
+        let near = scan(vec![group(0.0, 1.0, 0.8)]);
+        let scans = [("vlp-16", &far), ("os1-128", &near)];
+        let found = best_tolerances(scans.into_iter(), &[0.3, 0.5, 0.8]);
+        assert_eq!(found, [("os1-128".to_owned(), 0.3), ("vlp-16".to_owned(), 0.5)].into());
+    }
+}
