@@ -1,7 +1,5 @@
 //! Points that hang together, found by searching a kd-tree around every one of them.
 
-use std::collections::BTreeMap;
-
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 /// What [`kd_tree_components`] uses again for the next scan.
@@ -70,67 +68,6 @@ pub fn kd_tree_components(
         labels[seed_idx as usize] = seed_idx;
         if is_finite(seed_m) {
             neighborhoods.grow(seed_idx, scratch, labels);
-        }
-    }
-}
-
-/// Adds to `between`, by level, the pairs of components that are one at a greater tolerance and not at the one before: `labels` are
-/// those of the components at the first of `tolerances_m`, which ascend, and level 1 is the second of them.
-///
-/// Of all neighbours of two components the nearest count, so that what is joined up to a level are the components at its tolerance.
-/// Each pair is there once, in ascending order.
-///
-/// ```
-/// use baselines::kd_tree_components::{KdTreeScratch, kd_tree_components, kd_tree_links};
-///
-/// let positions_m = [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.8, 0.0, 0.0]];
-/// let (mut scratch, mut labels, mut between) = (KdTreeScratch::default(), Vec::new(), [vec![], vec![], vec![]]);
-/// kd_tree_components(&positions_m, 0.3, &mut scratch, &mut labels);
-/// kd_tree_links(&positions_m, &labels, &[0.3, 0.5, 0.7], &mut scratch, &mut between);
-/// assert_eq!(between, [vec![], vec![], vec![[0, 2]]]);
-/// ```
-pub fn kd_tree_links(
-    positions_m: &[[f32; 3]],
-    labels: &[u32],
-    tolerances_m: &[f32],
-    scratch: &mut KdTreeScratch,
-    between: &mut [Vec<[u32; 2]>],
-) {
-    let Some(&greatest_m) = tolerances_m.last() else { return };
-    scratch.entries.clear();
-    let finite = (0..).zip(positions_m).filter(|(_, position_m)| is_finite(position_m));
-    scratch.entries.extend(finite.map(|(point_idx, &position_m)| (point_idx, position_m)));
-    let tree = ImmutableKdTree::new_from_entries(&scratch.entries)
-        .expect("points bring their own numbers, so that these cannot overflow");
-    let radius_m2 = greatest_m * greatest_m * SEARCH_MARGIN;
-    // The least squared distance of a point to each component, for those that it is near to.
-    let mut nearest_m2 = vec![f32::INFINITY; positions_m.len()];
-    let mut near = Vec::new();
-    let mut least_m2: BTreeMap<[u32; 2], f32> = BTreeMap::new();
-    for &(point_idx, position_m) in &scratch.entries {
-        let own = labels[point_idx as usize];
-        let search = tree.query(&position_m).within::<SquaredEuclidean<f32>>(radius_m2).unsorted();
-        search.visit(|found| {
-            let label = labels[found.item as usize];
-            // Each pair is seen from both of its sides.
-            if label > own {
-                let distance_m2 = squared_distance_m2(&position_m, &positions_m[found.item as usize]);
-                let nearest_m2 = &mut nearest_m2[label as usize];
-                if *nearest_m2 == f32::INFINITY {
-                    near.push(label);
-                }
-                *nearest_m2 = nearest_m2.min(distance_m2);
-            }
-        });
-        for label in near.drain(..) {
-            let distance_m2 = std::mem::replace(&mut nearest_m2[label as usize], f32::INFINITY);
-            let least_m2 = least_m2.entry([own, label]).or_insert(f32::INFINITY);
-            *least_m2 = least_m2.min(distance_m2);
-        }
-    }
-    for (pair, distance_m2) in least_m2 {
-        if let Some(level) = tolerances_m.iter().position(|it| distance_m2 < it * it) {
-            between[level].push(pair);
         }
     }
 }
@@ -344,28 +281,5 @@ mod tests {
     #[ignore = "needs oracle/sk00_000000_fg.bin in SCANBENCH_TEST_DATA"]
     fn the_foreground_of_semantic_kitti_00_000000_falls_apart_as_in_pcl() {
         check_against_pcl("sk00_000000");
-    }
-
-    proptest! {
-        #[test]
-        fn what_is_linked_up_to_a_level_are_the_components_at_its_tolerance(
-            positions_m in prop::collection::vec([-2.0_f32..2.0, -2.0_f32..2.0, -0.5_f32..0.5], 1..60),
-        ) {
-            let tolerances_m = [0.3, 0.5, 0.8, 1.2];
-            let (mut scratch, mut labels, mut between) =
-                (KdTreeScratch::default(), Vec::new(), [vec![], vec![], vec![], vec![]]);
-            kd_tree_components(&positions_m, tolerances_m[0], &mut scratch, &mut labels);
-            kd_tree_links(&positions_m, &labels, &tolerances_m, &mut scratch, &mut between);
-            let mut expected = Vec::new();
-            for (level, &tolerance_m) in tolerances_m.iter().enumerate() {
-                for &[a, b] in &between[level] {
-                    let [kept, gone] = [a, b].map(|it| labels[it as usize]);
-                    let [kept, gone] = [kept.min(gone), kept.max(gone)];
-                    labels.iter_mut().filter(|it| **it == gone).for_each(|it| *it = kept);
-                }
-                kd_tree_components(&positions_m, tolerance_m, &mut scratch, &mut expected);
-                prop_assert_eq!(&labels, &expected, "at {} m", tolerance_m);
-            }
-        }
     }
 }

@@ -4,7 +4,7 @@ use detector::group::dense_cells::DenseCells;
 use detector::group::linkage::{Linkage, LinkedScan, N_LEVELS};
 
 use crate::COMPONENTS;
-use crate::kd_tree_components::{KdTreeScratch, kd_tree_components, kd_tree_links};
+use crate::nested_components::NestedComponents;
 
 /// The stage that finds which components are one at greater tolerances.
 pub const NESTING: &str = "nesting";
@@ -12,7 +12,8 @@ pub const NESTING: &str = "nesting";
 /// The tolerances of components within components, in metres.
 pub const NESTED_TOLERANCES_M: [f32; N_LEVELS] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2];
 
-/// Joins candidates that chains of neighbours over a kd-tree connect: at one tolerance, or at several, the smallest first.
+/// Joins candidates that chains of neighbours over a kd-tree connect: at one tolerance, or at several, the smallest first. The
+/// components are those of a kd-tree to the point, but found in cells, so that these rivals are not slow for what they do not need.
 ///
 /// Dense cells only describe the components: over a place where there are several, each has a cell of its own.
 #[derive(Debug, Clone)]
@@ -20,7 +21,8 @@ pub struct KdTreeLinkage {
     // Ascending, and at most [`N_LEVELS`].
     tolerances_m: Vec<f32>,
     positions_m: Vec<[f32; 3]>,
-    scratch: KdTreeScratch,
+    components: NestedComponents,
+    // The components at the first tolerance, by the smallest index of their points.
     labels: Vec<u32>,
     // For every label, the first cell of its component.
     dense_of_label: Vec<u32>,
@@ -43,7 +45,7 @@ impl KdTreeLinkage {
         Self {
             tolerances_m,
             positions_m: Vec::new(),
-            scratch: KdTreeScratch::default(),
+            components: NestedComponents::default(),
             labels: Vec::new(),
             dense_of_label: Vec::new(),
             group_of_dense: Vec::new(),
@@ -61,12 +63,16 @@ impl Linkage for KdTreeLinkage {
         let point_indices = scan.candidates.point_indices().iter();
         self.positions_m.clear();
         self.positions_m.extend(point_indices.map(|&it| scan.cloud.position_m(it as usize)));
-        kd_tree_components(&self.positions_m, self.tolerances_m[0], &mut self.scratch, &mut self.labels);
+        let Self { positions_m, components, labels, .. } = self;
+        components.reset(positions_m.len());
+        components.join(positions_m, self.tolerances_m[0], |_, _| ());
+        labels.clear();
+        labels.extend((0..positions_m.len() as u32).map(|it| components.component(it)));
         dense.fill_apart(scan.cloud, (scan.grid, scan.terrain), scan.candidates, &self.labels);
     }
 
     fn link(&mut self, _: &LinkedScan<'_>, dense: &DenseCells) {
-        let Self { labels, dense_of_label, group_of_dense, between, .. } = self;
+        let Self { positions_m, components, labels, dense_of_label, group_of_dense, between, .. } = self;
         dense_of_label.clear();
         dense_of_label.resize(labels.len(), NO_CELL);
         group_of_dense.clear();
@@ -79,11 +85,10 @@ impl Linkage for KdTreeLinkage {
             group_of_dense[dense_idx as usize] = *first;
         }
         between.iter_mut().for_each(Vec::clear);
-        if self.tolerances_m.len() > 1 {
-            kd_tree_links(&self.positions_m, labels, &self.tolerances_m, &mut self.scratch, between);
-            for pair in between.iter_mut().flatten() {
-                *pair = pair.map(|label| dense_of_label[label as usize]);
-            }
+        for (&tolerance_m, between) in self.tolerances_m.iter().zip(between).skip(1) {
+            components.join(positions_m, tolerance_m, |a, b| {
+                between.push([a, b].map(|label| dense_of_label[label as usize]));
+            });
         }
     }
 

@@ -32,6 +32,7 @@ pub const COMPONENTS: &str = "components";
 
 // Euclidean components over a kd-tree.
 pub mod kd_tree_components;
+pub mod nested_components;
 pub mod kd_tree_linkage;
 pub mod kd_tree_models;
 
