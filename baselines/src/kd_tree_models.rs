@@ -59,13 +59,13 @@ impl TrainedComponents {
         Ok(Self { judge: Arc::new(GroupingModel::of(&file)?), tolerances_m })
     }
 
-    /// The content of its file.
-    pub fn to_bytes(&self, made: Provenance) -> Vec<u8> {
+    /// Its file.
+    pub fn to_file(&self, made: Provenance) -> ModelFile {
         let metres = |it: f32| it.to_string().parse::<f64>().expect("a number was printed").into();
         let tolerances: toml::Table =
             self.tolerances_m.iter().map(|(sensor, &it)| (sensor.clone(), metres(it))).collect();
         let more = [(TOLERANCES.to_owned(), toml::Value::Table(tolerances))].into_iter().collect();
-        self.judge.to_file(KD_TREE_TRAINED, made, more).to_bytes()
+        self.judge.to_file(KD_TREE_TRAINED, made, more)
     }
 
     /// The tolerance for scans of `sensor`, in metres; for one that it was not trained on, that for the paper's sensor.
@@ -104,7 +104,7 @@ mod tests {
         assert!((0.3..=1.2).contains(&components.tolerance_m(None)));
         assert_eq!(components.tolerance_m(Some("of nobody")), components.tolerance_m(Some(PAPER_SENSOR)));
         let made = Provenance { command: String::new(), data: Vec::new(), seed: 1, split: String::new() };
-        assert_eq!(TrainedComponents::from_bytes(&components.to_bytes(made)).unwrap(), components);
+        assert_eq!(TrainedComponents::from_bytes(&components.to_file(made).to_bytes()).unwrap(), components);
     }
 
     #[test]
@@ -114,7 +114,7 @@ mod tests {
         let made = || Provenance { command: String::new(), data: Vec::new(), seed: 1, split: String::new() };
         let judge = TrainedComponents::shipped().judge;
         for tolerances_m in [BTreeMap::new(), [(PAPER_SENSOR.to_owned(), -0.5)].into()] {
-            let bytes = TrainedComponents::new(Arc::clone(&judge), tolerances_m).to_bytes(made());
+            let bytes = TrainedComponents::new(Arc::clone(&judge), tolerances_m).to_file(made()).to_bytes();
             let error = TrainedComponents::from_bytes(&bytes).unwrap_err().to_string();
             assert_eq!(error, "bad head: tolerance_m is no table of metres for each sensor");
         }

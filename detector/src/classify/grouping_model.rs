@@ -10,33 +10,45 @@ use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::Provenance;
 use crate::describe::vehicle_features::VehicleFeatures;
 use crate::group::node_context::{CONTEXT_VALUES, N_SECOND_LOOK_VALUES, OBJECT_COST};
-use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES, VALUES_OF_LARGER};
+use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES};
 
 /// Number of the values that tell vehicles.
-pub const N_VEHICLE_VALUES: usize = N_FEATURES + N_OWN_VALUES;
+pub const N_VEHICLE_VALUES: usize = N_FEATURES + OF_GROUP.len();
 
-/// Number of the values of a group alone.
-const N_OWN_VALUES: usize = N_NODE_VALUES - (VALUES_OF_LARGER.end - VALUES_OF_LARGER.start);
+/// Which of [`NODE_VALUES`] tell vehicles, too: not those that [`VehicleFeatures`] has from the points, nor those of what a group is a
+/// part of or of the wall on which it lies.
+const OF_GROUP: [&str; 22] = [
+    "log_points_over_expected",
+    "range_m",
+    "height_m",
+    "share_above_2.0_m",
+    "filled_share",
+    "n_hull_corners",
+    "level",
+    "joined_at",
+    "n_cuts",
+    "n_parts",
+    "largest_part_share",
+    "second_part_share",
+    "wall_share",
+    "behind_wall_share",
+    "tall_share",
+    "covered_share",
+    "beside_tall_share",
+    "cut_off_share",
+    "log_n_cells",
+    "ground_before_share",
+    "ground_behind_share",
+    "tall_around_share",
+];
 
-/// The names of the values that tell vehicles: those of the vehicle model, and those of the group alone.
-pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = {
-    let mut names = [""; N_VEHICLE_VALUES];
-    let mut place = 0;
-    while place < N_VEHICLE_VALUES {
-        names[place] = if place < N_FEATURES {
-            VehicleFeatures::NAMES[place]
-        } else {
-            NODE_VALUES[place_of_own(place - N_FEATURES)]
-        };
-        place += 1;
-    }
-    names
-};
+/// The places of [`OF_GROUP`] among [`NODE_VALUES`].
+static PLACES_OF_GROUP: LazyLock<[usize; OF_GROUP.len()]> = LazyLock::new(|| {
+    OF_GROUP.map(|name| NODE_VALUES.iter().position(|it| *it == name).expect("the list of names is tested"))
+});
 
-/// The place among [`NODE_VALUES`] of a value of the group alone.
-const fn place_of_own(own: usize) -> usize {
-    if own < VALUES_OF_LARGER.start { own } else { own + VALUES_OF_LARGER.end - VALUES_OF_LARGER.start }
-}
+/// The names of the values that tell vehicles: those of the vehicle model, and those of the group alone. Each is there once.
+pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = both(VehicleFeatures::NAMES, OF_GROUP);
 
 /// The names of the values that a second look at a group sees: those of the group, and its context.
 pub const SECOND_LOOK_VALUES: [&str; N_SECOND_LOOK_VALUES] = both(NODE_VALUES, CONTEXT_VALUES);
@@ -122,8 +134,8 @@ impl GroupingModel {
 pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
     let mut values = [0.0; N_VEHICLE_VALUES];
     values[..N_FEATURES].copy_from_slice(features);
-    for (own, value) in values[N_FEATURES..].iter_mut().enumerate() {
-        *value = node[place_of_own(own)];
+    for (value, &place) in values[N_FEATURES..].iter_mut().zip(&*PLACES_OF_GROUP) {
+        *value = node[place];
     }
     values
 }
@@ -144,10 +156,12 @@ const fn both<const A: usize, const B: usize, const N: usize>(
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]
-    fn vehicles_are_told_by_all_values_but_those_of_wholes_and_walls() {
+    fn vehicles_are_told_by_values_of_their_names_each_of_them_once() {
         let features = std::array::from_fn(|place| place as f32);
         let node = std::array::from_fn(|place| 100.0 + place as f32);
         let values = vehicle_values(&features, &node);
@@ -159,9 +173,7 @@ mod tests {
             };
             assert_eq!(found, name);
         }
-        let left_out: Vec<&str> = NODE_VALUES.into_iter().filter(|it| !VEHICLE_VALUES.contains(it)).collect();
-        let is_of_larger = |it: &&str| it.contains("whole") || it.contains("of_wall");
-        assert!(left_out.iter().all(is_of_larger) && left_out.len() == 6, "{left_out:?}");
+        assert_eq!(BTreeSet::from(VEHICLE_VALUES).len(), N_VEHICLE_VALUES);
     }
 
     #[test]

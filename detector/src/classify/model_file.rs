@@ -37,6 +37,8 @@ struct Head {
     version: u32,
     made: Provenance,
     constants: toml::Table,
+    #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
+    parameters: toml::Table,
     #[serde(default, rename = "part")]
     parts: Vec<PartHead>,
 }
@@ -112,8 +114,15 @@ pub enum ModelFileError {
 impl ModelFile {
     /// A model without parts, made as `made` says, by a program with these constants.
     pub fn new(model: &str, made: Provenance, constants: toml::Table) -> Self {
-        let head = Head { model: model.to_owned(), version: VERSION, made, constants, parts: Vec::new() };
+        let (model, parameters) = (model.to_owned(), toml::Table::new());
+        let head = Head { model, version: VERSION, made, constants, parameters, parts: Vec::new() };
         Self { head, parts: Vec::new() }
+    }
+
+    /// The same, trained with these parameters in place of the shipped ones, by their full names.
+    pub fn with_parameters(mut self, parameters: toml::Table) -> Self {
+        self.head.parameters = parameters;
+        self
     }
 
     /// The same with a forest.
@@ -209,14 +218,14 @@ impl ModelFile {
         Ok(Self { head, parts })
     }
 
-    /// What it was made of.
-    pub fn made(&self) -> &Provenance {
-        &self.head.made
-    }
-
     /// The constants that it was trained with.
     pub fn constants(&self) -> &toml::Table {
         &self.head.constants
+    }
+
+    /// The parameters that it was trained with in place of the shipped ones, by their full names.
+    pub fn parameters(&self) -> &toml::Table {
+        &self.head.parameters
     }
 
     /// The forest of this name.

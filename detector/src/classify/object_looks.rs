@@ -40,17 +40,18 @@ pub struct LookBuffers {
 }
 
 impl ObjectLooks {
-    /// Writes to `worths` what each of the `described` nodes of a tree is worth. `upward` are all nodes, parts before what they are parts
-    /// of, as `whole_of` says.
+    /// Writes to `worths` what each of the `described` nodes of a tree is worth after so many `rounds`, at least one. `upward` are all
+    /// nodes, parts before what they are parts of, as `whole_of` says.
     pub fn worths<'a>(
         &self,
+        rounds: u8,
         (upward, whole_of): (&[u32], impl Fn(u32) -> Option<u32>),
         described: &(impl ExactSizeIterator<Item = (u32, &'a [f32; N_NODE_VALUES])> + Clone),
         buffers: &mut LookBuffers,
         worths: &mut Vec<f32>,
     ) {
         self.first.sums(described.clone().map(|it| it.1), worths);
-        for forest in &self.more {
+        for forest in self.more.iter().take(usize::from(rounds).saturating_sub(1)) {
             let LookBuffers { contexts, seen, places, sums } = &mut *buffers;
             contexts.find(upward, &whole_of, described.clone().map(|it| it.0).zip(worths.iter().copied()));
             seen.clear();
@@ -88,13 +89,14 @@ mod tests {
         let of_value = |value| std::array::from_fn(|place| if place == 0 { value } else { 0.0 });
         let values: [[f32; N_NODE_VALUES]; 4] = [0.5, 2.0, 4.0, 0.5].map(of_value);
         let described = [(0, &values[0]), (1, &values[1]), (2, &values[2]), (3, &values[3])];
-        let mut worths = Vec::new();
-        looks.worths(
-            (&[0, 1, 2, 3], |_| None),
-            &described.into_iter(),
-            &mut LookBuffers::default(),
-            &mut worths,
-        );
-        assert_eq!(worths, [0.1, 0.14, 0.9, 0.1]);
+        let worths = |rounds| {
+            let mut worths = Vec::new();
+            let (tree, buffers) = ((&[0, 1, 2, 3][..], |_| None), &mut LookBuffers::default());
+            looks.worths(rounds, tree, &described.into_iter(), buffers, &mut worths);
+            worths
+        };
+        assert_eq!(worths(1), [0.1, 0.5, 0.5, 0.1]);
+        assert_eq!(worths(2), [0.1, 0.14, 0.3, 0.1]);
+        assert_eq!(worths(3), [0.1, 0.14, 0.9, 0.1]);
     }
 }

@@ -72,9 +72,6 @@ pub const NODE_VALUES: [&str; 42] = [
     "tall_around_share",
 ];
 
-/// Which of [`NODE_VALUES`] are not of a group itself but of what it would be a part of, or of the wall on which it lies.
-pub const VALUES_OF_LARGER: Range<usize> = 24..30;
-
 /// The place of the level of the widest gap within a group.
 pub const LEVEL: usize = 18;
 /// The place of the level at which it is joined with others.
@@ -142,8 +139,8 @@ pub struct NodePlaces<'a> {
     pub candidates: &'a Candidates,
     /// Their cells.
     pub dense: &'a DenseCells,
-    /// Where other points are.
-    pub raster: &'a ObjectRaster,
+    /// Where other points are; `None` if nothing is to be said of what stands around a group.
+    pub raster: Option<&'a ObjectRaster>,
     /// What each cell of the grid is.
     pub classes: &'a [SurfaceClass],
     /// The walls.
@@ -176,8 +173,16 @@ impl NodeDescriber {
                 && width_m <= bounds.max_width_m
                 && z_m + 0.5 * height_m - terrain_m >= bounds.min_top_m;
             if is_looked_at {
-                let surroundings = places.raster.around(&bounding_box, terrain_m);
-                let cells_around = CellsAround::of(&bounding_box, places.grid, places.classes);
+                let (surroundings, cells_around) = match places.raster {
+                    Some(raster) => (
+                        raster.around(&bounding_box, terrain_m),
+                        CellsAround::of(&bounding_box, places.grid, places.classes),
+                    ),
+                    None => (
+                        Surroundings { ground_m: terrain_m, ..Surroundings::default() },
+                        CellsAround::default(),
+                    ),
+                };
                 let around = (&surroundings, &cells_around);
                 let values = self.values(tree, (node, node_idx), around, places.n_points);
                 self.described.push(DescribedNode { node_idx, bounding_box, surroundings, values });
@@ -400,7 +405,7 @@ mod tests {
         let DrawnGroups { cloud, grid, terrain, classes, walls, candidates, dense, tree, .. } = drawn;
         let n_points = cloud.len();
         let places =
-            NodePlaces { grid, terrain, candidates, dense, raster: &raster, classes, walls, n_points };
+            NodePlaces { grid, terrain, candidates, dense, raster: Some(&raster), classes, walls, n_points };
         let mut describer = NodeDescriber::default();
         describer.describe(tree, &places, (&HierarchicalParams::shipped().grouping.bounds, min_points));
         describer.described().to_vec()
@@ -510,8 +515,54 @@ mod tests {
         assert_eq!([n_described(&row(60), 1), n_described(&row(90), 1)], [1, 0]);
     }
 
+    /// What values are of the points of a group, reckoned from these alone.
+    fn of_points(drawn: &DrawnGroups, node: &DescribedNode) -> Vec<(&'static str, f32)> {
+        let DrawnGroups { cloud, candidates, dense, tree, .. } = drawn;
+        let cells = tree.cells(&tree.nodes()[node.node_idx as usize]);
+        let of_points = candidates.point_indices().iter().zip(dense.dense_of_point());
+        let inside = of_points.filter(|(_, dense_idx)| cells.contains(dense_idx));
+        let points_m: Vec<[f32; 3]> = inside.map(|it| cloud.position_m(*it.0 as usize)).collect();
+        let n = points_m.len() as f32;
+        let heights_m: Vec<f32> = points_m.iter().map(|it| it[2] - node.surroundings.ground_m).collect();
+        let mean_m = heights_m.iter().sum::<f32>() / n;
+        let variance_m2 = heights_m.iter().map(|it| (it - mean_m).powi(2)).sum::<f32>() / n;
+        let [bottom_m, top_m] =
+            [(f32::INFINITY, f32::min as fn(f32, f32) -> f32), (f32::NEG_INFINITY, f32::max)]
+                .map(|(first, of_two)| heights_m.iter().copied().fold(first, of_two));
+        let share_above = |least_m: f32| heights_m.iter().filter(|it| **it > least_m).count() as f32 / n;
+        vec![
+            ("log_n_points", n.ln()),
+            ("bottom_m", bottom_m),
+            ("top_m", top_m),
+            ("height_m", top_m - bottom_m),
+            ("mean_height_m", mean_m),
+            ("height_deviation_m", variance_m2.sqrt()),
+            ("share_above_0.5_m", share_above(0.5)),
+            ("share_above_1.1_m", share_above(1.1)),
+            ("share_above_1.4_m", share_above(1.4)),
+            ("share_above_2.0_m", share_above(2.0)),
+            ("log_n_cells", (cells.len() as f32).ln()),
+        ]
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn values_are_those_of_the_points(
+            columns in prop::collection::btree_map((0_u8..12, 0_u8..8), 1_u8..40, 1..20),
+        ) {
+            let mut cloud = PointCloud::default();
+            for (&(column, row), &n_points) in &columns {
+                let [x_m, y_m] = corner_m([column, row]).map(|it| it + 0.1);
+                // No height is that of which there is a share above.
+                (0..n_points).for_each(|it| cloud.push([x_m, y_m, f32::from(it) * 0.07 - 1.31], 0.0));
+            }
+            let drawn = groups_of(cloud);
+            for node in described(&drawn, 1) {
+                check_values(&node, &of_points(&drawn, &node));
+            }
+        }
+
         #[test]
         fn values_are_numbers_and_shares_are_shares(
             steps in prop::collection::btree_set((0_u8..25, 0_u8..12), 1..40),

@@ -144,6 +144,7 @@ pub const HIERARCHICAL_BOUNDS: &[Bounds] = &[
     Bounds::new("grouping.object_cost", 0.0, 1.0),
     Bounds::new("grouping.vehicle_cost", 0.0, 1.0),
     Bounds::new("grouping.ranked_probability", 0.001, 0.5),
+    Bounds::new("grouping.rounds", 1.0, 3.0),
     Bounds::new("grouping.candidates.least_free_m", 0.0, 100.0),
     Bounds::new("grouping.candidates.free_per_range", 0.0, 1.0),
     Bounds::new("grouping.candidates.highest_foot_m", 0.0, 100.0),

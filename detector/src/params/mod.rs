@@ -74,6 +74,10 @@ pub struct GroupingParams {
     pub vehicle_cost: f32,
     /// The least probability of a vehicle with which an object is ranked as one, by protocols that do.
     pub ranked_probability: f32,
+    /// How often all groups are judged, 1 to 3: from the second time on with what was said of the groups around.
+    pub rounds: u8,
+    /// Whether what stands around a group is among its values.
+    pub surroundings: bool,
     /// The points that are grouped.
     pub candidates: CandidatesParams,
     /// The gaps between them.

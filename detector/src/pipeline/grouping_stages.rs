@@ -113,7 +113,7 @@ impl<L: Linkage> GroupingStages<L> {
             terrain,
             candidates,
             dense,
-            raster: &self.raster,
+            raster: params.grouping.surroundings.then_some(&self.raster),
             classes: &self.classes,
             walls: &self.walls,
             n_points: cloud.len(),

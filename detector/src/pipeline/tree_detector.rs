@@ -114,7 +114,7 @@ impl<L: Linkage> TreeDetector<L> {
         tree.upward(upward);
         let whole_of = |node_idx: u32| tree.nodes()[node_idx as usize].parent;
         let described = grouping.described().iter().map(|it| (it.node_idx, &it.values));
-        model.objects.worths((upward, whole_of), &described, looks, worth);
+        model.objects.worths(grouping.params().grouping.rounds, (upward, whole_of), &described, looks, worth);
     }
 
     fn cut(&mut self) {

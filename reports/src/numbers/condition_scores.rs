@@ -11,6 +11,8 @@ pub struct ConditionScores {
     pub group: String,
     /// The condition, such as `vlp-16`.
     pub condition: String,
+    /// Whether trees that come with the program were trained under it, on other drives.
+    pub trained: bool,
     /// Number of scans.
     pub n_scans: u64,
     /// What each detector found, in the order of the columns.

@@ -48,6 +48,8 @@ pub struct ScanNumbers {
     pub failure: Option<String>,
     /// Number of points of the scan.
     pub n_points: u64,
+    /// CRC-32 of points and annotations as they were read.
+    pub checksum: u32,
     /// Time of detection in milliseconds; `None` where it does not count, as while warming up.
     pub latency_ms: Option<f64>,
     /// The shortest of all repetitions of that detection in milliseconds; `None` where `latency_ms` is.
@@ -84,6 +86,7 @@ impl ScanNumbers {
         Self {
             failure: None,
             n_points: 1000,
+            checksum: 0,
             latency_ms: None,
             least_latency_ms: None,
             reference_ms: None,
@@ -144,6 +147,7 @@ impl CsvRow for ScanRow {
         "status",
         "reason",
         "n_points",
+        "checksum",
         "latency_ms",
         "least_latency_ms",
         "reference_ms",
@@ -178,6 +182,7 @@ struct ScanRecord {
     status: Status,
     reason: Option<String>,
     n_points: Option<u64>,
+    checksum: Option<String>,
     latency_ms: Option<Fixed<3>>,
     least_latency_ms: Option<Fixed<3>>,
     reference_ms: Option<Fixed<4>>,
@@ -230,6 +235,7 @@ impl From<ScanRow> for ScanRecord {
             status,
             reason,
             n_points: numbers.map(|it| it.n_points),
+            checksum: numbers.map(|it| format!("{:08x}", it.checksum)),
             latency_ms: numbers.and_then(|it| it.latency_ms).map(Fixed::rounded),
             least_latency_ms: numbers.and_then(|it| it.least_latency_ms).map(Fixed::rounded),
             reference_ms: numbers.and_then(|it| it.reference_ms).map(Fixed::rounded),
@@ -278,6 +284,11 @@ impl TryFrom<ScanRecord> for ScanRow {
     }
 }
 
+fn checksum_of(record: &ScanRecord) -> Option<u32> {
+    let digits = record.checksum.as_ref().filter(|it| it.len() == 8)?;
+    u32::from_str_radix(digits, 16).ok()
+}
+
 fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
     let present = |number: Option<u64>| number.ok_or("an evaluated scan has an empty number");
     let counts = Counts::new(present(record.no)?, present(record.tp)?, record.fo);
@@ -290,6 +301,7 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
     Ok(ScanNumbers {
         failure: None,
         n_points: present(record.n_points)?,
+        checksum: checksum_of(record).ok_or("checksum is not one of eight hexadecimal digits")?,
         latency_ms: record.latency_ms.map(|Fixed(latency_ms)| latency_ms),
         least_latency_ms: record.least_latency_ms.map(|Fixed(latency_ms)| latency_ms),
         reference_ms: record.reference_ms.map(|Fixed(reference_ms)| reference_ms),
@@ -329,6 +341,7 @@ mod tests {
         ScanOutcome::Evaluated(ScanNumbers {
             failure: None,
             n_points: 120_000,
+            checksum: 0x00c0_ffee,
             latency_ms,
             least_latency_ms: latency_ms,
             reference_ms: latency_ms.map(|_| 0.25),
@@ -389,11 +402,11 @@ mod tests {
     fn rows_read_back_as_they_were() {
         let (text, read) = written_and_read(&rows(), "", "");
         insta::assert_snapshot!(text, @r#"
-        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,latency_ms,least_latency_ms,reference_ms,cpu_ms,door_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
-        "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,,,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
-        "kitti, tracking",0000,1,0.100,kd-tree,objects,evaluated,,120000,8.250,8.250,0.2500,16.500,0.125,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
-        "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,,,
-        "kitti, tracking",0000,3,0.300,kd-tree,objects,failed,it closed its pipe,120000,,,,,,7,5,2,0,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,checksum,latency_ms,least_latency_ms,reference_ms,cpu_ms,door_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
+        "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,00c0ffee,,,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,1,0.100,kd-tree,objects,evaluated,,120000,00c0ffee,8.250,8.250,0.2500,16.500,0.125,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,,,,
+        "kitti, tracking",0000,3,0.300,kd-tree,objects,failed,it closed its pipe,120000,00c0ffee,,,,,,7,5,2,0,3,2,40,1,6,2,8,0.500000,0.250000,900,1
         "#);
         assert_eq!(read.unwrap(), rows());
     }
@@ -420,6 +433,12 @@ mod tests {
         check_refused(",7,5,2,4,", ",7,5,3,4,", "line: 2");
         check_refused(",7,5,2,4,", ",7,5,3,4,", "mo is not no - tp");
         check_refused(",7,5,2,4,", ",7,9,2,4,", "tp is larger than no");
+    }
+
+    #[test]
+    fn a_checksum_that_is_none_is_refused() {
+        check_refused("00c0ffee", "c0ffee", "checksum is not one of eight hexadecimal digits");
+        check_refused("00c0ffee", "00coffee", "checksum is not one of eight hexadecimal digits");
     }
 
     #[test]

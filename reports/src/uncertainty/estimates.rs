@@ -199,6 +199,7 @@ mod tests {
         let task = Task::Vehicles;
         let numbers = ScanNumbers {
             n_points: 1000,
+            checksum: 0,
             latency_ms: Some(1.0),
             least_latency_ms: Some(0.8),
             reference_ms: Some(0.2),

@@ -109,7 +109,31 @@ fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
         let (dataset, sequence, scan) = name;
         return vec![format!("the time of scan {sequence}/{scan:06} of {dataset} changed")];
     }
+    if let Some(reason) = changed_scan(baseline, run) {
+        return vec![reason];
+    }
     missing_detectors(baseline, run)
+}
+
+/// The first scan of which points or labels are not what they were, and how many there are.
+fn changed_scan(baseline: &RunArchive, run: &RunArchive) -> Option<String> {
+    let checksums = |it: &RunArchive| {
+        let of_row = |row: &ScanRow| {
+            let name = (row.dataset.clone(), row.sequence.clone(), row.scan);
+            Some((name, row.numbers()?.checksum))
+        };
+        // Rows of other detectors and tasks say the same.
+        it.scans.iter().filter_map(of_row).collect::<BTreeMap<_, _>>()
+    };
+    let (before, now) = (checksums(baseline), checksums(run));
+    let changed = before.iter().filter(|(name, before)| now.get(*name).is_some_and(|now| now != *before));
+    let changed: Vec<_> = changed.map(|it| it.0).collect();
+    let (dataset, sequence, scan) = changed.first()?;
+    Some(format!(
+        "points or labels changed in {} of {} scans, the first of them {sequence}/{scan:06} of {dataset}: their checksums differ",
+        changed.len(),
+        before.len()
+    ))
 }
 
 /// Detectors of `baseline` that `run` has not evaluated on all of the same scans.

@@ -1,22 +1,86 @@
 //! The hierarchical detector whole, without each of its parts, and built up from what the papers print.
 
+use std::path::{Path, PathBuf};
+
 use reports::vocabulary::task::Task;
 
 use crate::run::config::override_option::OverrideOption;
-use crate::run::config::{ConfigError, RunConfig};
+use crate::run::config::{ConfigError, RunConfig, TrainedModel};
 use crate::run::detector_list::{ListedDetector, PAPER};
 use crate::run::entrant::Entrant;
 
 /// What the method is judged by: its parts are there to find objects, whatever they are.
 pub const TASK: Task = Task::Objects;
 
-/// The parts that can be switched off, in the order of the stages: what is left, and the override that switches off.
-const PARTS: &[(&str, &str)] = &[
-    ("without terrain", "hierarchical.terrain.enabled=false"),
-    ("without walls", "hierarchical.walls.enabled=false"),
-    ("without distance weighting", "hierarchical.density_weighting.enabled=false"),
-    ("without completion", "hierarchical.completion.enabled=false"),
+/// A part of the method that can be left out.
+struct Part {
+    /// What is left.
+    name: &'static str,
+    /// The same with trees that were trained without it.
+    trained: &'static str,
+    /// The override that leaves it out.
+    off: &'static str,
+}
+
+/// The parts, in the order of the stages.
+const PARTS: [Part; 7] = [
+    Part {
+        name: "without terrain",
+        trained: "without terrain, trained so",
+        off: "hierarchical.terrain.enabled=false",
+    },
+    Part {
+        name: "without walls",
+        trained: "without walls, trained so",
+        off: "hierarchical.walls.enabled=false",
+    },
+    Part {
+        name: "without distance weighting",
+        trained: "without distance weighting, trained so",
+        off: "hierarchical.density_weighting.enabled=false",
+    },
+    Part {
+        name: "without surroundings",
+        trained: "without surroundings, trained so",
+        off: "hierarchical.grouping.surroundings=false",
+    },
+    Part { name: "two rounds", trained: "two rounds, trained so", off: "hierarchical.grouping.rounds=2" },
+    Part { name: "one round", trained: "one round, trained so", off: "hierarchical.grouping.rounds=1" },
+    Part {
+        name: "without completion",
+        trained: "without completion, trained so",
+        off: "hierarchical.completion.enabled=false",
+    },
 ];
+
+impl Part {
+    /// The folder with its trees among those of all parts.
+    fn folder(&self) -> String {
+        self.name.replace(' ', "-")
+    }
+}
+
+/// None of `folders` has the trees of a part.
+#[derive(Debug, thiserror::Error)]
+#[error("there is no folder of a part in {}; their names are {}", .models.display(), .names.join(", "))]
+pub struct NoTrainedPart {
+    models: PathBuf,
+    names: Vec<String>,
+}
+
+/// The parts with trees of their own in `models`.
+///
+/// # Errors
+///
+/// [`NoTrainedPart`] if there is none.
+fn trained_parts(models: &Path) -> Result<Vec<&'static Part>, NoTrainedPart> {
+    let found: Vec<&Part> = PARTS.iter().filter(|it| models.join(it.folder()).is_dir()).collect();
+    if found.is_empty() {
+        let names = PARTS.iter().map(Part::folder).collect();
+        return Err(NoTrainedPart { models: models.to_owned(), names });
+    }
+    Ok(found)
+}
 
 /// What leads from the papers to the method, in the order of the stages: what a row adds to those above it, and how the detector of the
 /// papers does so. Overrides that end in `=` get the value that the method has for the same parameter.
@@ -41,49 +105,65 @@ const STEPS: &[(&str, &[&str])] = &[
 /// The last step: the method, with what follows the best cut switched off.
 const BEST_CUT: (&str, &str) = ("and the best cut of groups", "hierarchical.completion.enabled=false");
 
-/// `method` with the parameters of `config`, then without each of its parts in turn, then without all of them; then the
-/// detector of the papers, the same with one after another of the steps that lead from it to the method, and the method
-/// without what the whole adds.
+/// Why there are no variants.
+#[derive(Debug, thiserror::Error)]
+pub enum AblationError {
+    /// The switches do not go with the other parameters.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// There are no trees of the parts.
+    #[error(transparent)]
+    Models(#[from] NoTrainedPart),
+}
+
+/// `method` with the parameters of `config`, then without each of its parts in turn, where `models` has a folder of its name also with
+/// trees that were trained so, then without all of them; then the detector of the papers, the same with one after another of the steps
+/// that lead from it to the method, and the method without what the whole adds.
 ///
 /// # Errors
 ///
-/// [`ConfigError`] if the switches do not go with the other parameters.
-pub fn variants(method: ListedDetector, config: &RunConfig) -> Result<Vec<Entrant>, ConfigError> {
-    let without = |name: &'static str, parts: &[(&str, &str)]| {
-        let switches = parts.iter().map(|(_, off)| off.parse().expect("the list of parts is tested"));
+/// [`AblationError`] if the switches do not go with the other parameters, or `models` has no part.
+pub fn variants(
+    method: ListedDetector,
+    config: &RunConfig,
+    models: Option<&Path>,
+) -> Result<Vec<Entrant>, AblationError> {
+    let variant = |name: &'static str, chosen: ListedDetector, switches: &[String]| {
+        let switches = switches.iter().map(|it| it.parse().expect("the lists of switches are tested"));
         let switches: Vec<OverrideOption> = switches.collect();
-        Ok(Entrant { name, chosen: method.into(), config: config.overridden(&switches, &[])? })
+        let config = config.overridden(&switches, &[])?;
+        Ok::<_, ConfigError>(Entrant { name, chosen: chosen.into(), config })
     };
-    let whole = Entrant { name: "whole method", chosen: method.into(), config: config.clone() };
-    let lacking = PARTS.iter().map(|part| without(part.0, &[*part]));
-    let bare = without("without all of these", PARTS);
-    let papers = Entrant { name: "the papers", chosen: PAPER.into(), config: config.clone() };
-    let built_up = (0..STEPS.len()).map(|step_idx| {
-        let config = with_steps(&STEPS[..=step_idx], config)?;
-        Ok(Entrant { name: STEPS[step_idx].0, chosen: PAPER.into(), config })
-    });
-    let before_whole = without(BEST_CUT.0, &[BEST_CUT]);
-    [Ok(whole)]
-        .into_iter()
-        .chain(lacking)
-        .chain([bare, Ok(papers)])
-        .chain(built_up)
-        .chain([before_whole])
-        .collect()
+    let of_parts = |off: &[&str]| off.iter().map(|it| (*it).to_owned()).collect::<Vec<_>>();
+    let trained = models.map(trained_parts).transpose()?.unwrap_or_default();
+    let mut variants = vec![variant("whole method", method, &[])?];
+    for part in &PARTS {
+        variants.push(variant(part.name, method, &of_parts(&[part.off]))?);
+        if let Some(models) = models.filter(|_| trained.iter().any(|it| it.name == part.name)) {
+            let directory = toml::Value::String(models.join(part.folder()).display().to_string());
+            let trained = format!("{}={directory}", TrainedModel::Groupings.parameter());
+            variants.push(variant(part.trained, method, &[part.off.to_owned(), trained])?);
+        }
+    }
+    // Of the rounds the last that stands there is left.
+    let all = PARTS.iter().map(|it| it.off).filter(|it| !it.ends_with("rounds=2")).collect::<Vec<_>>();
+    variants.push(variant("without all of these", method, &of_parts(&all))?);
+    variants.push(variant("the papers", PAPER, &[])?);
+    for step_idx in 0..STEPS.len() {
+        variants.push(variant(STEPS[step_idx].0, PAPER, &switches_of(&STEPS[..=step_idx], config))?);
+    }
+    variants.push(variant(BEST_CUT.0, method, &of_parts(&[BEST_CUT.1]))?);
+    Ok(variants)
 }
 
-/// The parameters of `config` with what `steps` add to the detector of the papers.
-fn with_steps(steps: &[(&str, &[&str])], config: &RunConfig) -> Result<RunConfig, ConfigError> {
+/// What `steps` add to the detector of the papers.
+fn switches_of(steps: &[(&str, &[&str])], config: &RunConfig) -> Vec<String> {
     let of_method = |switch: &str| {
         let same = switch.strip_suffix('=')?.replacen("paper", "hierarchical", 1);
         Some(config.value_of(&same).expect("the list of steps is tested").to_string())
     };
     let switches = steps.iter().flat_map(|(_, added)| added.iter());
-    let switches = switches.map(|it| {
-        format!("{it}{}", of_method(it).unwrap_or_default()).parse().expect("the list of steps is tested")
-    });
-    let switches: Vec<OverrideOption> = switches.collect();
-    config.overridden(&switches, &[])
+    switches.map(|it| format!("{it}{}", of_method(it).unwrap_or_default())).collect()
 }
 
 #[cfg(test)]
@@ -93,32 +173,63 @@ mod tests {
     use super::*;
     use crate::run::detector_list::built_in_named;
 
-    #[test]
-    fn every_part_is_there_in_the_whole_and_missing_in_its_variant() {
+    fn all_variants(models: Option<&Path>) -> Result<Vec<Entrant>, AblationError> {
         let config = RunConfig::load(None).unwrap();
         let method = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
-        let variants = variants(method, &config).unwrap();
+        variants(method, &config, models)
+    }
+
+    #[test]
+    fn every_part_is_there_in_the_whole_and_missing_in_its_variant() {
+        let variants = all_variants(None).unwrap();
         assert_eq!(variants.len(), PARTS.len() + 4 + STEPS.len());
-        let variants = &variants[..PARTS.len() + 2];
-        let is_on = |variant: &Entrant, part: &(&str, &str)| {
-            let keys = part.1.trim_end_matches("=false").split('.');
-            let value =
-                keys.fold(toml::Value::Table(variant.config.resolved.clone()), |it, key| it[key].clone());
-            value.as_bool().expect("a switch")
-        };
-        for (variant, lacking) in variants.iter().zip([None].into_iter().chain((0..PARTS.len()).map(Some))) {
-            for (part_idx, part) in PARTS.iter().enumerate() {
-                assert_eq!(is_on(variant, part), lacking != Some(part_idx), "{} of {}", part.0, variant.name);
-            }
+        let whole = &variants[0];
+        for (variant, part) in variants[1..].iter().zip(&PARTS) {
+            assert_eq!(variant.name, part.name);
+            let (parameter, off) = part.off.split_once('=').unwrap();
+            let value = |it: &Entrant| it.config.value_of(parameter).unwrap().to_string();
+            assert_eq!(value(variant), off);
+            let others = |it: &Entrant| {
+                PARTS
+                    .iter()
+                    .filter_map(|other| other.off.split_once('='))
+                    .filter(|other| other.0 != parameter)
+                    .map(|other| it.config.value_of(other.0).unwrap().clone())
+                    .collect::<Vec<_>>()
+            };
+            assert_ne!(value(whole), off);
+            assert_eq!(others(variant), others(whole), "{}", part.name);
         }
-        assert!(PARTS.iter().all(|part| !is_on(variants.last().unwrap(), part)));
+        let bare = &variants[PARTS.len() + 1];
+        for part in PARTS.iter().filter(|it| it.name != "two rounds") {
+            let (parameter, off) = part.off.split_once('=').unwrap();
+            assert_eq!(bare.config.value_of(parameter).unwrap().to_string(), off);
+        }
+    }
+
+    #[test]
+    fn trees_of_a_part_are_a_row_behind_its_switch() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = all_variants(Some(folder.path())).unwrap_err().to_string();
+        assert!(error.starts_with("there is no folder of a part in "), "{error}");
+        assert!(error.contains("without-walls, ") && error.contains("one-round"), "{error}");
+        // Its trees are looked for.
+        std::fs::create_dir(folder.path().join("without-walls")).unwrap();
+        let error = all_variants(Some(folder.path())).unwrap_err().to_string();
+        assert!(error.contains("groupings.model: "), "{error}");
+        let bytes = include_bytes!("../../../../detector/src/params/groupings.model");
+        std::fs::write(folder.path().join("without-walls/groupings.model"), bytes).unwrap();
+        let variants = all_variants(Some(folder.path())).unwrap();
+        let place = variants.iter().position(|it| it.name == "without walls, trained so").unwrap();
+        assert_eq!(variants[place - 1].name, "without walls");
+        assert_eq!(variants[place].config.hierarchical, variants[place - 1].config.hierarchical);
+        assert_eq!(variants.len(), PARTS.len() + 5 + STEPS.len());
     }
 
     #[test]
     fn the_steps_lead_from_the_papers_to_the_method() {
         let config = RunConfig::load(None).unwrap();
-        let method = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
-        let variants = variants(method, &config).unwrap();
+        let variants = all_variants(None).unwrap();
         let built_up = &variants[PARTS.len() + 2..];
         assert_eq!((built_up[0].name, built_up[0].chosen.name()), ("the papers", "paper"));
         for pair in built_up[..=STEPS.len()].windows(2) {

@@ -17,6 +17,8 @@ pub struct Condition {
     pub group: &'static str,
     /// Its name.
     pub name: &'static str,
+    /// Whether the shipped trees were trained on other drives under it.
+    pub trained: bool,
     change: fn(&mut StreetDrive),
 }
 
@@ -24,41 +26,143 @@ pub struct Condition {
 const TURNS_PER_SCAN: u32 = 30;
 
 /// Every condition, in the order of the table. Nothing is tuned on them: detectors learn which sensor it is and how high
-/// it is mounted, and nothing else. The trees of `hierarchical` were trained on other drives under some of them. No model was
-/// trained with the new sensors, and they have no shipped density curve: it is learned from five of their scans.
+/// it is mounted, and nothing else. The trees of `hierarchical`, its rivals and the vehicle model of clusters were trained on other
+/// drives under some of them, rain of 20 mm/h and hills of 10 % among these. No model was trained with the new sensors, and they have
+/// no shipped density curve: it is learned from five of their scans.
 pub const CONDITIONS: &[Condition] = &[
-    Condition { group: "standard", name: "hdl-64e-s2, 1.73 m", change: |_| {} },
-    Condition { group: "road", name: "level", change: |it| it.conditions = even(0.0) },
-    Condition { group: "road", name: "5 % even", change: |it| it.conditions = even(0.05) },
-    Condition { group: "road", name: "10 % even", change: |it| it.conditions = even(0.10) },
-    Condition { group: "road", name: "hills to 5 %", change: |it| it.conditions = hills(0.05) },
-    Condition { group: "road", name: "hills to 10 %", change: |it| it.conditions = hills(0.10) },
-    Condition { group: "kerb", name: "3 cm", change: |it| it.conditions.kerb_height_m = Some(0.03) },
-    Condition { group: "kerb", name: "15 cm", change: |it| it.conditions.kerb_height_m = Some(0.15) },
-    Condition { group: "kerb", name: "25 cm", change: |it| it.conditions.kerb_height_m = Some(0.25) },
+    Condition { group: "standard", name: "hdl-64e-s2, 1.73 m", trained: true, change: |_| {} },
+    Condition { group: "road", name: "level", trained: false, change: |it| it.conditions = even(0.0) },
+    Condition { group: "road", name: "5 % even", trained: false, change: |it| it.conditions = even(0.05) },
+    Condition { group: "road", name: "10 % even", trained: false, change: |it| it.conditions = even(0.10) },
+    Condition {
+        group: "road",
+        name: "hills to 5 %",
+        trained: true,
+        change: |it| it.conditions = hills(0.05),
+    },
+    Condition {
+        group: "road",
+        name: "hills to 10 %",
+        trained: true,
+        change: |it| it.conditions = hills(0.10),
+    },
+    Condition {
+        group: "kerb",
+        name: "3 cm",
+        trained: false,
+        change: |it| it.conditions.kerb_height_m = Some(0.03),
+    },
+    Condition {
+        group: "kerb",
+        name: "15 cm",
+        trained: false,
+        change: |it| it.conditions.kerb_height_m = Some(0.15),
+    },
+    Condition {
+        group: "kerb",
+        name: "25 cm",
+        trained: false,
+        change: |it| it.conditions.kerb_height_m = Some(0.25),
+    },
     Condition {
         group: "truck ahead",
         name: "3.0 m",
+        trained: false,
         change: |it| it.conditions.truck_ahead_height_m = Some(3.0),
     },
-    Condition { group: "trees", name: "avenue", change: |it| it.conditions.avenue = true },
-    Condition { group: "overhead", name: "bridges", change: |it| it.conditions.bridges = true },
-    Condition { group: "overhead", name: "wires", change: |it| it.conditions.wires = true },
-    Condition { group: "overhead", name: "garages", change: |it| it.conditions.garages = true },
-    Condition { group: "traffic", name: "haulage", change: |it| it.conditions.haulage = true },
-    Condition { group: "traffic", name: "North American", change: |it| it.conditions.north_american = true },
-    Condition { group: "mounted at", name: "1.0 m", change: |it| it.sensor_height_m = Some(1.0) },
-    Condition { group: "mounted at", name: "2.5 m", change: |it| it.sensor_height_m = Some(2.5) },
-    Condition { group: "sensor", name: "hdl-32e", change: |it| "hdl-32e".clone_into(&mut it.sensor) },
-    Condition { group: "sensor", name: "vlp-16", change: |it| "vlp-16".clone_into(&mut it.sensor) },
-    Condition { group: "sensor", name: "os1-128", change: |it| "os1-128".clone_into(&mut it.sensor) },
-    Condition { group: "sensor", name: "argoverse2", change: |it| "argoverse2".clone_into(&mut it.sensor) },
-    Condition { group: "new sensor", name: "xt32", change: |it| "xt32".clone_into(&mut it.sensor) },
-    Condition { group: "new sensor", name: "pandar64", change: |it| "pandar64".clone_into(&mut it.sensor) },
-    Condition { group: "new sensor", name: "os0-128", change: |it| "os0-128".clone_into(&mut it.sensor) },
-    Condition { group: "weather", name: "rain, 10 mm/h", change: |it| it.rain_mm_per_h = Some(10.0) },
-    Condition { group: "weather", name: "rain, 50 mm/h", change: |it| it.rain_mm_per_h = Some(50.0) },
-    Condition { group: "shutter", name: "rolling", change: |it| it.shutter = Shutter::Rolling },
+    Condition { group: "trees", name: "avenue", trained: true, change: |it| it.conditions.avenue = true },
+    Condition {
+        group: "overhead",
+        name: "bridges",
+        trained: false,
+        change: |it| it.conditions.bridges = true,
+    },
+    Condition { group: "overhead", name: "wires", trained: false, change: |it| it.conditions.wires = true },
+    Condition {
+        group: "overhead",
+        name: "garages",
+        trained: false,
+        change: |it| it.conditions.garages = true,
+    },
+    Condition { group: "traffic", name: "haulage", trained: true, change: |it| it.conditions.haulage = true },
+    Condition {
+        group: "traffic",
+        name: "North American",
+        trained: true,
+        change: |it| it.conditions.north_american = true,
+    },
+    Condition {
+        group: "mounted at",
+        name: "1.0 m",
+        trained: true,
+        change: |it| it.sensor_height_m = Some(1.0),
+    },
+    Condition {
+        group: "mounted at",
+        name: "2.5 m",
+        trained: false,
+        change: |it| it.sensor_height_m = Some(2.5),
+    },
+    Condition {
+        group: "sensor",
+        name: "hdl-32e",
+        trained: true,
+        change: |it| "hdl-32e".clone_into(&mut it.sensor),
+    },
+    Condition {
+        group: "sensor",
+        name: "vlp-16",
+        trained: true,
+        change: |it| "vlp-16".clone_into(&mut it.sensor),
+    },
+    Condition {
+        group: "sensor",
+        name: "os1-128",
+        trained: true,
+        change: |it| "os1-128".clone_into(&mut it.sensor),
+    },
+    Condition {
+        group: "sensor",
+        name: "argoverse2",
+        trained: true,
+        change: |it| "argoverse2".clone_into(&mut it.sensor),
+    },
+    Condition {
+        group: "new sensor",
+        name: "xt32",
+        trained: false,
+        change: |it| "xt32".clone_into(&mut it.sensor),
+    },
+    Condition {
+        group: "new sensor",
+        name: "pandar64",
+        trained: false,
+        change: |it| "pandar64".clone_into(&mut it.sensor),
+    },
+    Condition {
+        group: "new sensor",
+        name: "os0-128",
+        trained: false,
+        change: |it| "os0-128".clone_into(&mut it.sensor),
+    },
+    Condition {
+        group: "weather",
+        name: "rain, 10 mm/h",
+        trained: true,
+        change: |it| it.rain_mm_per_h = Some(10.0),
+    },
+    Condition {
+        group: "weather",
+        name: "rain, 50 mm/h",
+        trained: true,
+        change: |it| it.rain_mm_per_h = Some(50.0),
+    },
+    Condition {
+        group: "shutter",
+        name: "rolling",
+        trained: false,
+        change: |it| it.shutter = Shutter::Rolling,
+    },
 ];
 
 fn even(gradient: f32) -> StreetConditions {

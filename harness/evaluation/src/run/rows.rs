@@ -38,19 +38,30 @@ pub struct TaskRows {
     pub matches: Vec<MatchRow>,
 }
 
+/// What rows are made of.
+#[derive(Debug, Clone, Copy)]
+pub struct RowsOf<'a> {
+    /// The scan.
+    pub scan: &'a LabeledScan,
+    /// Its checksum, as it was read.
+    pub checksum: u32,
+    /// When it was taken, in seconds since the first of its drive, if that is known.
+    pub time_s: Option<f64>,
+}
+
 impl DetectorRows {
-    /// The rows of what a detector made of a scan, which comes with the time it was taken at, in seconds since the first of its
-    /// drive, if that is known.
+    /// The rows of what a detector made of a scan.
     ///
     /// They are as they are written, so that numbers made of the files are those of the run, to the last digit.
     pub fn new(
         dataset: &DatasetDescription,
         criterion: Criterion,
-        (scan, time_s): (&LabeledScan, Option<f64>),
+        of: RowsOf<'_>,
         result: &DetectorScan,
     ) -> Self {
+        let scan = of.scan;
         let of_task = |assignment: &Assignment| TaskRows {
-            scan: scan_row(dataset, (scan, time_s), result, assignment).as_written(),
+            scan: scan_row(dataset, of, result, assignment).as_written(),
             matches: match_rows(dataset, criterion.kind(), scan, result, assignment)
                 .into_iter()
                 .map(MatchRow::as_written)
@@ -81,7 +92,7 @@ fn ms(time: Duration) -> f64 {
 
 fn scan_row(
     dataset: &DatasetDescription,
-    (scan, time_s): (&LabeledScan, Option<f64>),
+    RowsOf { scan, checksum, time_s }: RowsOf<'_>,
     result: &DetectorScan,
     assignment: &Assignment,
 ) -> ScanRow {
@@ -100,6 +111,7 @@ fn scan_row(
         task: assignment.task,
         outcome: ScanOutcome::Evaluated(ScanNumbers {
             n_points: scan.cloud.len() as u64,
+            checksum,
             failure: result.failure.as_ref().map(|it| it.problem.to_string()),
             latency_ms: result.times.first.map(ms),
             least_latency_ms: result.times.least.map(ms),
@@ -287,7 +299,12 @@ mod tests {
             failure: None,
             assignments: vec![assignment],
         };
-        let mut rows = DetectorRows::new(&dataset(), Criterion::POINTS, (scan, Some(0.0)), &result);
+        let mut rows = DetectorRows::new(
+            &dataset(),
+            Criterion::POINTS,
+            RowsOf { scan, checksum: 7, time_s: Some(0.0) },
+            &result,
+        );
         let TaskRows { scan, matches } = rows.tasks.remove(0);
         (scan, matches)
     }

@@ -9,6 +9,7 @@ use detector::DetectorOutput;
 use rayon::prelude::*;
 use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
+use scans::dataset::checksum::checksum_as_read;
 use scans::dataset::scan_times::{ScanTime, scan_times};
 use scans::dataset::{Dataset, DatasetError};
 
@@ -89,6 +90,8 @@ pub struct ScanResults<'a> {
     pub run_idx: usize,
     /// The scan.
     pub scan: &'a LabeledScan,
+    /// Its checksum, as it was read.
+    pub checksum: u32,
     /// When it was taken.
     pub time: &'a ScanTime,
     /// What each detector made of it, in the order of `detectors`.
@@ -150,11 +153,11 @@ impl SideBySide<'_> {
         let times = scan_times(self.dataset);
         for (batch_idx, batch) in self.scan_indices[self.part.clone()].chunks(self.n_jobs.max(1)).enumerate()
         {
-            let scans: Vec<_> = batch.par_iter().map(|&scan_idx| self.dataset.read_scan(scan_idx)).collect();
+            let scans: Vec<_> = batch.par_iter().map(|&scan_idx| self.read(scan_idx)).collect();
             for (scan, in_batch_idx) in scans.into_iter().zip(0..) {
                 let run_idx = self.part.start + batch_idx * self.n_jobs.max(1) + in_batch_idx;
-                let scan = match scan {
-                    Ok(scan) => scan,
+                let (scan, checksum) = match scan {
+                    Ok(read) => read,
                     Err(error) => {
                         let id = &self.dataset.scan_ids()[self.scan_indices[run_idx]];
                         on_damage(id, error).map_err(RunError::from)?;
@@ -174,10 +177,16 @@ impl SideBySide<'_> {
                 let asked = (run_idx, &scan, time_s);
                 let turns = self.detect_all(asked, (detectors, &mut outputs), &mut reference)?;
                 let results = self.results(&scan, (detectors, &outputs), turns);
-                on_scan(ScanResults { run_idx, scan: &scan, time, results: &results, detectors })?;
+                on_scan(ScanResults { run_idx, scan: &scan, checksum, time, results: &results, detectors })?;
             }
         }
         Ok(())
+    }
+
+    fn read(&self, scan_idx: usize) -> Result<(LabeledScan, u32), DatasetError> {
+        let scan = self.dataset.read_scan(scan_idx)?;
+        let checksum = checksum_as_read(&scan);
+        Ok((scan, checksum))
     }
 
     fn is_interrupted(&self) -> bool {

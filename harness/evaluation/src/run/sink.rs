@@ -3,7 +3,7 @@
 use scans::annotation::ScanId;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
 
-use super::rows::DetectorRows;
+use super::rows::{DetectorRows, RowsOf};
 use super::running_detector::RunningDetector;
 use super::side_by_side::{RunError, ScanResults, SideBySide};
 use crate::matching::criterion::Criterion;
@@ -88,7 +88,7 @@ impl<'a> JudgedScan<'a> {
     /// Makes the rows of `results`.
     pub fn new(watched: WatchedDataset<'a>, results: &'a ScanResults<'a>) -> Self {
         let description = watched.dataset.description();
-        let scan = (results.scan, results.time.known_s);
+        let scan = RowsOf { scan: results.scan, checksum: results.checksum, time_s: results.time.known_s };
         let rows =
             results.results.iter().map(|it| DetectorRows::new(description, watched.criterion, scan, it));
         Self { watched, results, rows: rows.collect() }

@@ -69,11 +69,11 @@ impl GroupExample {
 }
 
 impl ScanGroups {
-    /// What `looks` says that each of its groups is worth.
-    pub fn worths(&self, looks: &ObjectLooks, buffers: &mut LookBuffers) -> Vec<f32> {
+    /// What `looks` says that each of its groups is worth, after so many rounds.
+    pub fn worths(&self, (looks, rounds): (&ObjectLooks, u8), buffers: &mut LookBuffers) -> Vec<f32> {
         let mut worths = Vec::new();
         let described = self.groups.iter().map(|it| (it.node_idx, &it.node_values));
-        looks.worths((&self.upward, |it| self.wholes[it as usize]), &described, buffers, &mut worths);
+        looks.worths(rounds, (&self.upward, |it| self.wholes[it as usize]), &described, buffers, &mut worths);
         worths
     }
 }

@@ -25,7 +25,7 @@ pub const LEAST_WORTH_TOLD: f32 = 0.25;
 pub const N_GROUPING_FORESTS: usize = N_FORESTS + 1;
 
 /// Trains all forests with `scans`, whose side profiles were compared with those of `library`. What a group is worth, which says
-/// whether the forest of vehicles learns from it, is said by looks that have not seen its drive.
+/// whether the forest of vehicles learns from it, is said by looks that have not seen its drive, after so many `rounds`.
 ///
 /// `on_forest` is called after each of [`N_GROUPING_FORESTS`].
 ///
@@ -34,10 +34,11 @@ pub const N_GROUPING_FORESTS: usize = N_FORESTS + 1;
 /// If there are fewer scans than parts, no labels, or nothing that is worth enough.
 pub fn train_on_groups(
     scans: &[&ScanGroups],
+    rounds: u8,
     library: PrototypeLibrary,
     on_forest: &(dyn Fn() + Sync),
 ) -> Result<GroupingModel, ForustError> {
-    let (objects, worths) = train_looks(scans, &OBJECTS, on_forest)?;
+    let (objects, worths) = train_looks(scans, (&OBJECTS, rounds), on_forest)?;
     let (mut values, mut are_vehicles) = (Vec::new(), Vec::new());
     for (scan, worths) in scans.iter().zip(worths) {
         for (worth, it) in worths.into_iter().zip(&scan.groups) {

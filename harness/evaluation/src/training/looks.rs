@@ -17,7 +17,8 @@ const N_FOLDS: usize = 3;
 /// Forests that [`train_looks`] trains: each look, and what all looks say of each part by the others.
 pub const N_FORESTS: usize = (1 + N_MORE_LOOKS) * (1 + N_FOLDS);
 
-/// Trains all looks with `scans`. Returns them, and what each group of the scans is worth to looks that have not seen its drive.
+/// Trains all looks with `scans`. Returns them, and what each group of the scans is worth, after so many `rounds`, to looks that have not
+/// seen its drive.
 ///
 /// What a look says of the scans that it learned from is better than what it says of others. So the look after it learns from what forests
 /// say that have not seen these drives: the drives are parted in three, by their names, since one street may be there under several
@@ -30,7 +31,7 @@ pub const N_FORESTS: usize = (1 + N_MORE_LOOKS) * (1 + N_FOLDS);
 /// If there are fewer scans than parts, or no labels.
 pub fn train_looks(
     scans: &[&ScanGroups],
-    params: &BoostingParams,
+    (params, rounds): (&BoostingParams, u8),
     on_forest: &(dyn Fn() + Sync),
 ) -> Result<(ObjectLooks, Vec<Vec<f32>>), ForustError> {
     let folds = folds(scans);
@@ -40,15 +41,17 @@ pub fn train_looks(
     let first = examples.forest(&seen, None)?;
     let mut worths: Vec<Vec<f32>> = scans.iter().map(|it| vec![0.0; it.groups.len()]).collect();
     examples.look_by_others(&seen, &mut worths)?;
+    let mut worths_after = vec![worths.clone()];
     let mut more: Vec<Forest<N_SECOND_LOOK_VALUES>> = Vec::new();
     while more.len() < N_MORE_LOOKS {
         let pairs = scans.iter().zip(&worths);
         let seen: Vec<Vec<_>> = pairs.map(|(scan, worths)| seen_again(scan, worths)).collect();
         more.push(examples.forest(&seen, None)?);
         examples.look_by_others(&seen, &mut worths)?;
+        worths_after.push(worths.clone());
     }
     let looks = ObjectLooks { first, more: more.try_into().expect("as many were trained") };
-    Ok((looks, worths))
+    Ok((looks, worths_after.swap_remove(usize::from(rounds) - 1)))
 }
 
 /// The part that each scan belongs to.
@@ -182,7 +185,8 @@ mod tests {
         let on_forest = || {
             n_forests.fetch_add(1, Ordering::Relaxed);
         };
-        let (looks, worths) = train_looks(&scans.iter().collect::<Vec<_>>(), &PARAMS, &on_forest).unwrap();
+        let (looks, worths) =
+            train_looks(&scans.iter().collect::<Vec<_>>(), (&PARAMS, 3), &on_forest).unwrap();
         assert_eq!(n_forests.into_inner(), N_FORESTS);
         // Drives differ by their names alone, so that what others say of them is right, too.
         let groups = scans.iter().flat_map(|it| &it.groups);
@@ -192,7 +196,7 @@ mod tests {
         }
         let mut buffers = LookBuffers::default();
         for it in &scans {
-            for (worth, group) in it.worths(&looks, &mut buffers).into_iter().zip(&it.groups) {
+            for (worth, group) in it.worths((&looks, 3), &mut buffers).into_iter().zip(&it.groups) {
                 let iou = group.labels.unwrap().iou;
                 assert!((worth - iou).abs() < 0.05, "{worth} instead of {iou}");
             }

@@ -1,7 +1,10 @@
 //! Arguments of `scanbench ablation`.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
+use super::help_text::DETECTORS;
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
 use super::scans::{BlocksArgs, DatasetArgs};
@@ -27,6 +30,12 @@ pub struct AblationArgs {
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
+    /// Also leave parts out with trees that were trained without them
+    ///
+    /// DIR has folders such as without-walls, one-round: what `train groupings -P hierarchical.walls.enabled=false`,
+    /// `-P hierarchical.grouping.rounds=1` wrote.
+    #[arg(long, value_name = "DIR", conflicts_with = "oracle", help_heading = DETECTORS)]
+    pub models: Option<PathBuf>,
     /// Count the annotated objects that survive each step of the method, instead of leaving its parts out
     #[arg(long, conflicts_with_all = ["shard", "blocks"])]
     pub oracle: bool,

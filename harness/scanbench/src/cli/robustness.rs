@@ -1,9 +1,11 @@
 //! Arguments of `scanbench robustness`.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::experiment::ExperimentArgs;
-use super::help_text::DATA;
+use super::help_text::{DATA, DETECTORS};
 use super::output::OutputArgs;
 use super::shard::ShardArgs;
 
@@ -12,8 +14,13 @@ use super::shard::ShardArgs;
 #[command(after_help = ROBUSTNESS_EXAMPLES)]
 pub struct RobustnessArgs {
     /// Scans of each of the three kinds of street, under each condition
-    #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub scans: u32,
+    /// Also run hierarchical with the trees in DIR, such as of fewer conditions, as "hierarchical, other training"
+    ///
+    /// DIR is what `scanbench train groupings` wrote.
+    #[arg(long, value_name = "DIR", help_heading = DETECTORS)]
+    pub other_training: Option<PathBuf>,
     /// Which part of them.
     #[command(flatten)]
     pub shard: ShardArgs,
@@ -30,6 +37,7 @@ Examples:
   scanbench robustness
   scanbench robustness --scans 20 --seed 7 -o runs/robustness
   scanbench robustness -d hierarchical -P walls.enabled=false
+  scanbench robustness --other-training docs/models/streets-and-rain
   scanbench robustness --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards/*
 
 Simulates the same streets under one condition after another: slopes and hills,

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use evaluation::run::config::override_option::OverrideOption;
 use evaluation::training::{CHOICE_SEED, HOLD_OUT_EVERY, OTHERS_PER_VEHICLE, PROTOTYPES};
 
-use super::help_text::{JUDGING, TRAINING, with_details};
+use super::help_text::{DETECTORS, JUDGING, TRAINING, with_details};
 use super::output::OutputArgs;
 use super::scans::DatasetArgs;
 use super::train_partial::PartialTrainingArgs;
@@ -42,6 +43,11 @@ pub struct TreeTrainingArgs {
     /// Take the side profiles of vehicles from this model [default: groupings: from the shipped one; rivals: found in the scans]
     #[arg(long, value_name = "FILE", help_heading = TRAINING)]
     pub prototypes: Option<PathBuf>,
+    /// Set one parameter of what finds the groups; may be repeated
+    ///
+    /// The models keep it: a run with another value is refused. The last parts of a name are enough if only one parameter ends in them.
+    #[arg(short = 'P', long = "param", value_name = "NAME=VALUE", help_heading = DETECTORS)]
+    pub parameters: Vec<OverrideOption>,
     /// What is judged by.
     #[command(flatten)]
     pub judging: HeldOutArgs,

@@ -25,6 +25,7 @@ use crate::commands::config::{built_in_methods, choose_criterion, refuse_unread_
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
+use crate::commands::judged_streets::advise_on_judged;
 use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::opened_results::OpenedResults;
@@ -90,7 +91,8 @@ impl<'a> Ablation<'a> {
         let datasets = open_datasets(&arguments.data, &config.classes)?;
         let datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
         let datasets = look_first_at_all(datasets, &mut config);
-        let variants = variants(listed[0], &config)?;
+        advise_on_judged(&datasets)?;
+        let variants = variants(listed[0], &config, arguments.models.as_deref())?;
         refuse_unread_models(variants.iter().map(|it| (&it.chosen, &it.config)))?;
         Ok(Self { arguments, config, datasets, variants, results: OpenedResults::default(), started })
     }

@@ -12,6 +12,7 @@ use evaluation::journal::JournalError;
 use evaluation::process::problem::DetectorFailure;
 use evaluation::protocols::chosen_protocols::ProtocolError;
 use evaluation::realism::survey::SurveyError;
+use evaluation::run::ablation::AblationError;
 use evaluation::run::config::ConfigError;
 use evaluation::run::detector_list::DetectorListError;
 use evaluation::run::foreign_files::ForeignFileError;
@@ -263,6 +264,12 @@ impl From<JournalError> for Failure {
 
 impl From<EngineShardError> for Failure {
     fn from(error: EngineShardError) -> Self {
+        Self::Usage(error.into())
+    }
+}
+
+impl From<AblationError> for Failure {
+    fn from(error: AblationError) -> Self {
         Self::Usage(error.into())
     }
 }

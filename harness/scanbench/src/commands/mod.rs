@@ -4,6 +4,7 @@ pub mod shard_auto;
 pub mod failure;
 pub mod standard_streams;
 pub mod interruption;
+mod judged_streets;
 pub mod exit_code;
 pub mod progress;
 pub mod chosen_shard;

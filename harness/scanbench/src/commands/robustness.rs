@@ -1,8 +1,11 @@
 //! `scanbench robustness`.
 
 use std::num::NonZeroUsize;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use evaluation::run::config::{RunConfig, TrainedModel};
+use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::robustness::{CONDITIONS, Condition};
 use evaluation::run::side_by_side::OnDetectorFailure;
@@ -22,13 +25,14 @@ use simulator::StreetKind;
 use crate::cli::RobustnessArgs;
 use crate::commands::chosen_shard::chosen_shard;
 use crate::commands::experiment::Experiment;
-use crate::commands::failure::Failure;
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::opened_results::OpenedResults;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
+use crate::commands::run_manifest::detector_entry;
 use crate::commands::run_numbers::{RunNumbers, write_numbers};
 use crate::commands::shards::unfinished_shard::ShardPlan;
 use crate::commands::shards::watched_shard::{ShardedRun, make_watched_shard};
@@ -37,8 +41,14 @@ use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::watched_run::{WatchedRun, WithoutLabels};
 
-/// All there are, the method first.
-const DETECTORS: [&str; 4] = ["hierarchical", "kd-tree", "pca", "simple-grid"];
+/// The method, its strongest rival, and the papers' baselines.
+const DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "kd-tree", "pca", "simple-grid"];
+
+/// What has the trees of [`RobustnessArgs::other_training`].
+const OTHER_TRAINING: &str = "hierarchical, other training";
+
+/// The method.
+const METHOD: &str = "hierarchical";
 
 /// What the seed of the experiment draws.
 const DRAWN: &str = "streets";
@@ -81,7 +91,11 @@ impl<'a> Robustness<'a> {
             CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(asked.seed, arguments.scans)?)));
         let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
         let datasets = look_first_at_all(datasets, &mut asked.config);
-        let entrants = asked.entrants();
+        let mut entrants = asked.entrants();
+        if let Some(directory) = &arguments.other_training {
+            let place = entrants.iter().position(|it| it.name == METHOD).map_or(0, |it| it + 1);
+            entrants.insert(place, with_other_training(directory, &asked.config)?);
+        }
         Ok(Self { arguments, asked, datasets, entrants, results: OpenedResults::default() })
     }
 }
@@ -101,7 +115,8 @@ impl ShardedRun for Robustness<'_> {
             let drives = it.drives(self.asked.seed, self.arguments.scans);
             serde_json::json!({ "group": it.group, "condition": it.name, "dataset": it.id(), "drives": drives })
         });
-        self.asked.manifest(DRAWN, conditions.collect::<Vec<_>>().into(), &self.datasets)
+        let manifest = self.asked.manifest(DRAWN, conditions.collect::<Vec<_>>().into(), &self.datasets);
+        Manifest { detectors: self.entrants.iter().map(detector_entry).collect(), ..manifest }
     }
 
     fn watched<'b>(
@@ -123,6 +138,15 @@ impl ShardedRun for Robustness<'_> {
             without_labels,
         }
     }
+}
+
+/// The method with the trees in `directory`.
+fn with_other_training(directory: &Path, config: &RunConfig) -> Result<Entrant, Failure> {
+    let path = toml::Value::String(directory.display().to_string());
+    let trees = format!("{}={path}", TrainedModel::Groupings.parameter()).parse();
+    let config = config.overridden(&[trees.map_err(Usage)?], &[])?;
+    let method = built_in_named(&[METHOD.to_owned()], &config)?[0];
+    Ok(Entrant { name: OTHER_TRAINING, chosen: method.into(), config })
 }
 
 /// Writes the files that only this study has into `directory`, the run of `manifest` with these `numbers`, and prints the table.
@@ -148,7 +172,7 @@ pub fn end_robustness(
 
 fn named(condition: &Condition) -> NamedCondition {
     let [group, condition_name] = [condition.group, condition.name].map(str::to_owned);
-    NamedCondition { group, condition: condition_name, dataset: condition.id() }
+    NamedCondition { group, condition: condition_name, trained: condition.trained, dataset: condition.id() }
 }
 
 fn notes(manifest: &Manifest) -> Vec<String> {
@@ -162,6 +186,9 @@ fn notes(manifest: &Manifest) -> Vec<String> {
              street, the same streets under all conditions (seeds from {seed}).",
             n_scans / n_streets,
         ),
+        "✓: the trees of hierarchical, kd-tree-tree and kd-tree were trained under this condition too, on other drives, with rain of 20 mm/h. \
+         Those of pca and paper saw the standard alone, and no parameter was chosen by a condition."
+            .to_owned(),
         "Each condition changes one thing of the standard. Road gradients are random, except under road. Detectors know the sensor and \
          its height; nothing else is adapted, except that hierarchical learns the density of the new sensors from five of these scans, without \
          labels."

@@ -23,6 +23,7 @@ use crate::commands::config::{
 };
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
+use crate::commands::judged_streets::advise_on_judged;
 use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_results;
@@ -95,6 +96,7 @@ impl<'a> Sweep<'a> {
             // Threads take scans in any order, so that it has to be known before which there are.
             datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;
         }
+        advise_on_judged(&datasets)?;
         let datasets = look_first_at_all(datasets, &mut plan.base);
         for point in &mut plan.points {
             point.config.own_curves.clone_from(&plan.base.own_curves);

@@ -34,7 +34,7 @@ use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train_files::manifest;
-use crate::commands::training_data::{TrainingData, nothing};
+use crate::commands::training_data::{TrainingData, TrainingParameters, nothing};
 
 /// Trains all forests, judges them by drives they have not seen, and writes and prints the result.
 ///
@@ -49,15 +49,21 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
         Some(path) => prototypes_from(path)?,
         None => VehicleModel::shipped().prototypes().clone(),
     };
+    let TrainingParameters { config, parameters } = TrainingParameters::of(&arguments.parameters)?;
     let data = TrainingData::open(&arguments.data, &arguments.sensors, &arguments.judging)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let stages = |params: &HierarchicalParams, height_m| GroupingStages::new(params.clone(), height_m);
-    let scans =
-        groups_of_all(data.opened(), &library, &|_, params, height_m| stages(params, height_m), interrupted)?;
-    let trained = TrainedTrees::of(&data, &scans, library)?;
+    let scans = groups_of_all(
+        data.opened(),
+        &config,
+        &library,
+        &|_, params, height_m| stages(params, height_m),
+        interrupted,
+    )?;
+    let trained = TrainedTrees::of(&data, &scans, config.hierarchical.grouping.rounds, library)?;
     let made = data.provenance("train groupings", &options(arguments), &arguments.judging, CHOICE_SEED);
-    let file = trained.model.to_file(GROUPING_MODEL, made, toml::Table::new());
+    let file = trained.model.to_file(GROUPING_MODEL, made, toml::Table::new()).with_parameters(parameters);
     directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
     directory.write_file(GROUPINGS_FILE, &file.to_bytes())?;
     directory.write_file("calibration.csv", &to_csv_bytes(&trained.judgement.rows("groupings"))?)?;
@@ -86,7 +92,8 @@ pub fn prototypes_from(path: &Path) -> Result<PrototypeLibrary, Failure> {
 pub fn options(arguments: &TreeTrainingArgs) -> Vec<(&'static str, Option<String>)> {
     let sensors = (!arguments.sensors.is_empty()).then(|| arguments.sensors.join(","));
     let prototypes = arguments.prototypes.as_ref().map(|it| it.display().to_string());
-    vec![("--sensors", sensors), ("--prototypes", prototypes)]
+    let parameters = arguments.parameters.iter().map(|it| ("-P", Some(it.to_string())));
+    [("--sensors", sensors), ("--prototypes", prototypes)].into_iter().chain(parameters).collect()
 }
 
 /// Which drives are trained on and which are held out, for people.
@@ -110,16 +117,16 @@ pub type StagesFor<'a, L> = &'a (dyn Fn(&str, &HierarchicalParams, f32) -> Group
 /// If a scan cannot be read, or once `interrupted` is set.
 pub fn groups_of_all<'a, L: Linkage>(
     opened: impl Iterator<Item = &'a OpenedDataset>,
+    config: &RunConfig,
     library: &PrototypeLibrary,
     new_stages: StagesFor<'_, L>,
     interrupted: &AtomicBool,
 ) -> Result<Vec<(&'a OpenedDataset, ScanGroups)>, Failure> {
-    let config = RunConfig::without_vehicle_models()?;
     let mut scans = Vec::new();
     for it in opened {
         let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
-        warn_of_unknown_sensor(&config, description);
+        warn_of_unknown_sensor(config, description);
         let of_sensor = config.for_scans_of(description).hierarchical;
         let new_grouping = || new_stages(&description.sensor, &of_sensor, description.sensor_height_m);
         let progress = progress_over_scans(scan_indices.len(), &description.id);
@@ -143,7 +150,7 @@ pub struct TrainedTrees {
 }
 
 impl TrainedTrees {
-    /// Trains with those of `scans` that are not held out, and judges by the others.
+    /// Trains with those of `scans` that are not held out, for so many `rounds`, and judges by the others.
     ///
     /// # Errors
     ///
@@ -151,6 +158,7 @@ impl TrainedTrees {
     pub fn of(
         data: &TrainingData<'_>,
         scans: &[(&OpenedDataset, ScanGroups)],
+        rounds: u8,
         library: PrototypeLibrary,
     ) -> Result<Self, Failure> {
         let (mut judged, mut taught): (Vec<&ScanGroups>, Vec<&ScanGroups>) = (Vec::new(), Vec::new());
@@ -159,10 +167,10 @@ impl TrainedTrees {
             if is_judged { &mut judged } else { &mut taught }.push(it);
         }
         let progress = progress_over_results(N_GROUPING_FORESTS, 0, "forests");
-        let model =
-            train_on_groups(&taught, library, &|| progress.inc(1)).map_err(|error| nothing(&error))?;
+        let model = train_on_groups(&taught, rounds, library, &|| progress.inc(1))
+            .map_err(|error| nothing(&error))?;
         progress.finish_and_clear();
-        let judgement = Judgement::of(&model, &judged);
+        let judgement = Judgement::of((&model, rounds), &judged);
         let n_taught = taught.iter().flat_map(|it| &it.groups).filter(|it| it.labels.is_some()).count();
         Ok(Self { model, judgement, n_taught })
     }
@@ -185,11 +193,13 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    fn of(model: &GroupingModel, judged: &[&ScanGroups]) -> Self {
+    fn of((model, rounds): (&GroupingModel, u8), judged: &[&ScanGroups]) -> Self {
         let mut buffers = LookBuffers::default();
         let (mut worths, mut odds) = (Vec::new(), Vec::new());
         for scan in judged {
-            for (worth, it) in scan.worths(&model.objects, &mut buffers).into_iter().zip(&scan.groups) {
+            for (worth, it) in
+                scan.worths((&model.objects, rounds), &mut buffers).into_iter().zip(&scan.groups)
+            {
                 let Some(GroupLabels { iou, is_vehicle }) = it.labels else { continue };
                 worths.push((worth, iou));
                 if let Some(is_vehicle) = is_vehicle.filter(|_| worth >= LEAST_WORTH_TOLD) {

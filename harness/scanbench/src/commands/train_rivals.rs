@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use baselines::kd_tree_groups::{component_stages, nested_stages};
 use baselines::kd_tree_linkage::NESTED_TOLERANCES_M;
 use baselines::kd_tree_models::{KD_TREE_TREE, TrainedComponents};
+use detector::classify::model_file::ModelFile;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
@@ -35,7 +36,7 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train_files::manifest;
 use crate::commands::train_groupings::{TrainedTrees, drives, groups_of_all, options, prototypes_from};
 use crate::commands::training_clusters::{ClustersOf, prototypes_of};
-use crate::commands::training_data::{TrainingData, nothing};
+use crate::commands::training_data::{TrainingData, TrainingParameters, nothing};
 
 /// Trains what the rivals over a kd-tree judge by, judges that by drives it has not seen, and writes and prints the result.
 ///
@@ -46,18 +47,19 @@ pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let named = claim_named(&arguments.output)?;
+    let TrainingParameters { config, parameters } = TrainingParameters::of(&arguments.parameters)?;
     let data = TrainingData::open(&arguments.data, &arguments.sensors, &arguments.judging)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let made = data.provenance("train rivals", &options(arguments), &arguments.judging, CHOICE_SEED);
     let library = match &arguments.prototypes {
         Some(path) => prototypes_from(path)?,
-        None => found_prototypes(&data, made.clone(), interrupted)?,
+        None => found_prototypes(&data, &config, made.clone(), interrupted)?,
     };
-    let rivals = Rivals::train(&data, library, interrupted)?;
+    let rivals = Rivals::train(&data, &config, library, interrupted)?;
     let text = rivals.text(&data);
     directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
-    for (name, content) in rivals.files(&made)? {
+    for (name, content) in rivals.files(&made, &parameters)? {
         directory.write_file(name, &content)?;
     }
     let finished = directory.finish()?;
@@ -81,22 +83,24 @@ struct Rivals {
 impl Rivals {
     fn train(
         data: &TrainingData<'_>,
+        config: &RunConfig,
         library: PrototypeLibrary,
         interrupted: &AtomicBool,
     ) -> Result<Self, Failure> {
-        let clusters = TrainedClusters::of(data, &library, interrupted)?;
+        let rounds = config.hierarchical.grouping.rounds;
+        let clusters = TrainedClusters::of(data, config, &library, interrupted)?;
         let nested_for =
             |_: &str, params: &HierarchicalParams, height_m| nested_stages(params.clone(), height_m);
-        let scans = groups_of_all(data.opened(), &library, &nested_for, interrupted)?;
+        let scans = groups_of_all(data.opened(), config, &library, &nested_for, interrupted)?;
         let tolerances_m = chosen_tolerances(data, &scans)?;
-        let nested = TrainedTrees::of(data, &scans, library.clone())?;
+        let nested = TrainedTrees::of(data, &scans, rounds, library.clone())?;
         drop(scans);
         let components_for = |sensor: &str, params: &HierarchicalParams, height_m| {
             let tolerance_m = tolerances_m.get(sensor).unwrap_or(&tolerances_m[PAPER_SENSOR]);
             component_stages(params.clone(), *tolerance_m, height_m)
         };
-        let scans = groups_of_all(data.opened(), &library, &components_for, interrupted)?;
-        let components = TrainedTrees::of(data, &scans, library)?;
+        let scans = groups_of_all(data.opened(), config, &library, &components_for, interrupted)?;
+        let components = TrainedTrees::of(data, &scans, rounds, library)?;
         Ok(Self { clusters, nested, components, tolerances_m })
     }
 
@@ -114,15 +118,20 @@ impl Rivals {
     }
 
     /// Models and calibration by the names of their files.
-    fn files(self, made: &Provenance) -> Result<[(&'static str, Vec<u8>); 4], Failure> {
+    fn files(
+        self,
+        made: &Provenance,
+        parameters: &toml::Table,
+    ) -> Result<[(&'static str, Vec<u8>); 4], Failure> {
+        let in_file = |it: ModelFile| it.with_parameters(parameters.clone()).to_bytes();
         let mut rows = self.components.judgement.rows("kd-tree-trained");
         rows.extend(self.nested.judgement.rows("kd-tree-tree"));
         let components = TrainedComponents::new(Arc::new(self.components.model), self.tolerances_m);
         let nested = self.nested.model.to_file(KD_TREE_TREE, made.clone(), toml::Table::new());
         Ok([
-            (CLUSTERS_FILE, self.clusters.model.to_file(made.clone()).to_bytes()),
-            (COMPONENTS_FILE, components.to_bytes(made.clone())),
-            (NESTED_FILE, nested.to_bytes()),
+            (CLUSTERS_FILE, in_file(self.clusters.model.to_file(made.clone()))),
+            (COMPONENTS_FILE, in_file(components.to_file(made.clone()))),
+            (NESTED_FILE, in_file(nested)),
             ("calibration.csv", to_csv_bytes(&rows)?),
         ])
     }
@@ -154,14 +163,14 @@ fn kd_tree_clusters(config: &RunConfig) -> ClustersOf<'_> {
 /// Side profiles of the vehicles among the clusters of the drives trained on.
 fn found_prototypes(
     data: &TrainingData<'_>,
+    config: &RunConfig,
     made: Provenance,
     interrupted: &AtomicBool,
 ) -> Result<PrototypeLibrary, Failure> {
-    let config = RunConfig::without_vehicle_models()?;
     let mut candidates = Vec::new();
     for it in &data.trained {
         let id = &it.dataset.description().id;
-        let clusters = kd_tree_clusters(&config);
+        let clusters = kd_tree_clusters(config);
         let kept = |found: Vec<_>| found.into_iter().filter(is_seen_well).collect();
         let found = clusters.candidates(it, ModelKind::Paper, interrupted, kept)?;
         candidates.extend(found.into_iter().filter(|found| !data.parted.is_held_out(id, &found.sequence)));
@@ -179,14 +188,14 @@ struct TrainedClusters {
 impl TrainedClusters {
     fn of(
         data: &TrainingData<'_>,
+        config: &RunConfig,
         library: &PrototypeLibrary,
         interrupted: &AtomicBool,
     ) -> Result<Self, Failure> {
-        let config = RunConfig::without_vehicle_models()?;
         let (mut taught, mut judged): (Vec<ClusterExample>, Vec<ClusterExample>) = (Vec::new(), Vec::new());
         for it in data.opened() {
             let id = &it.dataset.description().id;
-            let clusters = kd_tree_clusters(&config);
+            let clusters = kd_tree_clusters(config);
             let described = |found: Vec<_>| described_clusters(&found, library);
             for found in clusters.candidates(it, ModelKind::Paper, interrupted, described)? {
                 let is_held_out = data.parted.is_held_out(id, &found.sequence);

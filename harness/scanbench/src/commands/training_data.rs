@@ -1,15 +1,17 @@
 //! What models are trained on, and judged by.
 
 use detector::describe::trained_file::Provenance;
+use evaluation::run::config::RunConfig;
+use evaluation::run::config::override_option::OverrideOption;
 use evaluation::training::HOLD_OUT_EVERY;
 use evaluation::training::held_out::HeldOut;
 use scans::dataset::Dataset;
 use scans::dataset::class_table::ClassTable;
-use simulator::catalogue::{DEFAULT_DATASETS, built_in_catalogue};
 use simulator::simulated_street::StreetDrive;
 
 use crate::cli::{DatasetArgs, HeldOutArgs, SourceArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
+use crate::commands::judged_streets::refuse_judged;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::reproducible_command::reproducible_command;
 
@@ -104,22 +106,39 @@ impl<'a> TrainingData<'a> {
     }
 }
 
-/// Refuses simulated streets that start at the seed of the default run: what learned from them could not be judged by them.
-fn refuse_judged(trained: &[OpenedDataset]) -> Result<(), Failure> {
-    let catalogue = built_in_catalogue()?;
-    let default = DEFAULT_DATASETS.to_owned();
-    let judged = catalogue.members(&default).iter().filter_map(|it| catalogue.simulated.get(it));
-    let judged: Vec<u64> = judged.map(|it| it.seed).collect();
-    for description in trained.iter().map(|it| it.dataset.description()) {
-        if let Some(drive) = StreetDrive::of(description).filter(|it| judged.contains(&it.seed)) {
-            let problem = format!(
-                "{} starts at seed {}, by which scanbench run judges: nothing learns from it. Take training-streets, or another --seed",
-                description.id, drive.seed
-            );
-            return Err(Usage(problem).into());
+/// The parameters of what finds the groups that are learned from.
+pub struct TrainingParameters {
+    /// All of them; vehicles are told by their size.
+    pub config: RunConfig,
+    /// Those that are not the shipped ones, by their full names.
+    pub parameters: toml::Table,
+}
+
+impl TrainingParameters {
+    /// The shipped ones with those of `options`.
+    ///
+    /// # Errors
+    ///
+    /// If an option names no parameter of the groups, or its value cannot be worked with.
+    pub fn of(options: &[OverrideOption]) -> Result<Self, Failure> {
+        const TABLE: &str = "hierarchical";
+        let shipped = RunConfig::without_vehicle_models()?;
+        let config = shipped.overridden(options, &[TABLE])?;
+        let mut parameters = toml::Table::new();
+        for option in options {
+            let name = shipped.full_name(option, &[TABLE])?;
+            if name.split('.').next() != Some(TABLE) {
+                let problem =
+                    format!("-P {option}: {name} changes no groups that are trained on; those of {TABLE} do");
+                return Err(Usage(problem).into());
+            }
+            if config.value_of(&name) != shipped.value_of(&name) {
+                let value = config.value_of(&name).expect("it has a full name").clone();
+                parameters.insert(name, value);
+            }
         }
+        Ok(Self { config, parameters })
     }
-    Ok(())
 }
 
 /// Which drives are trained on and which are judged by.

@@ -1,9 +1,9 @@
-//! A checksum that tells whether a data set changed, and is cheap enough to be taken at every run.
+//! Checksums that tell whether data changed, and are cheap enough to be taken at every run.
 //!
-//! It is the SHA-256 of sorted lines, each ended by a newline:
+//! That of a data set is taken when it is opened; that of each scan as it is read is [`checksum_as_read`]. The former is the SHA-256 of sorted lines, each ended by a newline:
 //!
 //! - `scan NAME SIZE` for every scan file and every file with a label a point, SIZE in bytes. Scans are by far the most of the data; hashing their contents
-//!   would take longer than running the detectors, so a scan that changes but keeps its size is not noticed.
+//!   would take longer than opening the data set. What changes and keeps its size shows in the checksums of the scans that are read.
 //! - `text NAME SHA256` for every label and calibration file, over its content.
 //! - `image NAME WIDTHxHEIGHT` for the image size, in pixels, that the labelled region of the scan or sequence NAME is
 //!   computed with.
@@ -11,6 +11,8 @@
 //! Names of files are relative to the folder of the data set, with `/` between folders, so that it may lie anywhere.
 
 use sha2::{Digest as _, Sha256};
+
+use crate::annotation::{Annotation, LabeledScan};
 
 /// Collects what a data set is made of.
 #[derive(Debug, Clone, Default)]
@@ -59,6 +61,37 @@ impl ContentChecksum {
     }
 }
 
+/// CRC-32 of all of a scan that numbers are made of, as it was read: points, annotations, and what the labels say nothing about.
+///
+/// [`DatasetChecksum`] is of the files of a data set before any of them is read, so it takes large ones by their size. This one also
+/// tells labels that changed and kept their size, another transform, and other names of classes.
+pub fn checksum_as_read(scan: &LabeledScan) -> u32 {
+    let LabeledScan { id: _, cloud, annotations, point_regions, labeled_area, points_left_out } = scan;
+    let mut checksum = crc32fast::Hasher::new();
+    for values in [cloud.x_m(), cloud.y_m(), cloud.z_m(), cloud.intensity()] {
+        add(&mut checksum, values.iter().map(|it| it.to_le_bytes()));
+    }
+    add(&mut checksum, cloud.ring().unwrap_or_default().iter().map(|it| it.to_le_bytes()));
+    add(&mut checksum, cloud.time_offset_s().unwrap_or_default().iter().map(|it| it.to_le_bytes()));
+    for it in annotations {
+        let Annotation { class, bounding_box, point_indices, track, occlusion, truncation } = it;
+        checksum
+            .update(format!("{class:?} {bounding_box:?} {track:?} {occlusion:?} {truncation:?}").as_bytes());
+        add(&mut checksum, point_indices.iter().map(|it| it.to_le_bytes()));
+    }
+    add(&mut checksum, point_regions.iter().map(|it| [*it as u8]));
+    checksum.update(format!("{labeled_area:?}").as_bytes());
+    add(&mut checksum, points_left_out.iter().map(|it| it.to_le_bytes()));
+    checksum.finalize()
+}
+
+/// Adds numbers, and how many they are.
+fn add<const N: usize>(checksum: &mut crc32fast::Hasher, numbers: impl ExactSizeIterator<Item = [u8; N]>) {
+    checksum.update(&(numbers.len() as u64).to_le_bytes());
+    let bytes: Vec<[u8; N]> = numbers.collect();
+    checksum.update(bytes.as_flattened());
+}
+
 /// SHA-256 of `content` in lower-case hexadecimal.
 pub fn sha256(content: impl AsRef<[u8]>) -> String {
     let mut checksum = ContentChecksum::default();
@@ -68,7 +101,11 @@ pub fn sha256(content: impl AsRef<[u8]>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use detector::PointCloud;
+    use reports::vocabulary::class::AnnotationClass;
+
     use super::*;
+    use crate::annotation::{LabeledArea, PointRegion, ScanId};
 
     fn street() -> DatasetChecksum {
         let mut checksum = DatasetChecksum::default();
@@ -92,6 +129,51 @@ mod tests {
         checksum.add_text("label_2/000001.txt", "");
         checksum.add_scan("velodyne/000001.bin", 32);
         assert_eq!(checksum.finish(), street().finish());
+    }
+
+    fn scan() -> LabeledScan {
+        let mut cloud = PointCloud::default();
+        cloud.push([1.0, 2.0, 3.0], 0.5);
+        cloud.push([4.0, 5.0, 6.0], 0.25);
+        let car = Annotation {
+            class: AnnotationClass::Car,
+            bounding_box: None,
+            point_indices: vec![1],
+            track: Some(7),
+            occlusion: None,
+            truncation: None,
+        };
+        LabeledScan {
+            id: ScanId { sequence: "0000".to_owned(), index: 3 },
+            cloud,
+            annotations: vec![car],
+            point_regions: vec![PointRegion::Labeled; 2],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn all_that_was_read_changes_the_checksum_of_a_scan_and_its_name_does_not() {
+        let before = checksum_as_read(&scan());
+        let mut renamed = scan();
+        renamed.id.index = 4;
+        assert_eq!(checksum_as_read(&renamed), before);
+        let changes: [fn(&mut LabeledScan); 8] = [
+            |it| it.cloud.move_points(|[x_m, y_m, z_m]| [x_m, y_m, z_m + 1e-3]),
+            |it| it.cloud.set_ring(vec![0, 1]),
+            |it| it.annotations[0].class = AnnotationClass::Van,
+            |it| it.annotations[0].point_indices = vec![0],
+            |it| it.annotations[0].track = None,
+            |it| it.annotations.clear(),
+            |it| it.point_regions[0] = PointRegion::Outside,
+            |it| it.points_left_out.push(9),
+        ];
+        for (idx, change) in changes.into_iter().enumerate() {
+            let mut changed = scan();
+            change(&mut changed);
+            assert_ne!(checksum_as_read(&changed), before, "change {idx}");
+        }
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub struct NamedCondition {
     pub group: String,
     /// Its name.
     pub condition: String,
+    /// Whether trees that come with the program were trained under it, on other drives.
+    pub trained: bool,
     /// Id of the data set.
     pub dataset: String,
 }
@@ -42,6 +44,7 @@ pub fn condition_scores(conditions: &[NamedCondition], tables: &[TaskTable]) -> 
         Some(ConditionScores {
             group: it.group.clone(),
             condition: it.condition.clone(),
+            trained: it.trained,
             n_scans: rows.0.scores.first()?.n_scans,
             detectors: detectors.collect(),
         })
@@ -98,8 +101,9 @@ fn line(group: &str, scores: &ConditionScores) -> Line {
     let no = |task: fn(&DetectorRates) -> Counts| {
         scores.detectors.first().map_or_else(|| "–".to_owned(), |it| task(it).no().to_string())
     };
-    let texts =
-        [group.to_owned(), scores.condition.clone(), no(|it| it.objects.counts), no(|it| it.vehicles.counts)];
+    let condition =
+        if scores.trained { format!("{} ✓", scores.condition) } else { scores.condition.clone() };
+    let texts = [group.to_owned(), condition, no(|it| it.objects.counts), no(|it| it.vehicles.counts)];
     let percent = |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 1));
     let rates =
         scores.detectors.iter().flat_map(|it| it.tasks().map(|(_, rate)| percent(rate.counts.f_rate())));
@@ -144,6 +148,7 @@ mod tests {
         ConditionScores {
             group: group.to_owned(),
             condition: condition.to_owned(),
+            trained: condition == "vlp-16",
             n_scans: 6,
             detectors: vec![detector("grid", tp), detector("tree", tp / 2)],
         }
@@ -170,7 +175,7 @@ mod tests {
         ──────────────────────────────────────────────────────────
         standard  as drawn        200    0   57.1    –   33.3    –
                   95 % interval        25.0–62.5§  25.0–62.5§
-        sensor    vlp-16          200    0   21.4    –   11.3    –
+        sensor    vlp-16 ✓        200    0   21.4    –   11.3    –
                   os1-128         200    0   64.9    –   38.7    –
                   95 % interval        25.0–62.5§  25.0–62.5§
 
@@ -186,7 +191,7 @@ mod tests {
         | :-- | :-- | --: | --: | --: | --: | --: | --: |
         | standard | as drawn | 200 | 0 | 57.1 | – | 33.3 | – |
         |  | 95 % interval |  |  | 25.0–62.5§ |  | 25.0–62.5§ |  |
-        | sensor | vlp-16 | 200 | 0 | 21.4 | – | 11.3 | – |
+        | sensor | vlp-16 ✓ | 200 | 0 | 21.4 | – | 11.3 | – |
         |  | os1-128 | 200 | 0 | 64.9 | – | 38.7 | – |
         |  | 95 % interval |  |  | 25.0–62.5§ |  | 25.0–62.5§ |  |
 
@@ -201,6 +206,7 @@ mod tests {
         let named = |dataset: &str| NamedCondition {
             group: "road".to_owned(),
             condition: dataset.to_uppercase(),
+            trained: false,
             dataset: dataset.to_owned(),
         };
         let tables = sample::tables();
@@ -227,11 +233,11 @@ mod tests {
         }
         writer.finish().unwrap();
         insta::assert_snapshot!(std::fs::read_to_string(&path).unwrap(), @r"
-        data,group,condition,task,detector,n_scans,no,tp,mo,fo,precision,recall,f_rate,f_rate_low,f_rate_high,few_blocks
-        simulated,standard,as drawn,objects,grid,6,200,100,100,50,0.6667,0.5000,0.5714,0.2500,0.6250,true
-        simulated,standard,as drawn,vehicles,grid,6,0,0,0,0,,,,,,
-        simulated,standard,as drawn,objects,tree,6,200,50,150,50,0.5000,0.2500,0.3333,0.2500,0.6250,true
-        simulated,standard,as drawn,vehicles,tree,6,0,0,0,0,,,,,,
+        data,group,condition,trained,task,detector,n_scans,no,tp,mo,fo,precision,recall,f_rate,f_rate_low,f_rate_high,few_blocks
+        simulated,standard,as drawn,false,objects,grid,6,200,100,100,50,0.6667,0.5000,0.5714,0.2500,0.6250,true
+        simulated,standard,as drawn,false,vehicles,grid,6,0,0,0,0,,,,,,
+        simulated,standard,as drawn,false,objects,tree,6,200,50,150,50,0.5000,0.2500,0.3333,0.2500,0.6250,true
+        simulated,standard,as drawn,false,vehicles,tree,6,0,0,0,0,,,,,,
         ");
         assert_eq!(read_rows::<ConditionRow>(&path).unwrap().len(), rows.len());
     }

@@ -328,6 +328,22 @@ fn a_changed_configuration_is_told_with_both_values() {
 }
 
 #[test]
+fn scans_of_which_points_or_labels_changed_are_not_gated() {
+    let mut relabelled = USUAL.archive();
+    let mut n_changed = 0;
+    for row in relabelled.scans.iter_mut().filter(|it| it.scan == 1) {
+        if let ScanOutcome::Evaluated(numbers) = &mut row.outcome {
+            numbers.checksum += 1;
+            n_changed += 1;
+        }
+    }
+    assert!(n_changed > 0);
+    let error = judge(&USUAL.archive(), &relabelled, &tolerances()).unwrap_err().to_string();
+    let expected = "the runs cannot be compared: points or labels changed in 1 of ";
+    assert!(error.starts_with(expected) && error.ends_with("their checksums differ"), "{error}");
+}
+
+#[test]
 fn results_of_other_files_are_not_gated() {
     let with = |checksum: &str| {
         let mut run = USUAL.archive();

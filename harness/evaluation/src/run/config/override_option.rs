@@ -1,5 +1,6 @@
 //! `NAME=VALUE` on the command line: one parameter overridden.
 
+use std::fmt;
 use std::str::FromStr;
 
 use toml::{Table, Value};
@@ -32,6 +33,13 @@ impl FromStr for OverrideOption {
             Err(error) => return Err(format!("{value} is not a valid value: {}", error.message())),
         };
         Ok(Self { written: written.to_owned(), name: name.to_owned(), value })
+    }
+}
+
+/// As it was written.
+impl fmt::Display for OverrideOption {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.written)
     }
 }
 

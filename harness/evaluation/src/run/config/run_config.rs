@@ -197,6 +197,9 @@ impl RunConfig {
     }
 
     fn from_resolved(resolved: Table, vehicle_models: Option<VehicleModels>) -> Result<Self, ValueProblem> {
+        if let Some(models) = &vehicle_models {
+            models.check_parameters(&resolved)?;
+        }
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
         // A curve that is not given is the sensor's; until that is known, the paper's stands in.
         let hierarchical = if gives_density_curve(&resolved) {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use baselines::kd_tree_models::{TrainedComponents, shipped_tree, tree_from_bytes};
 use baselines::pca_vehicle_model::PcaVehicleModel;
 use detector::classify::grouping_model::GroupingModel;
-use detector::classify::model_file::ModelFileError;
+use detector::classify::model_file::{ModelFile, ModelFileError};
 use detector::classify::paper_model::{PaperModel, PaperModelError};
 use detector::classify::vehicle_model::VehicleModel;
 use detector::params::ParamsError;
@@ -109,10 +109,41 @@ enum ModelSource<M> {
     Trained {
         model: Arc<M>,
         checksum: String,
+        trained: TrainedWith,
     },
 }
 
+/// The parameters that a model was trained with in place of the shipped ones, by their full names; and whose model it is.
+#[derive(Debug, Clone, PartialEq)]
+struct TrainedWith {
+    parameters: toml::Table,
+    parameter: &'static str,
+}
+
 impl VehicleModels {
+    /// Checks that `resolved` has the parameters that the models were trained with.
+    pub(super) fn check_parameters(&self, resolved: &toml::Table) -> Result<(), ValueProblem> {
+        let Self { groupings, components, nested_components, clusters, paper: _, pca: _ } = self;
+        let trained =
+            [groupings.trained(), components.trained(), nested_components.trained(), clusters.trained()];
+        for TrainedWith { parameters, parameter } in trained.into_iter().flatten() {
+            for (name, value) in parameters {
+                let found = name.split('.').try_fold(None, |table: Option<&toml::Value>, key| {
+                    table.map_or_else(|| resolved.get(key), |it| it.get(key)).map(Some)
+                });
+                let found = found.flatten();
+                if found != Some(value) {
+                    let here = found.map_or_else(|| "nothing".to_owned(), ToString::to_string);
+                    let problem =
+                        format!(": its model was trained with {name} = {value}, and here it is {here}");
+                    let keys = vec!["vehicle_model".to_owned(), (*parameter).to_owned()];
+                    return Err(ValueProblem { keys, problem });
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// That of the detector hierarchical.
     pub fn groupings(&self) -> Arc<GroupingModel> {
         self.groupings.model(GroupingModel::shipped)
@@ -171,6 +202,13 @@ impl<M: Clone> ModelSource<M> {
             Self::Trained { checksum, .. } => checksum,
         }
     }
+
+    fn trained(&self) -> Option<&TrainedWith> {
+        match self {
+            Self::Shipped => None,
+            Self::Trained { trained, .. } => Some(trained),
+        }
+    }
 }
 
 /// The models of a complete TOML document; `None` if they are switched off. Those of directories with names are read at once,
@@ -208,7 +246,8 @@ fn paper_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PaperModel>, Val
         PaperModelError::Prototypes(error) => files.problem(PROTOTYPES, &error),
         PaperModelError::Svm(error) => files.problem(MODEL, &error),
     })?;
-    Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(prototypes + &svm) })
+    let trained = TrainedWith { parameters: toml::Table::new(), parameter: files.parameter };
+    Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(prototypes + &svm), trained })
 }
 
 fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, ValueProblem> {
@@ -217,7 +256,8 @@ fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, 
     }
     let svm = files.read_text(MODEL)?;
     let model = PcaVehicleModel::from_toml(&svm).map_err(|error| files.problem(MODEL, &error))?;
-    Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(svm) })
+    let trained = TrainedWith { parameters: toml::Table::new(), parameter: files.parameter };
+    Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(svm), trained })
 }
 
 /// A directory with what training wrote, and the parameter that names it.
@@ -243,7 +283,9 @@ impl ModelDirectory<'_> {
         let bytes = std::fs::read(Path::new(self.directory).join(name))
             .map_err(|error| self.problem(name, &error))?;
         let model = from_bytes(&bytes).map_err(|error| self.problem(name, &error))?;
-        Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(bytes) })
+        let file = ModelFile::of_any_kind(&bytes).map_err(|error| self.problem(name, &error))?;
+        let trained = TrainedWith { parameters: file.parameters().clone(), parameter: self.parameter };
+        Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(bytes), trained })
     }
 
     fn read_text(&self, name: &str) -> Result<String, ValueProblem> {
