@@ -49,6 +49,20 @@ impl PaperModel {
         SHIPPED.clone()
     }
 
+    /// The same, trained with ν and γ as they are printed, where [`Self::shipped`] has those that are best on held-out drives.
+    ///
+    /// Paper: VM section 5.
+    pub fn as_printed() -> Self {
+        static AS_PRINTED: LazyLock<PaperModel> = LazyLock::new(|| {
+            let [prototypes, svm] = [
+                include_str!("../params/paper_model/prototypes.toml"),
+                include_str!("../params/paper_model/as_printed.toml"),
+            ];
+            PaperModel::from_toml(prototypes, svm).expect("the embedded files are tested")
+        });
+        AS_PRINTED.clone()
+    }
+
     /// A model from the text of both of its files.
     ///
     /// # Errors

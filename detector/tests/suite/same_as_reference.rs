@@ -16,6 +16,9 @@ pub fn beyond_papers() -> PaperParams {
     params.ground = ground;
     params.walls.as_printed = walls.as_printed;
     params.walls.min_support = walls.min_support;
+    params.walls.hough = walls.hough;
+    params.merge.max_height_difference_m = 1.0;
+    params.separation.single_gap_points = 1.0;
     params.foreground.clearance_m = foreground.clearance_m;
     params.separation.low_density_share = 0.3;
     params.separation.object_density_ratio = 5.0;

@@ -16,3 +16,4 @@ pub mod run;
 pub mod protocols;
 pub mod results_mcap;
 pub mod sweep;
+pub mod reproduction;

@@ -6,6 +6,6 @@ pub mod unfinished;
 pub mod whole_file;
 pub mod claimed_name;
 pub mod new_folders;
-pub(crate) mod fixed_decimals;
+pub mod fixed_decimals;
 pub(crate) mod exact_number;
 pub mod csv_rows;

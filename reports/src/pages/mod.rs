@@ -19,3 +19,4 @@ mod sample_run;
 pub mod run_page;
 pub mod sweep_page;
 pub mod partial_page;
+pub mod reproduction_page;

@@ -3,6 +3,7 @@
 use super::standing_plot::{StandingRow, study_plot};
 use crate::numbers::blocks::Interval;
 use crate::numbers::condition_scores::ConditionScores;
+use crate::reproduction::sensitivity::{Sensitivity, SetRate};
 use crate::tables::studies::ablation_table::AblationTable;
 use crate::tables::verdict::comparison::Comparison;
 use crate::vocabulary::metric::Metric;
@@ -51,6 +52,35 @@ pub fn comparison_plot(comparison: &Comparison) -> String {
         (format!("After minus before, {name}"), rows.collect())
     });
     study_plot(&comparison.title, "difference, percentage points (bars: 95 % interval)", &parts)
+}
+
+/// The rates of method and rivals over all joint settings of open values: the median, and the range of nine in ten.
+pub fn settings_plot(sensitivity: &Sensitivity) -> String {
+    let over = |name: &str, idx: usize, rates: &[Option<f64>]| {
+        let all = SetRate {
+            name: String::new(),
+            method: String::new(),
+            rival: String::new(),
+            of_method: rates.to_vec(),
+            of_rival: Vec::new(),
+        };
+        let [low, middle, high] = all.quantiles([0.05, 0.5, 0.95])?;
+        Some(StandingRow {
+            name: name.to_owned(),
+            detector_idx: idx,
+            percent: Some(100.0 * middle),
+            interval_percent: Some([100.0 * low, 100.0 * high]),
+            paper_percent: None,
+        })
+    };
+    let part = |rate: &SetRate| {
+        let rows = [over(&rate.method, 0, &rate.of_method), over(&rate.rival, 1, &rate.of_rival)];
+        (rate.name.clone(), rows.into_iter().flatten().collect())
+    };
+    let parts: Vec<_> = sensitivity.rates.iter().map(part).collect();
+    let title =
+        format!("F-rates under {} joint settings of what the papers leave open", sensitivity.settings.len());
+    study_plot(&title, "F-rate, % (bars: nine in ten settings)", &parts)
 }
 
 fn row(name: String, colour_idx: usize, rate: Option<f64>, within: Option<Interval>) -> StandingRow {

@@ -88,16 +88,33 @@ const STEPS: &[(&str, &[&str])] = &[
     ("and points clear of the ground", &["paper.foreground.clearance_m="]),
     (
         "and cells by the terrain",
-        &["paper.ground.fewer_far_away=", "paper.ground.low_itself=", "paper.ground.tall_over="],
+        &[
+            "paper.terrain.low_quantile=",
+            "paper.ground.min_points=",
+            "paper.ground.ground_band_m=",
+            "paper.ground.fewer_far_away=",
+            "paper.ground.low_itself=",
+            "paper.ground.tall_over=",
+        ],
     ),
-    ("and walls by their support", &["paper.walls.as_printed=", "paper.walls.min_support="]),
+    (
+        "and walls by their support",
+        &[
+            "paper.walls.as_printed=",
+            "paper.walls.min_support=",
+            "paper.walls.hough.min_votes=",
+            "paper.walls.hough.min_length_cells=",
+        ],
+    ),
     (
         "and smaller objects",
         &[
             "paper.cluster.min_points=",
             // Tuned on simulated streets, for objects of so few points.
+            "paper.merge.max_height_difference_m=1.0",
             "paper.separation.low_density_share=0.3",
             "paper.separation.object_density_ratio=5.0",
+            "paper.separation.single_gap_points=1.0",
         ],
     ),
 ];

@@ -16,6 +16,7 @@ use super::merge::MergeArgs;
 use super::params::ParamsArgs;
 use super::partial::PartialArgs;
 use super::report::ReportArgs;
+use super::reproduce::ReproduceArgs;
 use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
 use super::selftest::SelftestArgs;
@@ -117,6 +118,8 @@ pub enum Command {
     Sweep(Box<SweepArgs>),
     /// Measure how slopes, rain, sensors and mounting heights change the scores
     Robustness(RobustnessArgs),
+    /// Judge the claims of the papers, and what each of them rests on
+    Reproduce(Box<ReproduceArgs>),
     /// Tell what objects are of which only a part has been seen
     Partial(Box<PartialArgs>),
     /// Measure how far apart two objects must be for detectors to separate them

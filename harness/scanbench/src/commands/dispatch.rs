@@ -27,6 +27,7 @@ use crate::commands::merge::merge;
 use crate::commands::params::params;
 use crate::commands::partial::partial;
 use crate::commands::report::report;
+use crate::commands::reproduce::reproduce;
 use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
@@ -75,6 +76,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Gaps(arguments) => gaps(arguments),
         Command::Boxes(arguments) => boxes(arguments),
         Command::Partial(arguments) => partial(arguments),
+        Command::Reproduce(arguments) => reproduce(arguments),
         Command::Robustness(arguments) => robustness(arguments),
         Command::Compare(arguments) => compare(arguments),
         Command::Report(arguments) => report(arguments),

@@ -12,6 +12,7 @@ use evaluation::journal::JournalError;
 use evaluation::process::problem::DetectorFailure;
 use evaluation::protocols::chosen_protocols::ProtocolError;
 use evaluation::realism::survey::SurveyError;
+use evaluation::reproduction::settings::SettingsError;
 use evaluation::run::ablation::AblationError;
 use evaluation::run::config::ConfigError;
 use evaluation::run::detector_list::DetectorListError;
@@ -208,6 +209,15 @@ impl From<SurveyError> for Failure {
         match error {
             SurveyError::Dataset(error) => error.into(),
             SurveyError::Interrupted { .. } => Self::Interrupted(error.into()),
+        }
+    }
+}
+
+impl From<SettingsError> for Failure {
+    fn from(error: SettingsError) -> Self {
+        match error {
+            SettingsError::Survey(error) => error.into(),
+            SettingsError::Detector(error) => error.into(),
         }
     }
 }

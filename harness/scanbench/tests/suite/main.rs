@@ -24,6 +24,7 @@ mod shards;
 mod study_shards;
 mod start_up;
 mod realism;
+mod reproduce;
 mod readers;
 mod protocol_labels;
 mod fit_density;

@@ -114,6 +114,24 @@ fn rivals_are_trained_for_several_sensors_and_run() {
 }
 
 #[test]
+fn a_model_that_was_trained_with_other_parameters_is_refused_with_both_values() {
+    let workplace = Workplace::new();
+    let train = ["train", "groupings", "street-narrow", "--seed", "7", "--simulated-scans", "6", "-o", "model"];
+    workplace.succeed(&[&train[..], &["-P", "walls.enabled=false", "-P", "grouping.rounds=2"]].concat());
+    let run = ["run", "street-narrow", "--simulated-scans", "1", "-d", "hierarchical", "--no-rrd"];
+    let model = ["-P", "vehicle_model.groupings_directory=model"];
+    let ended = workplace.run(&[&run[..], &model, &["-o", "refused"]].concat());
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    let said = "its model was trained with hierarchical.grouping.rounds = 2, and here it is 3";
+    assert!(ended.stderr.contains(said), "{ended:#?}");
+    let same = ["-P", "hierarchical.walls.enabled=false", "-P", "hierarchical.grouping.rounds=2"];
+    workplace.succeed(&[&run[..], &model, &same, &["-o", "same"]].concat());
+    let ended = workplace.run(&["train", "groupings", "street-narrow", "-P", "pca.grid.cell_size_m=0.5"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(ended.stderr.contains("changes no groups that are trained on"), "{ended:#?}");
+}
+
+#[test]
 fn a_model_that_no_chosen_detector_reads_is_refused_by_name() {
     let workplace = Workplace::new();
     let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params");

@@ -15,3 +15,6 @@ pub mod robustness_table;
 pub mod curve_row;
 pub mod agreement;
 pub mod partial_table;
+pub mod claims_table;
+pub mod open_values_table;
+pub mod rate_table;

@@ -21,6 +21,7 @@ enabled = true
 groupings_directory = ""
 rivals_directory = ""
 paper_directory = ""
+paper_as_printed = false
 pca_directory = ""
 "#;
 
@@ -35,6 +36,8 @@ struct VehicleModelTable {
     rivals_directory: String,
     /// The same of `train paper`.
     paper_directory: String,
+    /// Whether the classifier of paper that comes with the program is the one with the printed ν and γ.
+    paper_as_printed: bool,
     /// The same of `train pca`.
     pca_directory: String,
 }
@@ -229,7 +232,7 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
         components: rivals.model(COMPONENTS_FILE, TrainedComponents::from_bytes)?,
         nested_components: rivals.model(NESTED_FILE, |it| tree_from_bytes(it).map(Arc::new))?,
         clusters: rivals.model(CLUSTERS_FILE, VehicleModel::from_bytes)?,
-        paper: paper_from(&paper)?,
+        paper: paper_from(&paper, table.paper_as_printed)?,
         pca: pca_from(&pca)?,
     }))
 }
@@ -237,9 +240,19 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
 const PROTOTYPES: &str = "prototypes.toml";
 const MODEL: &str = "model.toml";
 
-fn paper_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PaperModel>, ValueProblem> {
-    if files.is_shipped() {
+fn paper_from(files: &ModelDirectory<'_>, as_printed: bool) -> Result<ModelSource<PaperModel>, ValueProblem> {
+    if files.is_shipped() && !as_printed {
         return Ok(ModelSource::Shipped);
+    }
+    if as_printed {
+        if !files.is_shipped() {
+            let problem = " = true: vehicle_model.paper_directory names another classifier".to_owned();
+            let keys = vec!["vehicle_model".to_owned(), "paper_as_printed".to_owned()];
+            return Err(ValueProblem { keys, problem });
+        }
+        let trained = TrainedWith { parameters: toml::Table::new(), parameter: files.parameter };
+        let model = Arc::new(PaperModel::as_printed());
+        return Ok(ModelSource::Trained { model, checksum: "shipped, as printed".to_owned(), trained });
     }
     let [prototypes, svm] = [files.read_text(PROTOTYPES)?, files.read_text(MODEL)?];
     let model = PaperModel::from_toml(&prototypes, &svm).map_err(|error| match error {

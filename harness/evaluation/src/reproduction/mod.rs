@@ -1,0 +1,5 @@
+//! What the claims of the papers rest on: readings of what they print, and the values that they leave open.
+
+pub mod open_values;
+pub mod settings;
+pub mod observed_scans;

@@ -1,0 +1,148 @@
+//! What figures of the papers show of scans, before anything is detected in them.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use detector::describe::box_frame_points::BoxFramePoints;
+use detector::describe::corner_spheres::CornerSpheres;
+use detector::grid::cell_fitness::CellTally;
+use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use detector::grid::ring_density::RingCounts;
+use rayon::prelude::*;
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::{Annotation, LabeledScan};
+use scans::dataset::Dataset;
+
+use crate::realism::survey::SurveyError;
+
+/// The cell sizes of HG Fig. 6, in metres, and as many more.
+pub const CELL_SIZES_M: [f32; 19] =
+    [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0];
+
+/// Fewest points of a car of which the spheres at its corners are looked at.
+const LEAST_POINTS: usize = 200;
+
+/// What one scan shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObservedScan {
+    /// The cells of each of [`CELL_SIZES_M`]. HG Fig. 6 a.
+    pub cells: Vec<CellTally>,
+    /// Its points over range. HG Fig. 5.
+    pub rings: RingCounts,
+    /// Of each annotated car of which much is seen, the mean radius of the spheres at its front and at its back, in metres. VM Fig. 6.
+    pub spheres_m: Vec<[f32; 2]>,
+}
+
+/// Looks at the scans `scan_indices` of `dataset`, several at once, and returns what they show in their order. The grids have those of
+/// `grid` but their cell size; cells that span more than `ground_extent_m` stand.
+///
+/// `on_scan` is called after every scan, from several threads.
+///
+/// # Errors
+///
+/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+pub fn observe(
+    (dataset, scan_indices): (&dyn Dataset, &[usize]),
+    (grid, ground_extent_m): (&GridParams, f32),
+    interrupted: &AtomicBool,
+    on_scan: impl Fn() + Sync,
+) -> Result<Vec<ObservedScan>, SurveyError> {
+    let observed = |&scan_idx: &usize| {
+        if interrupted.load(Ordering::Relaxed) {
+            let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
+            return Err(SurveyError::Interrupted { dataset, n_scans });
+        }
+        let scan = dataset.read_scan(scan_idx)?;
+        let cells = CELL_SIZES_M.map(|cell_size_m| {
+            let mut grid = HierarchicalGrid::new(GridParams { cell_size_m, xi: 1, ..grid.clone() });
+            grid.fill(&scan.cloud);
+            CellTally::of(&grid, ground_extent_m)
+        });
+        let spheres_m = scan.annotations.iter().filter_map(|it| spheres_of(&scan, it)).collect();
+        on_scan();
+        Ok(ObservedScan { cells: cells.to_vec(), rings: RingCounts::of(&scan.cloud), spheres_m })
+    };
+    // Collected before it is looked through for errors, so that the first in order is reported.
+    let of_scans: Vec<_> = scan_indices.par_iter().map(observed).collect();
+    of_scans.into_iter().collect()
+}
+
+/// The mean radii at the front and at the back of its annotated box; `None` of what is no car, or of which little is seen.
+fn spheres_of(scan: &LabeledScan, annotation: &Annotation) -> Option<[f32; 2]> {
+    let bounding_box = annotation.bounding_box?;
+    if annotation.class != AnnotationClass::Car || annotation.point_indices.len() < LEAST_POINTS {
+        return None;
+    }
+    let mut points = BoxFramePoints::default();
+    points.fill(&bounding_box, annotation.point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)));
+    let [length_m, width_m, _] = bounding_box.length_width_height_m;
+    let [front_left, back_left, back_right, front_right] =
+        CornerSpheres::around(&points, length_m, width_m)?.radii_m;
+    // An end that the sensor does not see has its nearest points far away, whatever its form.
+    let [nearest_m, farthest_m] = points
+        .along_m()
+        .iter()
+        .fold([f32::INFINITY, f32::NEG_INFINITY], |ends, &it| [ends[0].min(it), ends[1].max(it)]);
+    let is_seen_whole = farthest_m - nearest_m >= 0.9 * length_m;
+    // The side that is turned away has no points: of each end the nearer corner counts.
+    is_seen_whole.then(|| [front_left.min(front_right), back_left.min(back_right)])
+}
+
+#[cfg(test)]
+mod tests {
+    use detector::{OrientedBox, PointCloud};
+    use scans::annotation::{LabeledArea, PointRegion, ScanId};
+
+    use super::*;
+
+    /// A car of 4 m that is 0.8 m high at its front and 1.5 m behind, of which the left side is seen up to `end_m`.
+    fn scan(end_m: f32) -> LabeledScan {
+        let mut cloud = PointCloud::default();
+        for step in 0..40_u8 {
+            let along_m = -2.0 + 0.1 * f32::from(step);
+            for level in 0..=15_u8 {
+                let up_m = 0.1 * f32::from(level);
+                if along_m <= end_m && (up_m <= 0.8 || along_m < 0.8) {
+                    cloud.push([10.0 + along_m, 3.9, up_m - 1.7], 0.0);
+                }
+            }
+        }
+        let bounding_box = OrientedBox {
+            center_m: [10.0, 3.0, -0.95],
+            length_width_height_m: [4.0, 1.8, 1.5],
+            yaw_rad: 0.0,
+        };
+        let n = cloud.len() as u32;
+        let car = Annotation {
+            class: AnnotationClass::Car,
+            bounding_box: Some(bounding_box),
+            point_indices: (0..n).collect(),
+            track: None,
+            occlusion: None,
+            truncation: None,
+        };
+        LabeledScan {
+            id: ScanId { sequence: "0".to_owned(), index: 0 },
+            point_regions: vec![PointRegion::Labeled; cloud.len()],
+            cloud,
+            annotations: vec![car],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_bonnet_falls_away_from_its_corner() {
+        let scan_of_all = scan(2.0);
+        let [front_m, back_m] = spheres_of(&scan_of_all, &scan_of_all.annotations[0]).unwrap();
+        // From (2, 0.9, 1.5 m up) to the bonnet 0.7 m below; at the back there is a point in the corner.
+        assert!((front_m - 0.71).abs() < 0.01, "{front_m}");
+        assert!(back_m < 0.01, "{back_m}");
+    }
+
+    #[test]
+    fn a_car_of_which_an_end_is_not_seen_has_none() {
+        let scan = scan(0.5);
+        assert!(scan.annotations[0].point_indices.len() >= LEAST_POINTS);
+        assert_eq!(spheres_of(&scan, &scan.annotations[0]), None);
+    }
+}

@@ -1,0 +1,174 @@
+//! The values that the papers have and do not state.
+
+/// A parameter of the detector `paper` that the papers leave open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OpenValue {
+    /// Its full name.
+    pub parameter: &'static str,
+    /// What the papers say of it, and where.
+    pub said: &'static str,
+    /// What it could be.
+    pub range: OpenRange,
+}
+
+/// The values that one could take for what a paper says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OpenRange {
+    /// Numbers between these.
+    Numbers {
+        /// The least.
+        low: f64,
+        /// The greatest.
+        high: f64,
+        /// Whether they are whole.
+        is_whole: bool,
+        /// Whether ratios of them count, and not differences.
+        is_log: bool,
+    },
+    /// One of several words.
+    Words(&'static [&'static str]),
+}
+
+const fn numbers(low: f64, high: f64) -> OpenRange {
+    OpenRange::Numbers { low, high, is_whole: false, is_log: false }
+}
+
+const fn whole(low: f64, high: f64) -> OpenRange {
+    OpenRange::Numbers { low, high, is_whole: true, is_log: false }
+}
+
+const fn ratios(low: f64, high: f64) -> OpenRange {
+    OpenRange::Numbers { low, high, is_whole: false, is_log: true }
+}
+
+/// All that there are, in the order of the stages; the criterion of matching last.
+pub const OPEN_VALUES: [OpenValue; 13] = [
+    OpenValue {
+        parameter: "paper.terrain.low_quantile",
+        said: "VM 3: \"a globally estimated digital terrain map\", no method",
+        range: numbers(0.05, 0.5),
+    },
+    OpenValue {
+        parameter: "paper.ground.min_points",
+        said: "HG 3.1: clutter has fewer than \"typically 4-8\" points",
+        range: whole(4.0, 8.0),
+    },
+    OpenValue {
+        parameter: "paper.ground.ground_band_m",
+        said: "HG 3.1: the mean elevation around a ground cell lies in \"an allowed height range\"",
+        range: numbers(0.1, 0.8),
+    },
+    OpenValue {
+        parameter: "paper.walls.min_support",
+        said: "HG 3.1: long line segments are walls; nothing of what bears them",
+        range: ratios(0.01, 1.0),
+    },
+    OpenValue {
+        parameter: "paper.walls.hough.min_votes",
+        said: "HG 3.1: a Hough transform, no threshold",
+        range: whole(4.0, 20.0),
+    },
+    OpenValue {
+        parameter: "paper.walls.hough.min_length_cells",
+        said: "HG 3.1: \"long\" segments, no length",
+        range: whole(6.0, 30.0),
+    },
+    OpenValue {
+        parameter: "paper.walls.hough.max_gap_cells",
+        said: "HG 3.1: nothing of gaps in a segment",
+        range: whole(0.0, 5.0),
+    },
+    OpenValue {
+        parameter: "paper.merge.max_height_difference_m",
+        said: "HG 3.2: neighbours of heights that differ by less than ψ are one object; ψ is not stated",
+        range: ratios(0.2, 3.0),
+    },
+    OpenValue {
+        parameter: "paper.separation.low_density_share",
+        said: "HG 3.2: dense cells of \"low\" density part objects",
+        range: numbers(0.0, 0.8),
+    },
+    OpenValue {
+        parameter: "paper.separation.object_density_ratio",
+        said: "HG 3.2, 4: of which density is not stated",
+        range: ratios(0.5, 10.0),
+    },
+    OpenValue {
+        parameter: "paper.separation.single_gap_points",
+        said: "HG 4: how far the density weights gaps is not stated",
+        range: ratios(0.1, 10.0),
+    },
+    OpenValue {
+        parameter: "paper.cluster.min_points",
+        said: "the smallest object is not stated",
+        range: OpenRange::Numbers { low: 5.0, high: 60.0, is_whole: true, is_log: true },
+    },
+    OpenValue {
+        parameter: "matching.criterion",
+        said: "HG 5, VM 6: \"non-ambiguous assignment\"; neither what is compared nor how near it has to be",
+        range: OpenRange::Words(&["points", "centre", "bev-iou"]),
+    },
+];
+
+impl OpenRange {
+    /// The value at a share of the range, 0 to 1, as it is written.
+    pub fn at(self, share: f64) -> String {
+        match self {
+            Self::Words(words) => {
+                words[((share * words.len() as f64) as usize).min(words.len() - 1)].to_owned()
+            }
+            Self::Numbers { low, high, is_whole: true, is_log } => {
+                // Each of them has the same part of the range.
+                let number = if is_log {
+                    low * ((high + 1.0) / low).powf(share)
+                } else {
+                    low + share * (high + 1.0 - low)
+                };
+                format!("{}", number.floor().clamp(low, high))
+            }
+            Self::Numbers { low, high, is_whole: false, is_log } => {
+                let number = if is_log { low * (high / low).powf(share) } else { low + share * (high - low) };
+                format!("{number:.3}")
+            }
+        }
+    }
+}
+
+/// `4 to 8`, or `points, centre, bev-iou`.
+impl std::fmt::Display for OpenRange {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Numbers { low, high, .. } => write!(formatter, "{low} to {high}"),
+            Self::Words(words) => formatter.write_str(&words.join(", ")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::config::RunConfig;
+
+    #[test]
+    fn ranges_hold_the_shipped_values_and_are_parameters() {
+        let config = RunConfig::load(None).unwrap();
+        for OpenValue { parameter, range, .. } in OPEN_VALUES {
+            let shipped = config.value_of(parameter).expect(parameter);
+            match range {
+                OpenRange::Words(words) => assert!(words.contains(&shipped.as_str().unwrap())),
+                OpenRange::Numbers { low, high, .. } => {
+                    let number = shipped.as_float().or(shipped.as_integer().map(|it| it as f64)).unwrap();
+                    assert!((low..=high).contains(&number), "{parameter} is {number}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn shares_reach_from_one_end_to_the_other() {
+        assert_eq!([0.0, 0.5, 0.999].map(|it| whole(4.0, 8.0).at(it)), ["4", "6", "8"]);
+        assert_eq!([0.0, 0.5, 1.0].map(|it| numbers(0.1, 0.8).at(it)), ["0.100", "0.450", "0.800"]);
+        assert_eq!([0.0, 0.5, 1.0].map(|it| ratios(0.01, 1.0).at(it)), ["0.010", "0.100", "1.000"]);
+        assert_eq!([0.0, 0.4, 0.999].map(|it| OpenRange::Words(&["a", "b", "c"]).at(it)), ["a", "b", "c"]);
+    }
+}

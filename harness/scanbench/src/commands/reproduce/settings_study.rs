@@ -1,0 +1,191 @@
+//! The method under joint settings of all values that the papers leave open, and its rivals beside it.
+
+use std::sync::atomic::AtomicBool;
+
+use evaluation::metrics::counts::{Counts, FalseDetections};
+use evaluation::reproduction::open_values::{OPEN_VALUES, OpenRange};
+use evaluation::reproduction::settings::{TaskCounts, count, latin_hypercube, plan, point};
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::{ChosenDetector, built_in_named};
+use evaluation::sweep::sweep_plan::SweepPoint;
+use reports::reproduction::sensitivity::{Sensitivity, SetRate, SetValue};
+use reports::vocabulary::task::Task;
+use simulator::catalogue::DEFAULT_DATASETS;
+
+use super::METHOD;
+use crate::cli::ReproduceArgs;
+use crate::commands::failure::Failure;
+use crate::commands::first_look::look_first_at_all;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::progress::progress_over_scans;
+
+/// What makes the method one to the letter: printed constants where good faith has others.
+pub const LETTER: &str = "vehicle_model.paper_as_printed=true";
+
+/// Seed of the streets for development: nothing that is judged is looked at here.
+const DEVELOPMENT_SEED: u64 = 9001;
+
+/// The parameter that says how detections are matched.
+const CRITERION: &str = "matching.criterion";
+
+/// Counts of detectors on data sets at points.
+pub struct CountedPoints {
+    /// Of each data set, of each point, of each detector.
+    pub counts: Vec<Vec<Vec<TaskCounts>>>,
+    known: Vec<[FalseDetections; Task::ALL.len()]>,
+}
+
+impl CountedPoints {
+    /// Counts what `detectors` make of `datasets` at `points` of the parameters `names`.
+    pub fn of(
+        (config, detectors): (&RunConfig, &[&str]),
+        (names, points): (&[&str], Vec<SweepPoint>),
+        datasets: &[OpenedDataset],
+        interrupted: &AtomicBool,
+    ) -> Result<Self, Failure> {
+        let chosen: Vec<String> = detectors.iter().map(|it| (*it).to_owned()).collect();
+        let chosen = built_in_named(&chosen, config)?.into_iter().map(ChosenDetector::from).collect();
+        let plan = plan(config, chosen, names, points);
+        let mut counted = Self { counts: Vec::new(), known: Vec::new() };
+        for it in datasets {
+            let description = it.dataset.description();
+            let progress = progress_over_scans(it.scan_indices.len(), &description.id);
+            counted
+                .counts
+                .push(count(&plan, (&*it.dataset, &it.scan_indices), interrupted, || progress.inc(1))?);
+            counted.known.push(Task::ALL.map(|task| FalseDetections::of(&description.annotated, task)));
+            progress.finish_and_clear();
+        }
+        Ok(counted)
+    }
+
+    /// The F-rate at a point on one data set, or on all together; `None` where false detections are not known.
+    pub fn f_rate(
+        &self,
+        dataset_idx: Option<usize>,
+        point_idx: usize,
+        detector_idx: usize,
+        task: Task,
+    ) -> Option<f64> {
+        let task_idx = Task::ALL.iter().position(|it| *it == task)?;
+        let mut sum = Counts::default();
+        for (idx, counts) in
+            self.counts.iter().enumerate().filter(|it| dataset_idx.is_none_or(|idx| idx == it.0))
+        {
+            if self.known[idx][task_idx] != FalseDetections::Known {
+                return None;
+            }
+            sum += counts[point_idx][detector_idx][task_idx];
+        }
+        sum.scored(FalseDetections::Known).f_rate()
+    }
+
+    /// Number of data sets.
+    pub fn n_datasets(&self) -> usize {
+        self.counts.len()
+    }
+}
+
+/// All settings, with what came of them.
+pub struct SettingsStudy {
+    /// The rates.
+    pub sensitivity: Sensitivity,
+    methods: CountedPoints,
+    // At each criterion.
+    rivals: CountedPoints,
+    criterion_of_setting: Vec<usize>,
+}
+
+/// The rivals, and the task in which each is one.
+pub const RIVALS: [(&str, Task); 2] = [("kd-tree", Task::Objects), ("pca", Task::Vehicles)];
+
+/// The criteria of matching that a paper could mean.
+pub fn criteria() -> &'static [&'static str] {
+    let open = OPEN_VALUES.iter().find(|it| it.parameter == CRITERION);
+    match open.map(|it| it.range) {
+        Some(OpenRange::Words(words)) => words,
+        _ => &["points"],
+    }
+}
+
+/// The points at which only the criterion differs, in the order of [`criteria`].
+pub fn points_by_criterion(config: &RunConfig) -> Result<Vec<SweepPoint>, Failure> {
+    let points = criteria().iter().map(|it| point(config, &[CRITERION], vec![(*it).to_owned()]));
+    Ok(points.collect::<Result<_, _>>()?)
+}
+
+impl SettingsStudy {
+    /// Runs the method under all settings that were asked for, on streets for development; `None` if none were.
+    pub fn run(
+        arguments: &ReproduceArgs,
+        config: &RunConfig,
+        interrupted: &AtomicBool,
+    ) -> Result<Option<Self>, Failure> {
+        let n = arguments.settings as usize;
+        if n == 0 {
+            return Ok(None);
+        }
+        let mut data = arguments.data.clone();
+        data.datasets = vec![DEFAULT_DATASETS.to_owned()];
+        data.scans = None;
+        data.source.seed = Some(DEVELOPMENT_SEED);
+        let mut config = config.clone();
+        let datasets = look_first_at_all(open_datasets(&data, &config.classes)?, &mut config);
+        let names: Vec<&str> = OPEN_VALUES.iter().map(|it| it.parameter).collect();
+        let points = latin_hypercube(&config, &OPEN_VALUES, (n, arguments.settings_seed))?;
+        let settings: Vec<Vec<String>> = points.iter().map(|it| it.values.clone()).collect();
+        let methods = CountedPoints::of((&config, &[METHOD]), (&names, points), &datasets, interrupted)?;
+        let rivals = RIVALS.map(|it| it.0);
+        let rivals = CountedPoints::of(
+            (&config, &rivals),
+            (&[CRITERION], points_by_criterion(&config)?),
+            &datasets,
+            interrupted,
+        )?;
+        let place = names.iter().position(|it| *it == CRITERION).expect("it is one of them");
+        let criterion_of =
+            |it: &Vec<String>| criteria().iter().position(|word| *word == it[place]).unwrap_or(0);
+        let criterion_of_setting: Vec<usize> = settings.iter().map(criterion_of).collect();
+        let rate = |(rival_idx, (rival, task)): (usize, &(&str, Task))| SetRate {
+            name: format!("{task}, F-rate"),
+            method: METHOD.to_owned(),
+            of_method: (0..n).map(|it| methods.f_rate(None, it, 0, *task)).collect(),
+            rival: (*rival).to_owned(),
+            of_rival: criterion_of_setting
+                .iter()
+                .map(|&it| rivals.f_rate(None, it, rival_idx, *task))
+                .collect(),
+        };
+        let values = OPEN_VALUES.iter().map(|it| SetValue {
+            parameter: it.parameter.to_owned(),
+            said: it.said.to_owned(),
+            range: it.range.to_string(),
+            chosen: config.value_of(it.parameter).map_or_else(String::new, ToString::to_string),
+        });
+        let sensitivity = Sensitivity {
+            values: values.collect(),
+            settings,
+            rates: RIVALS.iter().enumerate().map(rate).collect(),
+            seed: arguments.settings_seed,
+            scans: format!("simulated streets for development (seeds from {DEVELOPMENT_SEED})"),
+        };
+        Ok(Some(Self { sensitivity, methods, rivals, criterion_of_setting }))
+    }
+
+    /// Under how many settings the method leads the rival of the task, and of how many: on each data set, or on all together.
+    pub fn n_leading(&self, task: Task, on_each: bool) -> Option<[usize; 2]> {
+        let rival_idx = RIVALS.iter().position(|it| it.1 == task)?;
+        let scenes: Vec<Option<usize>> =
+            if on_each { (0..self.methods.n_datasets()).map(Some).collect() } else { vec![None] };
+        let leads = |setting_idx: usize| {
+            scenes.iter().all(|&scene| {
+                let method = self.methods.f_rate(scene, setting_idx, 0, task);
+                let rival =
+                    self.rivals.f_rate(scene, self.criterion_of_setting[setting_idx], rival_idx, task);
+                method.zip(rival).is_some_and(|(method, rival)| method > rival)
+            })
+        };
+        let n = self.criterion_of_setting.len();
+        Some([(0..n).filter(|&it| leads(it)).count(), n])
+    }
+}

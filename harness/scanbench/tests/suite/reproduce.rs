@@ -1,0 +1,65 @@
+//! `scanbench reproduce`: the claims of the papers, judged.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use crate::program::Workplace;
+
+const REPRODUCE: [&str; 11] = [
+    "reproduce",
+    "all",
+    "street-narrow",
+    "street-main-road",
+    "--simulated-scans",
+    "2",
+    "--seed",
+    "7",
+    "--settings",
+    "2",
+    "-o",
+];
+
+#[test]
+fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
+    let workplace = Workplace::new();
+    let ended = workplace.succeed(&[&REPRODUCE[..], &["first"]].concat());
+    assert!(ended.stdout.contains("Of 19 claims "), "{ended:#?}");
+    workplace.succeed(&[&REPRODUCE[..], &["second"]].concat());
+    for name in ["settings.csv", "open_values.md", "settings.svg"] {
+        let [first, second] = ["first", "second"].map(|it| workplace.read(&format!("{it}/{name}")));
+        assert!(first == second, "{name}");
+    }
+    // One line for each claim that is no time.
+    let untimed = |folder: &str| {
+        let text = workplace.read(&format!("{folder}/reproduction.md"));
+        let is_timed = |it: &&str| it.contains(" ms") || it.contains("faster");
+        text.lines().filter(|it| !is_timed(it)).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(untimed("first"), untimed("second"));
+    let json: serde_json::Value = serde_json::from_str(&workplace.read("first/reproduction.json")).unwrap();
+    let claims = json["claims"].as_array().unwrap();
+    assert_eq!(claims.len(), 19);
+    assert_eq!(claims[0]["settings"][1], 2);
+    let readings: Vec<&str> =
+        claims[0]["readings"].as_array().unwrap().iter().map(|it| it["reading"].as_str().unwrap()).collect();
+    assert_eq!(readings, ["good faith", "to the letter", "by centre", "by bev-iou"]);
+    // It is a run, too.
+    let rows = workplace.read("first/scans.csv");
+    for detector in ["paper,", "\"paper, to the letter\",", "kd-tree,", "pca,"] {
+        assert!(rows.contains(detector), "{detector}");
+    }
+    let page = workplace.read("first/reproduction.html");
+    assert!(page.contains("Claim by claim") && page.contains("Under every setting"), "{page}");
+}
+
+#[test]
+fn one_paper_without_settings_and_judged_streets_choose_nothing() {
+    let workplace = Workplace::new();
+    let hg = ["reproduce", "hg", "street-narrow", "--simulated-scans", "1", "--seed", "7", "--settings", "0"];
+    workplace.succeed(&[&hg[..], &["-o", "hg"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&workplace.read("hg/reproduction.json")).unwrap();
+    let claims = json["claims"].as_array().unwrap();
+    assert!(claims.iter().all(|it| it["claim"]["paper"] == "HG" && it["settings"].is_null()));
+    assert!(!workplace.path("hg/settings.csv").exists());
+    let ended = workplace.run(&["reproduce", "all", "--choose", "streets", "--settings", "2"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(ended.stderr.contains("by which scanbench run judges"), "{ended:#?}");
+}

@@ -1,0 +1,196 @@
+//! What the papers claim, as data.
+
+use serde::{Deserialize, Serialize};
+
+use crate::vocabulary::metric::Metric;
+use crate::vocabulary::task::Task;
+
+/// A paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Paper {
+    /// Objects over a hierarchical grid.
+    #[serde(rename = "HG")]
+    HierarchicalGrid,
+    /// Vehicles by their model.
+    #[serde(rename = "VM")]
+    VehicleModel,
+}
+
+impl Paper {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::HierarchicalGrid, Self::VehicleModel];
+
+    /// Its letters.
+    pub fn short_name(self) -> &'static str {
+        match self {
+            Self::HierarchicalGrid => "HG",
+            Self::VehicleModel => "VM",
+        }
+    }
+
+    /// Authors, title and year.
+    pub fn citation(self) -> &'static str {
+        match self {
+            Self::HierarchicalGrid => {
+                "Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, 2014 (HG)"
+            }
+            Self::VehicleModel => {
+                "Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in Continuously Streamed \
+                 Urban LIDAR Point Clouds, 2014 (VM)"
+            }
+        }
+    }
+}
+
+/// A claim of a paper.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Claim {
+    /// Whose it is.
+    pub paper: Paper,
+    /// Section, table and figure.
+    pub place: String,
+    /// The claim, in our words.
+    pub says: String,
+    /// What is printed for it.
+    pub printed: String,
+    /// What would have to be seen.
+    pub test: ClaimTest,
+}
+
+/// What would have to be seen for a claim to hold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ClaimTest {
+    /// A rate of one detector is higher than that of another, surely.
+    Lead {
+        /// In which task.
+        task: Task,
+        /// Which rate.
+        metric: RateName,
+        /// Who is to lead.
+        method: String,
+        /// Whom.
+        rival: String,
+        /// `every` for each data set, `overall` for all together, or part of the names of those that count.
+        scenes: String,
+    },
+    /// The lead is greater on some data sets than on the others.
+    LeadsMost {
+        /// In which task.
+        task: Task,
+        /// Who leads.
+        method: String,
+        /// Whom.
+        rival: String,
+        /// Parts of the names of the data sets.
+        scenes: Vec<String>,
+    },
+    /// One detector is so many times as fast as another.
+    Faster {
+        /// Who is to be.
+        method: String,
+        /// Than whom.
+        rival: String,
+        /// How many times.
+        at_least: f64,
+    },
+    /// One detector runs fewer objects together than another.
+    LessJoined {
+        /// Who is to.
+        method: String,
+        /// Than whom.
+        rival: String,
+    },
+    /// Points become fewer with range.
+    DensityFalls,
+    /// They do not, once divided by the weights.
+    DensityEvened,
+    /// The printed fitness of cell sizes has its maximum between these, within 0 and 1.
+    PeakOfFitness {
+        /// In metres.
+        from_m: f64,
+        /// In metres.
+        to_m: f64,
+    },
+    /// The F-rate has its maximum between these cell sizes.
+    PeakOfFRate {
+        /// In metres.
+        from_m: f64,
+        /// In metres.
+        to_m: f64,
+    },
+    /// A step takes longer than any other.
+    LongestStep {
+        /// Its name in the paper.
+        step: String,
+    },
+    /// More boxes are turned right by hulls than by principal axes.
+    TurnedRight {
+        /// How far they may be off.
+        within_deg: f64,
+    },
+    /// Spheres at the front are larger than those at the back.
+    FrontSpheres,
+    /// Of what is missed, most is strongly occluded.
+    MissesAreOccluded {
+        /// Who misses.
+        method: String,
+    },
+    /// It cannot be seen here.
+    None {
+        /// Why.
+        because: String,
+    },
+}
+
+/// A rate in a file of claims.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RateName {
+    /// The F-rate.
+    FRate,
+    /// Precision.
+    Precision,
+    /// Recall.
+    Recall,
+}
+
+impl RateName {
+    /// The metric.
+    pub fn metric(self) -> Metric {
+        match self {
+            Self::FRate => Metric::FRate,
+            Self::Precision => Metric::Precision,
+            Self::Recall => Metric::Recall,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ClaimFile {
+    claim: Vec<Claim>,
+}
+
+/// All claims that we know of, in the order of the papers.
+pub fn claims() -> Vec<Claim> {
+    let file: ClaimFile = toml::from_str(include_str!("claims.toml")).expect("the embedded file is tested");
+    file.claim
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_paper_has_claims_and_none_is_there_twice() {
+        let claims = claims();
+        for paper in Paper::ALL {
+            assert!(claims.iter().filter(|it| it.paper == paper).count() >= 8, "{paper:?}");
+        }
+        for (idx, claim) in claims.iter().enumerate() {
+            assert!(claims[..idx].iter().all(|it| it.says != claim.says), "{}", claim.says);
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Whether claims hold, and under which readings.
+
+use serde::Serialize;
+
+use super::claim::Claim;
+
+/// A claim, and what was seen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JudgedClaim {
+    /// The claim.
+    pub claim: Claim,
+    /// What was seen under each reading of the paper, that in good faith first; none where nothing could be.
+    pub readings: Vec<Seen>,
+    /// Under how many of the joint settings of open values it holds, and of how many; `None` where it does not depend on them.
+    pub settings: Option<[usize; 2]>,
+    /// What comes of it.
+    pub verdict: ClaimVerdict,
+}
+
+/// What was seen under one reading.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Seen {
+    /// The reading.
+    pub reading: String,
+    /// The numbers, in words.
+    pub numbers: String,
+    /// What lies between method and rival, with its 95 % interval, in words; empty where nothing does.
+    pub difference: String,
+    /// Whether the claim holds so; `None` if that cannot be told from these scans.
+    pub holds: Option<bool>,
+}
+
+/// What comes of a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClaimVerdict {
+    /// It holds in good faith.
+    Holds,
+    /// It holds to the letter, by another criterion, or under some of the settings; not in good faith.
+    HoldsUnderSomeReadings,
+    /// It holds under none.
+    DoesNotHold,
+    /// These scans say nothing about it.
+    CannotBeTestedHere,
+}
+
+impl JudgedClaim {
+    /// Judges `claim` by what was seen.
+    pub fn new(claim: Claim, readings: Vec<Seen>, settings: Option<[usize; 2]>) -> Self {
+        let verdict = ClaimVerdict::of(&readings, settings);
+        Self { claim, readings, settings, verdict }
+    }
+}
+
+impl ClaimVerdict {
+    fn of(readings: &[Seen], settings: Option<[usize; 2]>) -> Self {
+        let Some(good_faith) = readings.first() else { return Self::CannotBeTestedHere };
+        if good_faith.holds == Some(true) {
+            return Self::Holds;
+        }
+        let some = readings.iter().any(|it| it.holds == Some(true)) || settings.is_some_and(|it| it[0] > 0);
+        match good_faith.holds {
+            _ if some => Self::HoldsUnderSomeReadings,
+            Some(_) => Self::DoesNotHold,
+            None => Self::CannotBeTestedHere,
+        }
+    }
+
+    /// For people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::HoldsUnderSomeReadings => "holds under some readings",
+            Self::DoesNotHold => "does not hold",
+            Self::CannotBeTestedHere => "cannot be tested here",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(holds: Option<bool>) -> Seen {
+        Seen { reading: String::new(), numbers: String::new(), difference: String::new(), holds }
+    }
+
+    #[track_caller]
+    fn check(readings: &[Option<bool>], settings: Option<[usize; 2]>, expected: ClaimVerdict) {
+        let readings: Vec<Seen> = readings.iter().map(|it| seen(*it)).collect();
+        assert_eq!(ClaimVerdict::of(&readings, settings), expected);
+    }
+
+    #[test]
+    fn good_faith_decides_and_what_else_holds_is_said() {
+        check(&[Some(true), Some(false)], Some([0, 200]), ClaimVerdict::Holds);
+        check(&[Some(false), Some(true)], None, ClaimVerdict::HoldsUnderSomeReadings);
+        check(&[Some(false), Some(false)], Some([3, 200]), ClaimVerdict::HoldsUnderSomeReadings);
+        check(&[Some(false), None], Some([0, 200]), ClaimVerdict::DoesNotHold);
+        check(&[None], None, ClaimVerdict::CannotBeTestedHere);
+        check(&[], None, ClaimVerdict::CannotBeTestedHere);
+    }
+}

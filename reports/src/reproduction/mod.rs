@@ -1,0 +1,6 @@
+//! The claims of the papers, judged.
+
+pub mod claim;
+pub mod judged_claim;
+pub mod lead;
+pub mod sensitivity;

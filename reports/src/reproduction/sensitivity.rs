@@ -1,0 +1,120 @@
+//! What a rate does over joint settings of values that nobody states.
+
+use serde::Serialize;
+
+use crate::numbers::rank_correlation::rank_correlation;
+
+/// The settings, and what came of each.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// The values that were set.
+    pub values: Vec<SetValue>,
+    /// Of each setting its values as they are written, in the order of `values`.
+    pub settings: Vec<Vec<String>>,
+    /// The rates, each under all settings.
+    pub rates: Vec<SetRate>,
+    /// The seed of the draw.
+    pub seed: u64,
+    /// The scans, in words.
+    pub scans: String,
+}
+
+/// A value that was set.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SetValue {
+    /// The parameter.
+    pub parameter: String,
+    /// What the papers say of it.
+    pub said: String,
+    /// Its range, in words.
+    pub range: String,
+    /// What it is in good faith.
+    pub chosen: String,
+}
+
+/// A rate under all settings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SetRate {
+    /// Task and rate.
+    pub name: String,
+    /// Who is to lead.
+    pub method: String,
+    /// Under each setting; `None` where it is undefined.
+    pub of_method: Vec<Option<f64>>,
+    /// Whom.
+    pub rival: String,
+    /// Of the rival under the same criterion.
+    pub of_rival: Vec<Option<f64>>,
+}
+
+impl SetRate {
+    /// Under how many settings the method leads, and of how many.
+    pub fn n_leading(&self) -> [usize; 2] {
+        let pairs = self.of_method.iter().zip(&self.of_rival);
+        let known: Vec<bool> = pairs.filter_map(|(method, rival)| Some((*method)? > (*rival)?)).collect();
+        [known.iter().filter(|it| **it).count(), known.len()]
+    }
+
+    /// The rates of the method at these shares of all settings, 0 the lowest and 1 the highest.
+    pub fn quantiles<const N: usize>(&self, shares: [f64; N]) -> Option<[f64; N]> {
+        let mut rates: Vec<f64> = self.of_method.iter().copied().flatten().collect();
+        rates.sort_by(f64::total_cmp);
+        let last = rates.len().checked_sub(1)?;
+        Some(shares.map(|it| rates[(it * last as f64).round() as usize]))
+    }
+}
+
+impl Sensitivity {
+    /// How strongly the rate goes with each value that is a number: Spearman's rank correlation over the settings.
+    pub fn correlations(&self, rate: &SetRate) -> Vec<(String, Option<f64>)> {
+        let of_value = |(idx, value): (usize, &SetValue)| {
+            let pairs = self.settings.iter().zip(&rate.of_method);
+            let pairs: Option<Vec<(f64, f64)>> = pairs
+                .filter(|it| it.1.is_some())
+                .map(|(it, rate)| Some((it[idx].parse().ok()?, (*rate)?)))
+                .collect();
+            Some((value.parameter.clone(), rank_correlation(&pairs?)))
+        };
+        self.values.iter().enumerate().filter_map(of_value).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rate() -> SetRate {
+        SetRate {
+            name: "objects".to_owned(),
+            method: "paper".to_owned(),
+            of_method: vec![Some(0.5), Some(0.3), None, Some(0.9)],
+            rival: "kd-tree".to_owned(),
+            of_rival: vec![Some(0.4), Some(0.4), Some(0.1), Some(0.9)],
+        }
+    }
+
+    #[test]
+    fn who_leads_is_counted_where_both_are_known_and_what_ties_does_not_lead() {
+        assert_eq!(rate().n_leading(), [1, 3]);
+        assert_eq!(rate().quantiles([0.0, 0.5, 1.0]), Some([0.3, 0.5, 0.9]));
+    }
+
+    #[test]
+    fn a_rate_that_grows_with_a_value_goes_with_it() {
+        let value = |parameter: &str| SetValue {
+            parameter: parameter.to_owned(),
+            said: String::new(),
+            range: String::new(),
+            chosen: String::new(),
+        };
+        let setting = |a: &str, b: &str| vec![a.to_owned(), b.to_owned()];
+        let sensitivity = Sensitivity {
+            values: vec![value("grows"), value("word")],
+            settings: vec![setting("2", "x"), setting("1", "y"), setting("9", "y"), setting("3.5", "x")],
+            rates: vec![rate()],
+            seed: 1,
+            scans: String::new(),
+        };
+        assert_eq!(sensitivity.correlations(&rate()), [("grows".to_owned(), Some(1.0))]);
+    }
+}

@@ -1,0 +1,108 @@
+//! The claims of the papers as a table.
+
+use crate::reproduction::claim::Paper;
+use crate::reproduction::judged_claim::{ClaimVerdict, JudgedClaim};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::sheet::{Part, Sheet, Tabular};
+
+/// Judged claims, with what has to be said of them.
+#[derive(Debug, Clone, Copy)]
+pub struct ClaimsTable<'a> {
+    /// The claims.
+    pub claims: &'a [JudgedClaim],
+    /// What has to be said beneath.
+    pub notes: &'a [String],
+}
+
+impl Tabular for ClaimsTable<'_> {
+    fn sheet(&self) -> Sheet {
+        let of_paper = |paper: Paper| {
+            let claims: Vec<&JudgedClaim> = self.claims.iter().filter(|it| it.claim.paper == paper).collect();
+            (!claims.is_empty())
+                .then(|| Part { title: Some(paper.citation().to_owned()), grid: grid(&claims) })
+        };
+        let parts = Paper::ALL.into_iter().filter_map(of_paper).collect();
+        let mut sheet = Sheet::of_parts(parts, self.notes.to_vec()).labelled("claims");
+        sheet.lead.push(lead(self.claims));
+        sheet
+    }
+}
+
+/// How many claims hold, in a sentence.
+pub fn lead(claims: &[JudgedClaim]) -> String {
+    let n = |verdict: ClaimVerdict| claims.iter().filter(|it| it.verdict == verdict).count();
+    format!(
+        "Of {} claims {} hold, {} hold under some readings, {} do not hold, and {} cannot be tested here.",
+        claims.len(),
+        n(ClaimVerdict::Holds),
+        n(ClaimVerdict::HoldsUnderSomeReadings),
+        n(ClaimVerdict::DoesNotHold),
+        n(ClaimVerdict::CannotBeTestedHere),
+    )
+}
+
+fn grid(claims: &[&JudgedClaim]) -> Grid {
+    let titles = ["claim", "place", "printed", "reading", "here", "difference (95 % interval)", "verdict"];
+    let columns = titles.into_iter().map(Column::left).collect();
+    let mut lines = Vec::new();
+    for it in claims {
+        let verdict = match it.settings {
+            Some([n_holding, n]) => {
+                format!("{} ({n_holding} of {n} settings)", it.verdict.name())
+            }
+            None => it.verdict.name().to_owned(),
+        };
+        let claim = [it.claim.says.clone(), it.claim.place.clone(), it.claim.printed.clone()];
+        let first = it.readings.first();
+        let seen = first.map_or_else(
+            || [String::new(), "–".to_owned(), String::new()],
+            |it| [it.reading.clone(), it.numbers.clone(), it.difference.clone()],
+        );
+        lines.push(line(LineKind::Dataset, claim.into_iter().chain(seen).chain([verdict])));
+        for seen in it.readings.iter().skip(1) {
+            let holds = match seen.holds {
+                Some(true) => "holds so",
+                Some(false) => "does not",
+                None => "not known",
+            };
+            let cells = [&seen.reading, &seen.numbers, &seen.difference].map(Clone::clone);
+            let empty = std::iter::repeat_n(String::new(), 3);
+            lines.push(line(LineKind::Detail, empty.chain(cells).chain([holds.to_owned()])));
+        }
+    }
+    Grid { columns, lines }
+}
+
+fn line(kind: LineKind, cells: impl Iterator<Item = String>) -> Line {
+    Line { kind, cells: cells.map(Cell::new).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reproduction::claim::{Claim, ClaimTest};
+    use crate::reproduction::judged_claim::Seen;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::markdown::Markdown;
+
+    #[test]
+    fn each_claim_has_its_readings_below_it() {
+        let claim = Claim {
+            paper: Paper::VehicleModel,
+            place: "6".to_owned(),
+            says: "It is fast.".to_owned(),
+            printed: "23 against 13.5".to_owned(),
+            test: ClaimTest::FrontSpheres,
+        };
+        let seen = |reading: &str, holds| Seen {
+            reading: reading.to_owned(),
+            numbers: "3 against 4".to_owned(),
+            difference: "-1 (-2 to 0)".to_owned(),
+            holds: Some(holds),
+        };
+        let readings = vec![seen("good faith", false), seen("to the letter", true)];
+        let claims = [JudgedClaim::new(claim, readings, Some([3, 20]))];
+        let table = ClaimsTable { claims: &claims, notes: &["A note.".to_owned()] };
+        insta::assert_snapshot!(Markdown.text(&table), @"");
+    }
+}
