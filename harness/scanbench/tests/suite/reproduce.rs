@@ -21,7 +21,7 @@ const REPRODUCE: [&str; 11] = [
 fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     let workplace = Workplace::new();
     let ended = workplace.succeed(&[&REPRODUCE[..], &["first"]].concat());
-    assert!(ended.stdout.contains("Of 19 claims "), "{ended:#?}");
+    assert!(ended.stdout.contains("Of the claims (19) "), "{ended:#?}");
     workplace.succeed(&[&REPRODUCE[..], &["second"]].concat());
     for name in ["settings.csv", "open_values.md", "settings.svg"] {
         let [first, second] = ["first", "second"].map(|it| workplace.read(&format!("{it}/{name}")));
