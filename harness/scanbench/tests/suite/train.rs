@@ -116,7 +116,8 @@ fn rivals_are_trained_for_several_sensors_and_run() {
 #[test]
 fn a_model_that_was_trained_with_other_parameters_is_refused_with_both_values() {
     let workplace = Workplace::new();
-    let train = ["train", "groupings", "street-narrow", "--seed", "7", "--simulated-scans", "6", "-o", "model"];
+    let train =
+        ["train", "groupings", "street-narrow", "--seed", "7", "--simulated-scans", "6", "-o", "model"];
     workplace.succeed(&[&train[..], &["-P", "walls.enabled=false", "-P", "grouping.rounds=2"]].concat());
     let run = ["run", "street-narrow", "--simulated-scans", "1", "-d", "hierarchical", "--no-rrd"];
     let model = ["-P", "vehicle_model.groupings_directory=model"];
