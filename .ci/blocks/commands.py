@@ -25,6 +25,7 @@ TINY = {
     "sweep": {"--scans": "0..1", "--timed-scans": "0"},
     "gaps": {"--pairs": "1"},
     "robustness": {"--scans": "1"},
+    "reproduce": {"--scans": "0..2", "--settings": "2"},
     "train": {"--simulated-scans": "36", "--scans": "0..36:2", "--vehicles": "60"},
     "realism": {"--simulated-scans": "4", "--against-scans": "0..4"},
     "compare": {},

@@ -43,7 +43,12 @@ GROUPS = {
             "harness/simulator/src/rain.rs",
             "harness/simulator/src/street_conditions.rs",
             "reports/src/numbers/condition_scores.rs",
+            "docs/models/",
         ],
+        [],
+    ),
+    "reproduction": (
+        ["harness/evaluation/src/reproduction/", "harness/scanbench/src/commands/reproduce/", "reports/src/reproduction/"],
         [],
     ),
     "sweep": (
@@ -94,6 +99,7 @@ OF_VERB = {
     "sweep": [*JUDGED, "sweep"],
     "gaps": [*JUDGED, "gaps"],
     "robustness": [*JUDGED, "robustness"],
+    "reproduce": [*JUDGED, "reproduction"],
     "boxes": ["golden", "parameters", "datasets", "boxes"],
     "train": ["golden", "parameters", "datasets", "training"],
     "data realism": ["golden", "parameters", "datasets", "realism"],

@@ -211,8 +211,8 @@ mod tests {
     #[test]
     fn as_printed_few_points_are_clutter_at_every_range() {
         let far = |params: &HierarchicalParams, n_points: usize| class_of_lone_cell(params, n_points, 50.0);
-        assert_eq!(far(&printed(), 3), SurfaceClass::Clutter);
-        assert_eq!(far(&printed(), 4), SurfaceClass::Short);
+        assert_eq!(far(&printed(), 4), SurfaceClass::Clutter);
+        assert_eq!(far(&printed(), 5), SurfaceClass::Short);
     }
 
     /// The class of a cell that alone is occupied, `x_m` in front of the sensor, by `n_points` one above the other.

@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 use evaluation::run::config::override_option::OverrideOption;
 use evaluation::training::{CHOICE_SEED, HOLD_OUT_EVERY, OTHERS_PER_VEHICLE, PROTOTYPES};
 
-use super::help_text::{DETECTORS, JUDGING, TRAINING, with_details};
+use super::help_text::{JUDGING, TRAINING, with_details};
 use super::output::OutputArgs;
 use super::scans::DatasetArgs;
 use super::train_partial::PartialTrainingArgs;
@@ -46,7 +46,7 @@ pub struct TreeTrainingArgs {
     /// Set one parameter of what finds the groups; may be repeated
     ///
     /// The models keep it: a run with another value is refused. The last parts of a name are enough if only one parameter ends in them.
-    #[arg(short = 'P', long = "param", value_name = "NAME=VALUE", help_heading = DETECTORS)]
+    #[arg(short = 'P', long = "param", value_name = "NAME=VALUE", help_heading = TRAINING)]
     pub parameters: Vec<OverrideOption>,
     /// What is judged by.
     #[command(flatten)]

@@ -12,7 +12,7 @@ pub mod config;
 pub mod counted_dataset;
 pub mod frame_facts;
 pub mod open_datasets;
-mod judged_streets;
+pub mod judged_streets;
 pub mod named_blocks;
 pub mod opened_results;
 pub mod open_scan;

@@ -74,7 +74,7 @@ fn scans_picked_out_of_drives_have_no_times_and_decide_nothing() {
     let ended = workplace.succeed(&["data", "check", "street"]);
     assert!(ended.stdout.contains("12, no times known: they may be neighbours\n"), "{ended:#?}");
     // However large a loss is, it is not called sure.
-    check_run(&workplace, &["-o", "worse", "-P", "hierarchical.cluster.min_points=5000"]);
+    check_run(&workplace, &["-o", "worse", "-P", "hierarchical.cluster.min_points=200"]);
     let ended = workplace.run(&["gate", "worse", "-b", "run"]);
     assert_eq!(ended.exit_code, Some(101), "{ended:#?}");
     let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");

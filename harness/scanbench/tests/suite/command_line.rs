@@ -17,8 +17,9 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 39] = [
+const VERBS: [&str; 40] = [
     "run",
+    "reproduce",
     "merge",
     "detect",
     "compare",
