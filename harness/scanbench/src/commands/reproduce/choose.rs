@@ -10,6 +10,7 @@ use evaluation::run::detector_list::{ChosenDetector, built_in_named};
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::vocabulary::task::Task;
 
+use super::METHOD;
 use crate::cli::ReproduceArgs;
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
@@ -18,9 +19,6 @@ use crate::commands::judged_streets::refuse_judged;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
-
-/// The method.
-const METHOD: &str = "paper";
 
 /// Tries joint settings of all values but the criterion, and prints the one with the greatest mean rate.
 pub fn choose(arguments: &ReproduceArgs) -> Result<(), Failure> {
