@@ -617,12 +617,12 @@ mod tests {
         let cars = Drawing::road().surface([-12.0, 4.1], [12.0, 4.1], 1.5);
         assert_eq!(cars.printed_class_at([3.1, 4.1]), SurfaceClass::Short);
         // No beam is as high as that this near.
-        let facade = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
-        assert_eq!(facade.printed_class_at([3.1, 9.1]), SurfaceClass::Short);
+        let facade = || Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
+        assert_eq!(facade().printed_class_at([3.1, 9.1]), SurfaceClass::Short);
         // A sign over it is, and is too little; a bay of 10 m of 24 is not.
-        let sign = facade.seen_up_to([-5.4, 9.1], [-4.8, 9.1], 3.5, 1.0);
+        let sign = facade().seen_up_to([-5.4, 9.1], [-4.8, 9.1], 3.5, 1.0);
         assert_eq!(sign.printed_class_at([3.1, 9.1]), SurfaceClass::Short);
-        let bay = facade.seen_up_to([-12.0, 9.1], [-2.0, 9.1], 3.5, 1.0);
+        let bay = facade().seen_up_to([-12.0, 9.1], [-2.0, 9.1], 3.5, 1.0);
         assert_eq!(bay.printed_class_at([3.1, 9.1]), SurfaceClass::Tall);
     }
 

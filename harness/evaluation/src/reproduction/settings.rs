@@ -33,7 +33,7 @@ pub enum SettingsError {
 }
 
 /// A Latin hypercube of `n` joint settings of `values` over the parameters of `base`: each value takes every `n`th of its range once, in an
-/// order of its own. McKay, Beckman, Conover 1979.
+/// order of its own. `McKay`, Beckman, Conover 1979.
 ///
 /// # Errors
 ///

@@ -77,10 +77,9 @@ Exit codes:
 
 /// The verbs.
 #[derive(Debug, Subcommand)]
-#[expect(clippy::large_enum_variant, reason = "there is one of them")]
 pub enum Command {
     /// Run detectors on labelled scans and score them
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Put the shards of a run together
     Merge(MergeArgs),
     /// Run one detector on one scan

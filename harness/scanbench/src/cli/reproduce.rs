@@ -51,7 +51,7 @@ Examples:
   scanbench reproduce                              both papers, on simulated streets
   scanbench reproduce all streets ~/data/kitti_tracking -o runs/papers
   scanbench reproduce hg --settings 1000
-  scanbench reproduce all --choose training-streets ~/data/kitti_tracking --scans 0..300:6 --settings 400
+  scanbench reproduce all --choose training-streets --scans 0..300:6
 
 Runs the method of the papers and its rivals, judges each claim of the papers, and says
 under which of the values that they leave open it holds. Writes reproduction.html, .md,

@@ -137,7 +137,7 @@ impl RunAgain {
                 .into());
             }
         }
-        Ok(Self { arguments: Box::new(arguments), config, detectors, datasets })
+        Ok(Self { arguments, config, detectors, datasets })
     }
 
     /// The scans of all mistakes, each once, in the order of the mistakes.

@@ -1,5 +1,4 @@
 //! `scanbench reproduce`: the claims of the papers, judged.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use crate::program::Workplace;
 

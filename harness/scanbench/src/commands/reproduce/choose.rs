@@ -1,5 +1,6 @@
 //! Choosing the values that the papers leave open, as their authors had to.
 
+use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
 use evaluation::metrics::counts::FalseDetections;
@@ -43,9 +44,10 @@ pub fn choose(arguments: &ReproduceArgs) -> Result<(), Failure> {
     for &point_idx in order.iter().take(10).chain([&n]) {
         let rates_text: Vec<String> =
             rates[point_idx].iter().map(|(name, it)| format!("{name} {:.1}", 100.0 * it)).collect();
-        text.push_str(&format!("{:.1}: {}\n", 100.0 * mean(&rates[point_idx]), rates_text.join(", ")));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{:.1}: {}", 100.0 * mean(&rates[point_idx]), rates_text.join(", "));
         for (name, value) in names.iter().zip(&plan.points[point_idx].values) {
-            text.push_str(&format!("    {name} = {value}\n"));
+            let _ = writeln!(text, "    {name} = {value}");
         }
     }
     print_result(text)

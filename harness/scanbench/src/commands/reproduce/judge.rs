@@ -107,9 +107,9 @@ impl<'a> Judge<'a> {
     }
 
     /// All claims of `papers`, judged.
-    pub fn claims(&self, papers: &[Paper]) -> Result<Vec<JudgedClaim>, Failure> {
+    pub fn claims(&self, papers: &[Paper]) -> Vec<JudgedClaim> {
         let claims = claims().into_iter().filter(|it| papers.contains(&it.paper));
-        Ok(claims.map(|it| self.judged(it)).collect())
+        claims.map(|it| self.judged(it)).collect()
     }
 
     /// Data sets and numbers of scans, for people.
@@ -450,7 +450,7 @@ impl<'a> Judge<'a> {
         let Some(pool) = self.tally.pools().into_iter().next() else { return Vec::new() };
         let table = |task: Task| {
             let slices = self.tally.slices(task, METHOD).into_iter();
-            let slices = slices.filter(|it| it.has_false_detections());
+            let slices = slices.filter(Slice::has_false_detections);
             let rows = slices.filter_map(|slice| self.row(slice.name(), pool.extent.name(), (task, slice)));
             RateTable {
                 title: format!("Task {task}, by range in metres and by number of points"),

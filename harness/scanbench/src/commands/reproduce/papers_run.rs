@@ -84,7 +84,7 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     let numbers = write_numbers(&directory, &manifest, &tally)?;
     let settings = SettingsStudy::run(arguments, &config, interrupted)?;
     let judge = Judge::new((&tally, &numbers.report), &config, &datasets, settings.as_ref(), interrupted)?;
-    let claims = judge.claims(papers(arguments.paper))?;
+    let claims = judge.claims(papers(arguments.paper));
     let written = Written {
         arguments,
         claims: &claims,
@@ -169,7 +169,7 @@ impl Written<'_> {
         tables.extend(TABLES_1.into_iter().zip(&by_scene).map(|(title, it)| (title, it as &dyn Tabular)));
         tables.extend(PARTS.into_iter().zip(&by_part).map(|(title, it)| (title, it as &dyn Tabular)));
         let open_values = settings.map(|sensitivity| OpenValuesTable { sensitivity });
-        let svg = settings.map(|it| settings_plot(it));
+        let svg = settings.map(settings_plot);
         if let (Some(table), Some(svg), Some(sensitivity)) = (&open_values, &svg, settings) {
             tables.push(("What the papers leave open", table));
             write_table(directory, "open_values", table)?;
