@@ -88,3 +88,29 @@ pub fn seen(reading: &str, leads: &[SceneLead]) -> Seen {
         holds,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+
+    fn lead(scene: &str, after: f64, low: f64, n_blocks: u64) -> SceneLead {
+        let blocks = BlockCount { n_blocks, degrees_of_freedom: n_blocks - 1, kind: BlockKind::Drives };
+        let interval = Some(Interval { ends: [low, 0.5], blocks });
+        let difference =
+            PairedDifference { metric: Metric::FRate, before: 0.5, after, interval, least_effect: None };
+        SceneLead { scene: scene.to_owned(), difference }
+    }
+
+    #[test]
+    fn a_lead_holds_if_it_is_sure_on_every_scene_and_few_blocks_say_nothing() {
+        let holds = |leads: &[SceneLead]| seen("good faith", leads).holds;
+        assert_eq!(holds(&[lead("a", 0.75, 0.1, 30), lead("b", 0.6, 0.01, 30)]), Some(true));
+        assert_eq!(holds(&[lead("a", 0.75, 0.1, 30), lead("b", 0.6, -0.01, 30)]), Some(false));
+        assert_eq!(holds(&[lead("a", 0.75, 0.1, 2)]), None);
+        assert_eq!(holds(&[]), None);
+        let both = seen("good faith", &[lead("a", 0.75, 0.125, 30), lead("b", 0.25, -0.5, 30)]);
+        assert_eq!(both.numbers, "a: 75.0 against 50.0; b: 25.0 against 50.0");
+        assert_eq!(both.difference, "+25.0 (12.5 to 50.0); -25.0 (-50.0 to 50.0)");
+    }
+}

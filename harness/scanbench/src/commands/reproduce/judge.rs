@@ -215,7 +215,8 @@ impl<'a> Judge<'a> {
             reading: GOOD_FAITH.to_owned(),
             numbers: numbers.collect::<Vec<_>>().join("; "),
             difference: String::new(),
-            holds: least.zip(most).map(|(least, most)| least > most),
+            // Who is behind leads nowhere the most.
+            holds: least.zip(most).map(|(least, most)| least > most.max(0.0)),
         }
     }
 
