@@ -31,6 +31,7 @@ use crate::vocabulary::task::Task;
 /// // One scan with ten vehicles, of which seven were found; three detections are false.
 /// let numbers = ScanNumbers {
 ///     n_points: 100_000,
+///     checksum: 0,
 ///     latency_ms: None,
 ///     least_latency_ms: None,
 ///     reference_ms: None,
