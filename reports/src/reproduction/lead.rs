@@ -3,7 +3,7 @@
 use super::judged_claim::Seen;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::tally::Tally;
-use crate::uncertainty::sample::{Draw, Question};
+use crate::uncertainty::sample::{Draw, Question, Sample};
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
@@ -52,13 +52,23 @@ impl<'a> LeadsOf<'a> {
         self.tally.pools().iter().filter_map(|it| self.on(pair, metric, it.extent.name())).collect()
     }
 
+    /// The sums that are asked for, with the draws that leads are judged by; `None` if nothing was seen of the kind.
+    pub fn sample(&self, question: &Question<'_>) -> Option<Sample> {
+        self.tally.sample(question, &self.draws)
+    }
+
     fn on(&self, pair: Pair<'_>, metric: &Metric, dataset: &str) -> Option<SceneLead> {
         let Pair { task, method, rival } = pair;
-        let sample = |detector| {
-            self.tally.sample(&Question { dataset, task, detector, slice: Slice::All }, &self.draws)
-        };
+        let sample = |detector| self.sample(&Question { dataset, task, detector, slice: Slice::All });
         let difference = paired_difference(&sample(rival)?, &sample(method)?, metric)?;
         Some(SceneLead { scene: dataset.to_owned(), difference })
+    }
+}
+
+impl SceneLead {
+    /// Whether there are blocks of scans enough for anything to rest on the interval.
+    pub fn is_known(&self) -> bool {
+        self.difference.interval.is_some_and(|it| !it.blocks.decide_nothing())
     }
 }
 
@@ -78,8 +88,7 @@ pub fn seen(reading: &str, leads: &[SceneLead]) -> Seen {
         format!("{sign}{}{ends}", percent(it.difference.difference()))
     });
     // Nothing rests on blocks of scans that are too few.
-    let is_known = |it: &SceneLead| it.difference.interval.is_some_and(|it| !it.blocks.decide_nothing());
-    let is_known = !leads.is_empty() && leads.iter().all(is_known);
+    let is_known = !leads.is_empty() && leads.iter().all(SceneLead::is_known);
     let holds = is_known.then(|| leads.iter().all(|it| it.difference.is_surely_larger()));
     Seen {
         reading: reading.to_owned(),

@@ -23,7 +23,7 @@ pub struct ExperimentArgs {
 
 fn experiment_detectors_help() -> String {
     format!(
-        "Detectors, separated by commas: {} [default: hierarchical,kd-tree,simple-grid; for robustness also pca]",
+        "Detectors, separated by commas: {} [default: hierarchical,kd-tree,simple-grid; for robustness also kd-tree-tree, pca]",
         detector_names().join(", ")
     )
 }

@@ -56,7 +56,7 @@ pub struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  scanbench run                                 simulated streets, four detectors
+  scanbench run                                 simulated streets, five detectors
   scanbench run ~/data/kitti/tracking           KITTI tracking, recognised by its folders
   scanbench run kitti-object -d hierarchical,pca --criterion centre
   scanbench detect 000000.bin -o clusters.csv   the clusters of one scan

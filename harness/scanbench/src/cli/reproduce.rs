@@ -25,7 +25,7 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = DETECTORS)]
     pub settings_seed: u64,
     /// Choose the values that the papers leave open by these scans, instead of judging claims
-    #[arg(long, help_heading = DETECTORS)]
+    #[arg(long, help_heading = DETECTORS, conflicts_with_all = ["output", "overwrite", "warmup"])]
     pub choose: bool,
     /// Where the page and the tables are written.
     #[command(flatten)]
@@ -44,6 +44,17 @@ pub enum PaperName {
     Vm,
     /// Both
     All,
+}
+
+impl PaperName {
+    /// As it is written on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hg => "hg",
+            Self::Vm => "vm",
+            Self::All => "all",
+        }
+    }
 }
 
 const REPRODUCE_EXAMPLES: &str = "\

@@ -1,5 +1,6 @@
 //! `scanbench reproduce`: the claims of the papers, judged.
 
+use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
 
 const REPRODUCE: [&str; 11] = [
@@ -47,6 +48,25 @@ fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     }
     let page = workplace.read("first/reproduction.html");
     assert!(page.contains("Claim by claim") && page.contains("Under every setting"), "{page}");
+}
+
+#[test]
+fn recorded_and_simulated_scans_are_judged_apart() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let streets = ["street-narrow", "street", "--simulated-scans", "2", "--seed", "7", "--settings", "0"];
+    workplace.succeed(&[&["reproduce", "vm"], &streets[..], &["-o", "vm"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&workplace.read("vm/reproduction.json")).unwrap();
+    let overall = &json["claims"][1];
+    assert_eq!(overall["claim"]["test"]["scenes"], "overall");
+    // One pair of numbers for each origin, by every reading.
+    for reading in overall["readings"].as_array().unwrap() {
+        let numbers = reading["numbers"].as_str().unwrap();
+        assert_eq!(numbers.matches(" against ").count(), 2, "{reading}");
+    }
+    assert!(workplace.read("vm/reproduction.html").contains("scanbench reproduce vm street-narrow"));
+    let ended = workplace.run(&["reproduce", "all", "--choose", "training-streets", "-o", "nowhere"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
 }
 
 #[test]

@@ -10,6 +10,7 @@ use evaluation::run::box_study::{BoxPair, box_pairs};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
 use reports::files::fixed_decimals::fixed_decimals;
+use reports::numbers::pools::Pool;
 use reports::numbers::rank_correlation::rank_correlation;
 use reports::numbers::run_report::{RunReport, Subject};
 use reports::numbers::tally::Tally;
@@ -17,8 +18,7 @@ use reports::reproduction::claim::{Claim, ClaimTest, Paper, claims};
 use reports::reproduction::judged_claim::{JudgedClaim, Seen};
 use reports::reproduction::lead::{LeadsOf, Pair, SceneLead, seen};
 use reports::tables::paper_figures::VEHICLE_STEPS;
-use reports::tables::studies::rate_table::{RateRow, RateTable, printed_rows};
-use reports::uncertainty::sample::{Question, Sample};
+use reports::uncertainty::sample::Question;
 use reports::vocabulary::class::Occlusion;
 use reports::vocabulary::metric::{LatencyStatistic, Metric};
 use reports::vocabulary::slice::Slice;
@@ -42,7 +42,7 @@ pub struct Judge<'a> {
     tally: &'a Tally,
     report: &'a RunReport,
     config: &'a RunConfig,
-    leads: LeadsOf<'a>,
+    leads: &'a LeadsOf<'a>,
     datasets: &'a [OpenedDataset],
     settings: Option<&'a SettingsStudy>,
     // Of each criterion but the first: the method, then its rivals.
@@ -61,7 +61,7 @@ fn swept_sizes_m() -> impl Iterator<Item = f32> {
 impl<'a> Judge<'a> {
     /// Looks at the scans of `datasets`, of which `tally` and `report` are those of a run, for what a run does not show.
     pub fn new(
-        (tally, report): (&'a Tally, &'a RunReport),
+        (tally, leads, report): (&'a Tally, &'a LeadsOf<'a>, &'a RunReport),
         config: &'a RunConfig,
         datasets: &'a [OpenedDataset],
         settings: Option<&'a SettingsStudy>,
@@ -78,10 +78,13 @@ impl<'a> Judge<'a> {
             point(config, &names, vec![size_m.to_string(), cells.to_string()])
         };
         let points = swept_sizes_m().map(at_size).collect::<Result<Vec<_>, _>>()?;
-        let by_cell_size = CountedPoints::of((config, &[METHOD]), (&names, points), datasets, interrupted)?;
+        // Recorded and simulated scans are never put together: of scans alone, those of the first origin count.
+        let n_first = datasets.iter().take_while(|it| is_simulated(it) == is_simulated(&datasets[0])).count();
+        let first = &datasets[..n_first];
+        let by_cell_size = CountedPoints::of((config, &[METHOD]), (&names, points), first, interrupted)?;
         let (mut scans, mut pairs) = (Vec::new(), Vec::new());
         let method = built_in_named(&[METHOD.to_owned()], config)?[0];
-        for it in datasets {
+        for it in first {
             let description = it.dataset.description();
             let of_sensor = config.for_scans_of(description);
             let progress = progress_over_scans(2 * it.scan_indices.len(), &description.id);
@@ -91,7 +94,6 @@ impl<'a> Judge<'a> {
             pairs.extend(box_pairs(from.0, from.1, (&method, &of_sensor), interrupted, || progress.inc(1))?);
             progress.finish_and_clear();
         }
-        let leads = LeadsOf::new(tally);
         Ok(Self {
             tally,
             report,
@@ -181,25 +183,31 @@ impl<'a> Judge<'a> {
 
     fn by_criterion(&self, pair: Pair<'_>, (point_idx, criterion): (usize, &str), on_each: bool) -> Seen {
         let rival_idx = 1 + RIVALS.iter().position(|it| it.0 == pair.rival).expect("it was looked at");
-        let scenes: Vec<Option<usize>> =
-            if on_each { (0..self.datasets.len()).map(Some).collect() } else { vec![None] };
-        let (mut numbers, mut differences, mut holds) = (Vec::new(), Vec::new(), Some(true));
+        let scenes: Vec<Vec<usize>> =
+            if on_each { (0..self.datasets.len()).map(|it| vec![it]).collect() } else { self.by_origin() };
+        let (mut numbers, mut differences, mut holds) = (Vec::new(), Vec::new(), true);
         for scene in scenes {
-            let rate = |detector_idx| self.by_criterion.f_rate(scene, point_idx, detector_idx, pair.task);
-            let Some((method, rival)) = rate(0).zip(rate(rival_idx)) else {
-                holds = None;
-                continue;
-            };
+            let rate = |detector_idx| self.by_criterion.f_rate(&scene, point_idx, detector_idx, pair.task);
+            // As in the leads of the run, where the rate is undefined there is none.
+            let Some((method, rival)) = rate(0).zip(rate(rival_idx)) else { continue };
             numbers.push(format!("{} against {}", percent(method), percent(rival)));
             differences.push(signed(method - rival));
-            holds = holds.map(|it| it && method > rival);
+            holds &= method > rival;
         }
         Seen {
             reading: format!("by {criterion}"),
             numbers: numbers.join("; "),
             difference: differences.join("; "),
-            holds: holds.filter(|_| !numbers.is_empty()),
+            holds: (!numbers.is_empty()).then_some(holds),
         }
+    }
+
+    /// The data sets, recorded and simulated ones apart.
+    fn by_origin(&self) -> Vec<Vec<usize>> {
+        let is_simulated = |it: &usize| is_simulated(&self.datasets[*it]);
+        let (simulated, recorded): (Vec<usize>, Vec<usize>) =
+            (0..self.datasets.len()).partition(is_simulated);
+        [simulated, recorded].into_iter().filter(|it| !it.is_empty()).collect()
     }
 
     fn leads_most(&self, pair: Pair<'_>, scenes: &[String]) -> Seen {
@@ -220,9 +228,15 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// The median time of each detector, in milliseconds, over all scans.
+    /// What the first data set is put together with: those of its origin.
+    fn pool(&self) -> Option<Pool> {
+        let first = &self.datasets.first()?.dataset.description().id;
+        self.tally.pools().into_iter().find(|it| it.datasets.contains(first))
+    }
+
+    /// The median time of a detector, in milliseconds, over the scans of that pool.
     fn median_ms(&self, detector: &str, metric: &Metric) -> Option<f64> {
-        let pool = self.tally.pools().into_iter().next()?;
+        let pool = self.pool()?;
         let subject = Subject::of_all(pool.extent.name(), self.report.first_task()?, detector);
         self.report.row(&subject, metric)?.value()
     }
@@ -245,8 +259,9 @@ impl<'a> Judge<'a> {
     fn less_joined(&self, method: &str, rival: &str) -> Seen {
         let pair = Pair { task: Task::Objects, method, rival };
         let leads = self.leads.overall(pair, &Metric::UnderSegmentation);
-        let is_surely_less = |it: &SceneLead| it.difference.interval.is_some_and(|it| it.ends[1] < 0.0);
-        let holds = (!leads.is_empty()).then(|| leads.iter().all(is_surely_less));
+        let is_less = |it: &SceneLead| it.difference.interval.is_some_and(|it| it.ends[1] < 0.0);
+        let is_known = !leads.is_empty() && leads.iter().all(SceneLead::is_known);
+        let holds = is_known.then(|| leads.iter().all(is_less));
         Seen { holds, ..seen(GOOD_FAITH, &leads) }
     }
 
@@ -322,8 +337,9 @@ impl<'a> Judge<'a> {
     }
 
     fn peak_of_f_rate(&self, within_m: [f64; 2]) -> Option<Seen> {
+        let all: Vec<usize> = (0..self.by_cell_size.n_datasets()).collect();
         let rate = |(idx, size_m): (usize, f32)| {
-            Some((rounded(size_m), self.by_cell_size.f_rate(None, idx, 0, Task::Objects)?))
+            Some((rounded(size_m), self.by_cell_size.f_rate(&all, idx, 0, Task::Objects)?))
         };
         let rates: Vec<(f64, f64)> = swept_sizes_m().enumerate().map(rate).collect::<Option<_>>()?;
         let best = rates.iter().copied().reduce(|best, it| if it.1 > best.1 { it } else { best })?;
@@ -402,11 +418,11 @@ impl<'a> Judge<'a> {
     }
 
     fn misses_are_occluded(&self, method: &str) -> Option<Seen> {
-        let pool = self.tally.pools().into_iter().next()?;
+        let pool = self.pool()?;
         let missed = |slice: Slice| {
             let question =
                 Question { dataset: pool.extent.name(), task: Task::Vehicles, detector: method, slice };
-            let sample = self.tally.sample(&question, &self.tally.draw())?;
+            let sample = self.leads.sample(&question)?;
             Some([sample.value(&Metric::Mo)?, sample.value(&Metric::No)?])
         };
         let all = missed(Slice::All)?;
@@ -423,57 +439,10 @@ impl<'a> Judge<'a> {
             holds: Some(share >= 0.9),
         })
     }
+}
 
-    /// Table 1 of each paper: the F-rate of method and rivals, scene by scene.
-    pub fn rates_by_scene(&self) -> Vec<RateTable> {
-        let overall = self.tally.pools().into_iter().map(|it| it.extent.name().to_owned());
-        let mut scenes: Vec<String> = self.tally.datasets().to_vec();
-        scenes.extend(overall.filter(|_| scenes.len() > 1).collect::<Vec<_>>());
-        let table = |task: Task| {
-            let rows = scenes.iter().filter_map(|scene| self.row(scene.clone(), scene, (task, Slice::All)));
-            let detectors = self.tally.detectors().to_vec();
-            RateTable {
-                title: format!("Task {task}, scene by scene"),
-                rate: "F-rate %",
-                rows: rows.chain(printed_rows(task, &detectors)).collect(),
-                detectors,
-                notes: vec![format!(
-                    "Vehicles among the clusters of kd-tree are told by trees that are in no paper; pca and paper have the classifiers of their \
-                     papers. The papers' scans of Budapest are not public."
-                )],
-            }
-        };
-        Task::ALL.map(table).to_vec()
-    }
-
-    /// The same by range and by number of points, over all scenes.
-    pub fn rates_by_part(&self) -> Vec<RateTable> {
-        let Some(pool) = self.tally.pools().into_iter().next() else { return Vec::new() };
-        let table = |task: Task| {
-            let slices = self.tally.slices(task, METHOD).into_iter();
-            let slices = slices.filter(Slice::has_false_detections);
-            let rows = slices.filter_map(|slice| self.row(slice.name(), pool.extent.name(), (task, slice)));
-            RateTable {
-                title: format!("Task {task}, by range in metres and by number of points"),
-                rate: "F-rate %",
-                detectors: self.tally.detectors().to_vec(),
-                rows: rows.collect(),
-                notes: Vec::new(),
-            }
-        };
-        Task::ALL.map(table).to_vec()
-    }
-
-    fn row(&self, name: String, dataset: &str, (task, slice): (Task, Slice)) -> Option<RateRow> {
-        let draws = self.tally.draw();
-        let sample = |detector: &String| -> Option<Sample> {
-            self.tally.sample(&Question { dataset, task, detector, slice }, &draws)
-        };
-        let samples: Vec<Option<Sample>> = self.tally.detectors().iter().map(sample).collect();
-        let no = samples.iter().flatten().find_map(|it| it.value(&Metric::No))?;
-        let rates = samples.iter().map(|it| it.as_ref()?.value(&Metric::FRate)).collect();
-        Some(RateRow { name, no: no as u64, rates, is_printed: false })
-    }
+fn is_simulated(opened: &OpenedDataset) -> bool {
+    opened.dataset.description().is_simulated()
 }
 
 fn percent(share: f64) -> String {

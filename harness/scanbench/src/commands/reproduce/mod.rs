@@ -3,6 +3,7 @@
 mod choose;
 mod settings_study;
 mod judge;
+mod rate_tables;
 mod papers_run;
 
 use crate::cli::ReproduceArgs;

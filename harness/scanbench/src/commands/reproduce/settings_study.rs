@@ -13,7 +13,7 @@ use reports::vocabulary::task::Task;
 use simulator::catalogue::DEFAULT_DATASETS;
 
 use super::METHOD;
-use crate::cli::ReproduceArgs;
+use crate::cli::{CatalogueArgs, DatasetArgs, ReproduceArgs, SourceArgs};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
@@ -59,23 +59,21 @@ impl CountedPoints {
         Ok(counted)
     }
 
-    /// The F-rate at a point on one data set, or on all together; `None` where false detections are not known.
+    /// The F-rate at a point on these data sets together; `None` where false detections are not known.
     pub fn f_rate(
         &self,
-        dataset_idx: Option<usize>,
+        dataset_idxs: &[usize],
         point_idx: usize,
         detector_idx: usize,
         task: Task,
     ) -> Option<f64> {
         let task_idx = Task::ALL.iter().position(|it| *it == task)?;
         let mut sum = Counts::default();
-        for (idx, counts) in
-            self.counts.iter().enumerate().filter(|it| dataset_idx.is_none_or(|idx| idx == it.0))
-        {
+        for &idx in dataset_idxs {
             if self.known[idx][task_idx] != FalseDetections::Known {
                 return None;
             }
-            sum += counts[point_idx][detector_idx][task_idx];
+            sum += self.counts[idx][point_idx][detector_idx][task_idx];
         }
         sum.scored(FalseDetections::Known).f_rate()
     }
@@ -114,6 +112,28 @@ pub fn points_by_criterion(config: &RunConfig) -> Result<Vec<SweepPoint>, Failur
     Ok(points.collect::<Result<_, _>>()?)
 }
 
+/// The streets for development, as simulated as what was asked for.
+fn development_streets(asked: &DatasetArgs) -> DatasetArgs {
+    let mut data = asked.clone();
+    data.datasets = vec![DEFAULT_DATASETS.to_owned()];
+    data.scans = None;
+    let SourceArgs { simulated_scans, sensor, .. } = asked.source.clone();
+    // What is said of recorded files, or of the simulator elsewhere, is not for these.
+    data.source = SourceArgs {
+        topic: None,
+        annotation_topic: None,
+        classes: Vec::new(),
+        format: None,
+        seed: Some(DEVELOPMENT_SEED),
+        simulated_scans,
+        sensor,
+        sensor_height: None,
+        transform: None,
+        catalogue: CatalogueArgs { catalogue: None },
+    };
+    data
+}
+
 impl SettingsStudy {
     /// Runs the method under all settings that were asked for, on streets for development; `None` if none were.
     pub fn run(
@@ -125,12 +145,11 @@ impl SettingsStudy {
         if n == 0 {
             return Ok(None);
         }
-        let mut data = arguments.data.clone();
-        data.datasets = vec![DEFAULT_DATASETS.to_owned()];
-        data.scans = None;
-        data.source.seed = Some(DEVELOPMENT_SEED);
         let mut config = config.clone();
-        let datasets = look_first_at_all(open_datasets(&data, &config.classes)?, &mut config);
+        let datasets = look_first_at_all(
+            open_datasets(&development_streets(&arguments.data), &config.classes)?,
+            &mut config,
+        );
         let names: Vec<&str> = OPEN_VALUES.iter().map(|it| it.parameter).collect();
         let points = latin_hypercube(&config, &OPEN_VALUES, (n, arguments.settings_seed))?;
         let settings: Vec<Vec<String>> = points.iter().map(|it| it.values.clone()).collect();
@@ -146,14 +165,16 @@ impl SettingsStudy {
         let criterion_of =
             |it: &Vec<String>| criteria().iter().position(|word| *word == it[place]).unwrap_or(0);
         let criterion_of_setting: Vec<usize> = settings.iter().map(criterion_of).collect();
+        // All are simulated.
+        let all: Vec<usize> = (0..methods.n_datasets()).collect();
         let rate = |(rival_idx, (rival, task)): (usize, &(&str, Task))| SetRate {
             name: format!("{task}, F-rate"),
             method: METHOD.to_owned(),
-            of_method: (0..n).map(|it| methods.f_rate(None, it, 0, *task)).collect(),
+            of_method: (0..n).map(|it| methods.f_rate(&all, it, 0, *task)).collect(),
             rival: (*rival).to_owned(),
             of_rival: criterion_of_setting
                 .iter()
-                .map(|&it| rivals.f_rate(None, it, rival_idx, *task))
+                .map(|&it| rivals.f_rate(&all, it, rival_idx, *task))
                 .collect(),
         };
         let values = OPEN_VALUES.iter().map(|it| SetValue {
@@ -175,10 +196,11 @@ impl SettingsStudy {
     /// Under how many settings the method leads the rival of the task, and of how many: on each data set, or on all together.
     pub fn n_leading(&self, task: Task, on_each: bool) -> Option<[usize; 2]> {
         let rival_idx = RIVALS.iter().position(|it| it.1 == task)?;
-        let scenes: Vec<Option<usize>> =
-            if on_each { (0..self.methods.n_datasets()).map(Some).collect() } else { vec![None] };
+        let all = 0..self.methods.n_datasets();
+        let scenes: Vec<Vec<usize>> =
+            if on_each { all.map(|it| vec![it]).collect() } else { vec![all.collect()] };
         let leads = |setting_idx: usize| {
-            scenes.iter().all(|&scene| {
+            scenes.iter().all(|scene| {
                 let method = self.methods.f_rate(scene, setting_idx, 0, task);
                 let rival =
                     self.rivals.f_rate(scene, self.criterion_of_setting[setting_idx], rival_idx, task);
