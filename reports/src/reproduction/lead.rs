@@ -87,15 +87,21 @@ pub fn seen(reading: &str, leads: &[SceneLead]) -> Seen {
         let sign = if it.difference.difference() > 0.0 { "+" } else { "" };
         format!("{sign}{}{ends}", percent(it.difference.difference()))
     });
-    // Nothing rests on blocks of scans that are too few.
-    let is_known = !leads.is_empty() && leads.iter().all(SceneLead::is_known);
-    let holds = is_known.then(|| leads.iter().all(|it| it.difference.is_surely_larger()));
     Seen {
         reading: reading.to_owned(),
         numbers: numbers.collect::<Vec<_>>().join("; "),
         difference: differences.collect::<Vec<_>>().join("; "),
-        holds,
+        holds: holds_on_all(leads, PairedDifference::is_surely_larger),
     }
+}
+
+/// Whether what is claimed `is_so` on every scene: one that is known and where it is not refutes it. Nothing rests on blocks of scans
+/// that are too few, so that without a refutation it is unknown where there are such, and where there is no scene.
+pub fn holds_on_all(leads: &[SceneLead], is_so: impl Fn(&PairedDifference) -> bool) -> Option<bool> {
+    if leads.iter().any(|it| it.is_known() && !is_so(&it.difference)) {
+        return Some(false);
+    }
+    (!leads.is_empty() && leads.iter().all(SceneLead::is_known)).then_some(true)
 }
 
 #[cfg(test)]
@@ -117,6 +123,9 @@ mod tests {
         assert_eq!(holds(&[lead("a", 0.75, 0.1, 30), lead("b", 0.6, 0.01, 30)]), Some(true));
         assert_eq!(holds(&[lead("a", 0.75, 0.1, 30), lead("b", 0.6, -0.01, 30)]), Some(false));
         assert_eq!(holds(&[lead("a", 0.75, 0.1, 2)]), None);
+        assert_eq!(holds(&[lead("a", 0.75, 0.1, 30), lead("b", 0.75, 0.1, 2)]), None);
+        // Where it is known it is refuted.
+        assert_eq!(holds(&[lead("a", 0.75, -0.1, 30), lead("b", 0.75, 0.1, 2)]), Some(false));
         assert_eq!(holds(&[]), None);
         let both = seen("good faith", &[lead("a", 0.75, 0.125, 30), lead("b", 0.25, -0.5, 30)]);
         assert_eq!(both.numbers, "a: 75.0 against 50.0; b: 25.0 against 50.0");

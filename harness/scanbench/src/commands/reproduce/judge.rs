@@ -16,9 +16,10 @@ use reports::numbers::run_report::{RunReport, Subject};
 use reports::numbers::tally::Tally;
 use reports::reproduction::claim::{Claim, ClaimTest, Paper, claims};
 use reports::reproduction::judged_claim::{JudgedClaim, Seen};
-use reports::reproduction::lead::{LeadsOf, Pair, SceneLead, seen};
+use reports::reproduction::lead::{LeadsOf, Pair, SceneLead, holds_on_all, seen};
 use reports::tables::paper_figures::VEHICLE_STEPS;
 use reports::uncertainty::sample::Question;
+use reports::verdicts::paired_difference::PairedDifference;
 use reports::vocabulary::class::Occlusion;
 use reports::vocabulary::metric::{LatencyStatistic, Metric};
 use reports::vocabulary::slice::Slice;
@@ -259,9 +260,8 @@ impl<'a> Judge<'a> {
     fn less_joined(&self, method: &str, rival: &str) -> Seen {
         let pair = Pair { task: Task::Objects, method, rival };
         let leads = self.leads.overall(pair, &Metric::UnderSegmentation);
-        let is_less = |it: &SceneLead| it.difference.interval.is_some_and(|it| it.ends[1] < 0.0);
-        let is_known = !leads.is_empty() && leads.iter().all(SceneLead::is_known);
-        let holds = is_known.then(|| leads.iter().all(is_less));
+        let is_less = |it: &PairedDifference| it.interval.is_some_and(|it| it.ends[1] < 0.0);
+        let holds = holds_on_all(&leads, is_less);
         Seen { holds, ..seen(GOOD_FAITH, &leads) }
     }
 
