@@ -64,11 +64,11 @@ pub struct PcaDescriber {
 }
 
 impl PcaDescriber {
-    /// What of the describer is no value of its own and yet decides them, as trained models record it.
-    pub fn name() -> String {
-        format!(
-            "neighbourhoods of {RADIUS_M} m around up to {MOST_SAMPLES} points, divided by the first eigenvalue"
-        )
+    /// What decides the values beside the points, as trained models record it.
+    pub fn constants() -> toml::Table {
+        let radius_m = ("neighborhood_radius_m".to_owned(), f64::from(RADIUS_M).into());
+        let most_samples = ("most_samples".to_owned(), (MOST_SAMPLES as i64).into());
+        [radius_m, most_samples].into_iter().collect()
     }
 
     /// The features of an object with these points, in the sensor frame; `bounding_box` lies along its main axis. `None`

@@ -3,12 +3,15 @@
 use std::sync::LazyLock;
 
 use detector::OrientedBox;
+use detector::classify::model_file::{ModelFile, ModelFileError};
 use detector::classify::nu_svm::NuSvm;
 use detector::classify::svm_model::SvmModel;
-use detector::classify::svm_model_error::SvmModelError;
-use detector::describe::trained_file::AtLine;
+use detector::describe::trained_file::Provenance;
 
 use crate::pca_features::{N_PCA_FEATURES, PcaDescriber, PcaFeatures};
+
+/// What it calls itself in its file.
+const PCA_MODEL: &str = "pca";
 
 /// Features and their classifier, with buffers for one object after another.
 ///
@@ -27,20 +30,26 @@ impl PcaVehicleModel {
     /// first asked for, and once.
     pub fn shipped() -> Self {
         static SHIPPED: LazyLock<PcaVehicleModel> = LazyLock::new(|| {
-            let text = include_str!("params/pca_model.toml");
-            PcaVehicleModel::from_toml(text).expect("the embedded file is tested")
+            let model = PcaVehicleModel::from_bytes(include_bytes!("params/pca.model"));
+            model.expect("the embedded file is tested")
         });
         SHIPPED.clone()
     }
 
-    /// A model from the text of its file.
+    /// A model from the content of its file.
     ///
     /// # Errors
     ///
-    /// [`SvmModelError`] with its line if it is of another kind or version, for other values, or damaged.
-    pub fn from_toml(text: &str) -> Result<Self, AtLine<SvmModelError>> {
-        let svm = SvmModel::from_toml(text, PcaFeatures::NAMES, &PcaDescriber::name())?;
+    /// [`ModelFileError`] if it is of another kind or version, trained with other constants, or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        let file = ModelFile::from_bytes(bytes, PCA_MODEL, &PcaDescriber::constants())?;
+        let svm = SvmModel::of(&file, PcaFeatures::NAMES)?;
         Ok(Self { describer: PcaDescriber::default(), svm: NuSvm::new(&svm) })
+    }
+
+    /// The file of a classifier.
+    pub fn file(svm: &SvmModel<N_PCA_FEATURES>, made: Provenance) -> ModelFile {
+        svm.put_into(ModelFile::new(PCA_MODEL, made, PcaDescriber::constants()))
     }
 
     /// What the classifier sees of an object with these points, in the sensor frame. `None` without points.
@@ -66,9 +75,9 @@ mod tests {
     #[test]
     fn the_shipped_file_is_a_model_and_that_of_the_other_detector_is_none() {
         assert_eq!(PcaVehicleModel::shipped(), PcaVehicleModel::shipped().clone());
-        let other = include_str!("../../detector/src/params/paper_model/model.toml");
-        let error = PcaVehicleModel::from_toml(other).unwrap_err().to_string();
-        assert!(error.contains("profile_difference") && error.contains("linearness_from_0.5"), "{error}");
+        let other = include_bytes!("../../detector/src/params/paper.model");
+        let error = PcaVehicleModel::from_bytes(other).unwrap_err().to_string();
+        assert_eq!(error, "it is a model of \"paper\", not of \"pca\"");
     }
 
     #[test]

@@ -147,7 +147,8 @@ impl ModelFile {
         self.with_part(PROTOTYPES, Vec::new(), library.to_toml().into_bytes())
     }
 
-    fn with_part(mut self, name: &str, values: Vec<String>, bytes: Vec<u8>) -> Self {
+    /// The same with these bytes, which look at these values.
+    pub(crate) fn with_part(mut self, name: &str, values: Vec<String>, bytes: Vec<u8>) -> Self {
         self.head.parts.push(PartHead { name: name.to_owned(), values, n_bytes: bytes.len() });
         self.parts.push(bytes);
         self
@@ -218,6 +219,11 @@ impl ModelFile {
         Ok(Self { head, parts })
     }
 
+    /// What it was made of.
+    pub fn made(&self) -> &Provenance {
+        &self.head.made
+    }
+
     /// The constants that it was trained with.
     pub fn constants(&self) -> &toml::Table {
         &self.head.constants
@@ -238,12 +244,7 @@ impl ModelFile {
         name: &'static str,
         values: [&'static str; D],
     ) -> Result<Forest<D>, ModelFileError> {
-        let (head, bytes) = self.part(name)?;
-        if head.values != values {
-            let found = head.values.clone();
-            return Err(ModelFileError::Values { name, found, expected: values.to_vec() });
-        }
-        forest_of(bytes).ok_or(ModelFileError::Part { name })
+        forest_of(self.part_of_values(name, &values)?).ok_or(ModelFileError::Part { name })
     }
 
     /// The side profiles.
@@ -257,11 +258,37 @@ impl ModelFile {
         library.ok_or(ModelFileError::Part { name: PROTOTYPES })
     }
 
+    /// The bytes of the part of this name, which have to look at `values`.
+    pub(crate) fn part_of_values(
+        &self,
+        name: &'static str,
+        values: &[&'static str],
+    ) -> Result<&[u8], ModelFileError> {
+        let (head, bytes) = self.part(name)?;
+        if head.values != values {
+            let found = head.values.clone();
+            return Err(ModelFileError::Values { name, found, expected: values.to_vec() });
+        }
+        Ok(bytes)
+    }
+
     fn part(&self, name: &'static str) -> Result<(&PartHead, &[u8]), ModelFileError> {
         let mut parts = self.head.parts.iter().zip(&self.parts);
         let found = parts.find(|(head, _)| head.name == name).ok_or(ModelFileError::MissingPart { name })?;
         Ok((found.0, found.1))
     }
+}
+
+/// The bytes of numbers.
+pub(crate) fn f32_bytes<'a>(numbers: impl Iterator<Item = &'a f32>) -> impl Iterator<Item = u8> {
+    numbers.flat_map(|it| it.to_le_bytes())
+}
+
+/// The numbers that [`f32_bytes`] wrote; `None` if one is not finite, or cut off.
+pub(crate) fn f32_numbers(bytes: &[u8]) -> Option<Vec<f32>> {
+    let (numbers, []) = bytes.as_chunks() else { return None };
+    let numbers = numbers.iter().map(|it| f32::from_le_bytes(*it));
+    numbers.map(|it| Some(it).filter(|it| it.is_finite())).collect()
 }
 
 /// A constant that only the model knows is not looked at: whoever reads it asks for it.

@@ -2,29 +2,19 @@
 
 use std::sync::LazyLock;
 
+use crate::classify::model_file::{ModelFile, ModelFileError};
 use crate::classify::nu_svm::NuSvm;
 use crate::classify::svm_model::SvmModel;
-use crate::classify::svm_model_error::SvmModelError;
 use crate::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber, PaperFeatures};
-use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
-use crate::describe::trained_file::AtLine;
-use crate::describe::vehicle_features::VehicleDescriber;
+use crate::describe::trained_file::Provenance;
 use crate::oriented_box::OrientedBox;
 
 /// The decision on what has no points: on the margin of the background.
 pub const NO_VEHICLE: f32 = -1.0;
 
-/// Why there is no model.
-#[derive(Debug, thiserror::Error)]
-pub enum PaperModelError {
-    /// The prototypes cannot be used.
-    #[error("bad prototypes")]
-    Prototypes(#[from] AtLine<PrototypeFileError>),
-    /// The classifier cannot be used.
-    #[error("bad model")]
-    Svm(#[from] AtLine<SvmModelError>),
-}
+/// What it calls itself in its file.
+const PAPER_MODEL: &str = "paper";
 
 /// The paper's features and their classifier, with buffers for one object after another.
 ///
@@ -40,11 +30,8 @@ impl PaperModel {
     /// first asked for, and once.
     pub fn shipped() -> Self {
         static SHIPPED: LazyLock<PaperModel> = LazyLock::new(|| {
-            let [prototypes, svm] = [
-                include_str!("../params/paper_model/prototypes.toml"),
-                include_str!("../params/paper_model/model.toml"),
-            ];
-            PaperModel::from_toml(prototypes, svm).expect("the embedded files are tested")
+            let model = PaperModel::from_bytes(include_bytes!("../params/paper.model"));
+            model.expect("the embedded file is tested")
         });
         SHIPPED.clone()
     }
@@ -54,25 +41,34 @@ impl PaperModel {
     /// Paper: VM section 5.
     pub fn as_printed() -> Self {
         static AS_PRINTED: LazyLock<PaperModel> = LazyLock::new(|| {
-            let [prototypes, svm] = [
-                include_str!("../params/paper_model/as_printed/prototypes.toml"),
-                include_str!("../params/paper_model/as_printed/model.toml"),
-            ];
-            PaperModel::from_toml(prototypes, svm).expect("the embedded files are tested")
+            let model = PaperModel::from_bytes(include_bytes!("../params/paper_as_printed.model"));
+            model.expect("the embedded file is tested")
         });
         AS_PRINTED.clone()
     }
 
-    /// A model from the text of both of its files.
+    /// A model from the content of its file.
     ///
     /// # Errors
     ///
-    /// [`PaperModelError`] if one of them is of another kind or version, or damaged, or if the classifier was trained
-    /// with other prototypes or for other values.
-    pub fn from_toml(prototypes: &str, svm: &str) -> Result<Self, PaperModelError> {
-        let library = PrototypeLibrary::from_toml(prototypes)?;
-        let svm = SvmModel::from_toml(svm, PaperFeatures::NAMES, &VehicleDescriber::name(&library))?;
-        Ok(Self { describer: PaperDescriber::new(library), svm: NuSvm::new(&svm) })
+    /// [`ModelFileError`] if it is of another kind or version, or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        Self::of(&ModelFile::from_bytes(bytes, PAPER_MODEL, &toml::Table::new())?)
+    }
+
+    /// The model that `file` holds.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelFileError`] if a part is missing or damaged.
+    pub fn of(file: &ModelFile) -> Result<Self, ModelFileError> {
+        let svm = SvmModel::of(file, PaperFeatures::NAMES)?;
+        Ok(Self { describer: PaperDescriber::new(file.prototypes()?), svm: NuSvm::new(&svm) })
+    }
+
+    /// The file of a classifier and the prototypes that it was trained with.
+    pub fn file(library: &PrototypeLibrary, svm: &SvmModel<N_PAPER_FEATURES>, made: Provenance) -> ModelFile {
+        svm.put_into(ModelFile::new(PAPER_MODEL, made, toml::Table::new()).with_prototypes(library))
     }
 
     /// What the classifier sees of an object with these points, in the sensor frame. `None` without points.
@@ -99,34 +95,22 @@ impl PaperModel {
 mod tests {
     use super::*;
 
-    const PROTOTYPES: &str = include_str!("../params/paper_model/prototypes.toml");
-    const MODEL: &str = include_str!("../params/paper_model/model.toml");
-
     #[test]
-    fn the_shipped_files_are_models_of_eight_values_one_of_them_with_the_printed_numbers() {
-        let printed = [
-            include_str!("../params/paper_model/as_printed/prototypes.toml"),
-            include_str!("../params/paper_model/as_printed/model.toml"),
-        ];
-        for ([prototypes, svm], numbers) in
-            [([PROTOTYPES, MODEL], (8, 0.2156, 0.4)), (printed, (8, 0.1078, 0.0377))]
-        {
-            let library = PrototypeLibrary::from_toml(prototypes).unwrap();
-            let svm =
-                SvmModel::from_toml(svm, PaperFeatures::NAMES, &VehicleDescriber::name(&library)).unwrap();
-            assert_eq!((svm.features.len(), svm.gamma, svm.nu), numbers);
+    fn the_shipped_files_are_models_one_of_them_with_the_printed_numbers() {
+        let shipped: &[u8] = include_bytes!("../params/paper.model");
+        let printed: &[u8] = include_bytes!("../params/paper_as_printed.model");
+        for (bytes, numbers) in [(shipped, (0.2156, 0.4)), (printed, (0.1078, 0.0377))] {
+            let file = ModelFile::from_bytes(bytes, PAPER_MODEL, &toml::Table::new()).unwrap();
+            let svm = SvmModel::of(&file, PaperFeatures::NAMES).unwrap();
+            assert_eq!((svm.gamma, svm.nu), numbers);
         }
         assert_ne!(PaperModel::shipped(), PaperModel::as_printed());
     }
 
     #[test]
-    fn other_prototypes_than_it_was_trained_with_are_refused() {
-        let error = PaperModel::from_toml(&PrototypeLibrary::drawn().to_toml(), MODEL).unwrap_err();
-        let error = std::error::Error::source(&error).expect("what is bad about it").to_string();
-        let shipped = PrototypeLibrary::from_toml(PROTOTYPES).unwrap();
-        for checksum in [PrototypeLibrary::drawn().checksum(), shipped.checksum()] {
-            assert!(error.contains("line 4") && error.contains(&checksum), "{error}");
-        }
+    fn the_model_of_groupings_is_refused() {
+        let error = PaperModel::from_bytes(include_bytes!("../params/groupings.model")).unwrap_err();
+        assert_eq!(error.to_string(), "it is a model of \"groupings\", not of \"paper\"");
     }
 
     #[test]

@@ -2,10 +2,9 @@
 
 use super::nu_svc_solver::{NuSvcError, NuSvcParams, solve_nu_svc};
 use super::svm_model::SvmModel;
-use crate::describe::trained_file::Provenance;
 
-/// Trains a classifier on `vectors`, whose values are called `features` and were taken with `describer`; `is_first` says
-/// for each whether it is of the class that decides positive.
+/// Trains a classifier on `vectors`, whose values are called `features`; `is_first` says for each whether it is of the
+/// class that decides positive.
 ///
 /// Values are standardised by their mean and standard deviation over `vectors`; a value that is the same everywhere
 /// keeps its unit.
@@ -18,9 +17,8 @@ use crate::describe::trained_file::Provenance;
 pub fn train_svm<const D: usize>(
     vectors: &[[f32; D]],
     is_first: &[bool],
-    (features, describer): ([&'static str; D], String),
+    features: [&'static str; D],
     params: &NuSvcParams,
-    made: Provenance,
 ) -> Result<SvmModel<D>, NuSvcError> {
     let (means, deviations) = statistics(vectors);
     let standardise = |vector: &[f32; D]| -> [f32; D] {
@@ -33,8 +31,6 @@ pub fn train_svm<const D: usize>(
     let (coefficients, support_vectors) =
         support.map(|(&coefficient, vector)| (coefficient as f32, *vector)).unzip();
     Ok(SvmModel {
-        made,
-        describer,
         gamma: params.gamma,
         nu: params.nu,
         rho: solution.rho as f32,

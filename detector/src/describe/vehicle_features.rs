@@ -140,11 +140,6 @@ impl VehicleDescriber {
         Self { library, points: BoxFramePoints::default(), profile, squares: RoughnessSquares::default() }
     }
 
-    /// What is compared with and no value of its own, as trained models record it.
-    pub fn name(library: &PrototypeLibrary) -> String {
-        format!("prototypes of SHA-256 {}", library.checksum())
-    }
-
     /// What profiles are compared with.
     pub fn library(&self) -> &PrototypeLibrary {
         &self.library

@@ -1,9 +1,8 @@
-//! A trained bag of graphs as a file.
+//! A trained bag of graphs as a model file.
 
-use std::fmt::Write as _;
 use std::sync::{Arc, LazyLock};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::bag::Vocabulary;
 use super::decision::{Center, ClassWeights, Decision, DecisionRule};
@@ -12,225 +11,176 @@ use super::partial_model::PartialModel;
 use super::partial_params::PartialParams;
 use super::patch_descriptor::{Descriptor, N_DESCRIPTOR_VALUES};
 use super::patterns::Pattern;
-use crate::describe::trained_file::{
-    AtLine, Provenance, TrainedFileError, head_and_provenance, line_of, read_file,
-};
+use crate::classify::model_file::{ModelFile, ModelFileError, f32_bytes, f32_numbers};
 use crate::params::ParamsError;
 
-/// What the file calls itself.
-const FORMAT: &str = "scanbench bag-of-graphs";
-/// Of the format; other versions are refused.
-const VERSION: i64 = 3;
+/// What it calls itself in its file.
+const PARTIAL_MODEL: &str = "partial";
+/// The units of descriptors, and behind them the centre of each label; `f64`.
+const LABELS: &str = "labels";
+/// A `u64` for each column.
+const PATTERNS: &str = "patterns";
+/// The mean bags, one behind the other.
+const BAGS: &str = "mean bags";
+/// Of each class the offset, and the weights of all columns; nothing where the nearest mean bag decides.
+const WEIGHTS: &str = "weights";
+/// For each bin of evidence how sharp scores are.
+const SHARPNESS: &str = "sharpness";
+/// For each bin of evidence how strange a cloud may be; may be infinite.
+const STRANGEST: &str = "strangest";
 
 /// Why there is no model.
 #[derive(Debug, thiserror::Error)]
 pub enum PartialModelError {
     /// No such file.
     #[error(transparent)]
-    File(TrainedFileError),
+    File(#[from] ModelFileError),
     /// A parameter that makes no sense.
     #[error(transparent)]
-    Params(ParamsError),
-    /// A list is damaged.
-    #[error("{list}: {problem}")]
-    List {
-        /// Which list.
-        list: &'static str,
-        /// What is wrong with it.
-        problem: &'static str,
+    Params(#[from] ParamsError),
+    /// Classes that mean bags cannot be of.
+    #[error("the mean bags are of the classes {found:?}, and there are {n_classes} classes")]
+    Classes {
+        /// The class of each mean bag.
+        found: Vec<usize>,
+        /// How many classes there are.
+        n_classes: usize,
     },
 }
 
-#[derive(Deserialize)]
+/// What people can read in the head.
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
-    #[serde(rename = "format")]
-    _format: String,
-    #[serde(rename = "version")]
-    _version: i64,
+struct Constants {
     classes: Vec<String>,
-    units: String,
-    labels: Vec<String>,
     center_classes: Vec<usize>,
-    offsets: String,
-    sharpness: String,
-    strangest: String,
-    columns: Vec<String>,
     params: PartialParams,
-    made: Provenance,
 }
 
 impl PartialModel {
     /// The model that comes with the program, trained on simulated objects. It is read when it is first asked for, and once.
     pub fn shipped() -> Arc<Self> {
         static SHIPPED: LazyLock<Arc<PartialModel>> = LazyLock::new(|| {
-            let model = PartialModel::from_toml(include_str!("../params/partial_model.toml"));
+            let model = PartialModel::from_bytes(include_bytes!("../params/partial.model"));
             Arc::new(model.expect("the embedded file is tested"))
         });
         Arc::clone(&SHIPPED)
     }
 
-    /// The model as text: numbers as the hexadecimal digits of their bits, so that none is rounded.
-    pub fn to_toml(&self) -> String {
+    /// The content of the file of this model. The same model gives the same bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
         let Self { made, params, classes, labeler, vocabulary, decision } = self;
-        let quoted: Vec<String> =
-            classes.iter().map(|it| toml::Value::from(it.as_str()).to_string()).collect();
-        let labels: Vec<String> =
-            labeler.centers.iter().map(|it| format!("  \"{}\",\n", of_doubles(it))).collect();
-        let center_classes: Vec<usize> = decision.centers.iter().map(|it| it.class_idx).collect();
-        let offsets: Vec<f32> = decision.weights.iter().map(|it| it.offset).collect();
-        let mut columns = String::new();
-        for (column, pattern) in vocabulary.patterns().iter().enumerate() {
-            let centers = decision.centers.iter().map(|it| it.bag[column]);
-            let weights = decision.weights.iter().map(|it| it.of_columns[column]);
-            let numbers: Vec<f32> = centers.chain(weights).collect();
-            writeln!(columns, "  \"{:016x}{}\",", pattern.0, of_singles(&numbers)).expect("text grows");
-        }
-        let params = toml::Value::try_from(params).expect("parameters are tables of numbers and words");
-        let heads = [
-            ("params", params.to_string()),
-            ("classes", format!("[{}]", quoted.join(", "))),
-            ("units", format!("\"{}\"", of_doubles(&labeler.units))),
-            ("labels", format!("[\n{}]", labels.concat())),
-            ("center_classes", format!("{center_classes:?}")),
-            ("offsets", format!("\"{}\"", of_singles(&offsets))),
-            ("sharpness", format!("\"{}\"", of_singles(&decision.sharpness))),
-            ("strangest", format!("\"{}\"", of_singles(&decision.strangest))),
-            ("columns", format!("[\n{columns}]")),
+        let constants = Constants {
+            classes: classes.clone(),
+            center_classes: decision.centers.iter().map(|it| it.class_idx).collect(),
+            params: params.clone(),
+        };
+        let constants = toml::Table::try_from(constants).expect("parameters are tables of numbers and words");
+        let labels = std::iter::once(&labeler.units).chain(&labeler.centers).flatten();
+        let patterns = vocabulary.patterns().iter();
+        let bags = decision.centers.iter().flat_map(|it| &it.bag);
+        let weights = decision.weights.iter();
+        let weights = weights.flat_map(|it| std::iter::once(&it.offset).chain(&it.of_columns));
+        let parts = [
+            (LABELS, labels.flat_map(|it| it.to_le_bytes()).collect()),
+            (PATTERNS, patterns.flat_map(|it| it.0.to_le_bytes()).collect()),
+            (BAGS, f32_bytes(bags).collect()),
+            (WEIGHTS, f32_bytes(weights).collect()),
+            (SHARPNESS, f32_bytes(decision.sharpness.iter()).collect()),
+            (STRANGEST, f32_bytes(decision.strangest.iter()).collect()),
         ];
-        head_and_provenance((FORMAT, VERSION), &heads, made)
+        let file = ModelFile::new(PARTIAL_MODEL, made.clone(), constants);
+        parts.into_iter().fold(file, |file, (name, bytes)| file.with_part(name, Vec::new(), bytes)).to_bytes()
     }
 
-    /// The model that [`Self::to_toml`] wrote.
+    /// The model that [`Self::to_bytes`] wrote.
     ///
     /// # Errors
     ///
-    /// [`PartialModelError`] with its line if the text is no model, one of another version, or damaged.
-    pub fn from_toml(text: &str) -> Result<Self, AtLine<PartialModelError>> {
-        let file: File = read_file(text, FORMAT, VERSION)
-            .map_err(|it| AtLine { line: it.line, problem: PartialModelError::File(it.problem) })?;
-        if let Err(problem) = file.params.validate() {
-            return Err(AtLine {
-                line: line_of(text, &["params"], None),
-                problem: PartialModelError::Params(problem),
-            });
+    /// [`PartialModelError`] if the bytes are no model, one of another version, or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, PartialModelError> {
+        let file = ModelFile::from_bytes(bytes, PARTIAL_MODEL, &toml::Table::new())?;
+        let constants = toml::Value::Table(file.constants().clone()).try_into::<Constants>();
+        let constants = constants.map_err(|error| ModelFileError::Head(error.message().to_owned()))?;
+        let Constants { classes, center_classes, params } = constants;
+        params.validate()?;
+        let n_classes = classes.len();
+        if n_classes < 2
+            || !(0..n_classes).all(|it| center_classes.contains(&it))
+            || center_classes.iter().any(|&it| it >= n_classes)
+        {
+            return Err(PartialModelError::Classes { found: center_classes, n_classes });
         }
-        let refused = |(list, element_idx, problem): Refused| AtLine {
-            line: line_of(text, &[list], element_idx),
-            problem: PartialModelError::List { list, problem },
-        };
-        model_of(file).map_err(refused)
+        let labeler = labeler_of(&file, params.labels.n_labels)?;
+        let vocabulary = vocabulary_of(&file)?;
+        let decision =
+            decision_of(&file, &params, (n_classes, &center_classes), vocabulary.patterns().len())?;
+        Ok(Self { made: file.made().clone(), params, classes, labeler, vocabulary, decision })
     }
 }
 
-/// A list, an element of it if it is one, and what is wrong.
-type Refused = (&'static str, Option<usize>, &'static str);
+fn labeler_of(file: &ModelFile, most_labels: usize) -> Result<Labeler, ModelFileError> {
+    let damaged = ModelFileError::Part { name: LABELS };
+    let (numbers, []) = file.part_of_values(LABELS, &[])?.as_chunks() else { return Err(damaged) };
+    let numbers: Vec<f64> = numbers.iter().map(|it| f64::from_le_bytes(*it)).collect();
+    let (descriptors, []) = numbers.as_chunks::<N_DESCRIPTOR_VALUES>() else { return Err(damaged) };
+    let Some((units, centers)) = descriptors.split_first() else { return Err(damaged) };
+    let is_sound = units.iter().all(|&it| it > 0.0)
+        && numbers.iter().all(|it| it.is_finite())
+        && (1..=most_labels).contains(&centers.len());
+    let centers: Vec<Descriptor> = centers.to_vec();
+    if is_sound { Ok(Labeler { units: *units, centers }) } else { Err(damaged) }
+}
 
-fn model_of(file: File) -> Result<PartialModel, Refused> {
-    let labeler = labeler_of(&file)?;
-    let n_classes = file.classes.len();
-    let n_weights = match file.params.decision.rule {
+fn vocabulary_of(file: &ModelFile) -> Result<Vocabulary, ModelFileError> {
+    let damaged = ModelFileError::Part { name: PATTERNS };
+    let (numbers, []) = file.part_of_values(PATTERNS, &[])?.as_chunks() else { return Err(damaged) };
+    let patterns = numbers.iter().map(|it| Pattern::from_number(u64::from_le_bytes(*it)));
+    patterns.collect::<Option<Vec<_>>>().and_then(Vocabulary::new).ok_or(damaged)
+}
+
+fn decision_of(
+    file: &ModelFile,
+    params: &PartialParams,
+    (n_classes, center_classes): (usize, &[usize]),
+    n_columns: usize,
+) -> Result<Decision, ModelFileError> {
+    let n_weights = match params.decision.rule {
         DecisionRule::Nearest => 0,
         DecisionRule::Weighted => n_classes,
     };
-    if n_classes < 2 {
-        return Err(("classes", None, "fewer than two classes"));
-    }
-    if !(0..n_classes).all(|it| file.center_classes.contains(&it))
-        || file.center_classes.iter().any(|&it| it >= n_classes)
-    {
-        return Err(("center_classes", None, "not a number of every class, and of no other"));
-    }
-    let singles = |list, text: &str, n, allows_infinity| {
-        let numbers = singles_of(text).filter(|it| it.len() == n);
-        let is_sound = |it: &f32| it.is_finite() || allows_infinity && *it == f32::INFINITY;
-        numbers.filter(|it| it.iter().all(is_sound)).ok_or((
-            list,
-            None,
-            "not as many numbers as there should be",
-        ))
+    let rows = |name, n_rows: usize, n_in_row: usize| {
+        let numbers = f32_numbers(file.part_of_values(name, &[])?);
+        let numbers = numbers.filter(|it| it.len() == n_rows * n_in_row);
+        let numbers = numbers.ok_or(ModelFileError::Part { name })?;
+        let row = |idx: usize| numbers[idx * n_in_row..][..n_in_row].to_vec();
+        Ok::<_, ModelFileError>((0..n_rows).map(row).collect::<Vec<_>>())
     };
-    let n_bins = file.params.decision.evidence_edges.len() + 1;
-    let mut centers: Vec<Center> =
-        file.center_classes.iter().map(|&class_idx| Center { class_idx, bag: Vec::new() }).collect();
-    let offsets = singles("offsets", &file.offsets, n_weights, false)?;
-    let mut weights: Vec<ClassWeights> =
-        offsets.into_iter().map(|offset| ClassWeights { offset, of_columns: Vec::new() }).collect();
-    let mut patterns = Vec::with_capacity(file.columns.len());
-    for (column, text) in file.columns.iter().enumerate() {
-        let (pattern, numbers) = column_of(text, centers.len() + n_weights).ok_or((
-            "columns",
-            Some(column),
-            "not a pattern and its numbers",
-        ))?;
-        patterns.push(pattern);
-        let (of_centers, of_weights) = numbers.split_at(centers.len());
-        centers.iter_mut().zip(of_centers).for_each(|(it, &value)| it.bag.push(value));
-        weights.iter_mut().zip(of_weights).for_each(|(it, &value)| it.of_columns.push(value));
-    }
-    let vocabulary = Vocabulary::new(patterns).ok_or(("columns", None, "patterns do not ascend"))?;
-    let sharpness = singles("sharpness", &file.sharpness, n_bins, false)?;
-    let strangest = singles("strangest", &file.strangest, n_bins, true)?;
-    let decision = Decision { centers, weights, sharpness, strangest };
-    Ok(PartialModel {
-        made: file.made,
-        params: file.params,
-        classes: file.classes,
-        labeler,
-        vocabulary,
-        decision,
+    let bags = rows(BAGS, center_classes.len(), n_columns)?;
+    let center = |(&class_idx, bag)| Center { class_idx, bag };
+    let weights = rows(WEIGHTS, n_weights, 1 + n_columns)?;
+    let weight = |row: Vec<f32>| ClassWeights { offset: row[0], of_columns: row[1..].to_vec() };
+    let n_bins = params.decision.evidence_edges.len() + 1;
+    Ok(Decision {
+        centers: center_classes.iter().zip(bags).map(center).collect(),
+        weights: weights.into_iter().map(weight).collect(),
+        sharpness: rows(SHARPNESS, 1, n_bins)?.concat(),
+        strangest: strangest_of(file, n_bins)?,
     })
 }
 
-fn labeler_of(file: &File) -> Result<Labeler, Refused> {
-    let units = doubles_of(&file.units).filter(|it| it.iter().all(|&it| it > 0.0));
-    let units = units.ok_or(("units", None, "not twelve positive numbers"))?;
-    let center = |(label, text): (usize, &String)| {
-        doubles_of(text).ok_or(("labels", Some(label), "not twelve numbers"))
-    };
-    let centers: Vec<Descriptor> = file.labels.iter().enumerate().map(center).collect::<Result<_, _>>()?;
-    if centers.is_empty() || centers.len() > file.params.labels.n_labels {
-        return Err(("labels", None, "not as many as the parameters say"));
-    }
-    Ok(Labeler { units, centers })
-}
-
-fn of_doubles(values: &Descriptor) -> String {
-    values.iter().fold(String::new(), |text, it| text + &format!("{:016x}", it.to_bits()))
-}
-
-fn of_singles(values: &[f32]) -> String {
-    values.iter().fold(String::new(), |text, it| text + &format!("{:08x}", it.to_bits()))
-}
-
-fn doubles_of(text: &str) -> Option<Descriptor> {
-    let numbers: Vec<f64> = hexadecimal(text, 16)?.into_iter().map(f64::from_bits).collect();
-    let values: [f64; N_DESCRIPTOR_VALUES] = numbers.try_into().ok()?;
-    values.iter().all(|it| it.is_finite()).then_some(values)
-}
-
-fn singles_of(text: &str) -> Option<Vec<f32>> {
-    Some(hexadecimal(text, 8)?.into_iter().map(|it| f32::from_bits(it as u32)).collect())
-}
-
-fn column_of(text: &str, n_numbers: usize) -> Option<(Pattern, Vec<f32>)> {
-    let (pattern, numbers) = text.split_at_checked(16)?;
-    let numbers = singles_of(numbers)?;
-    let is_sound = numbers.len() == n_numbers && numbers.iter().all(|it| it.is_finite());
-    let pattern = Pattern::from_number(u64::from_str_radix(pattern, 16).ok()?)?;
-    is_sound.then_some((pattern, numbers))
-}
-
-/// Numbers of so many digits each.
-fn hexadecimal(text: &str, n_digits: usize) -> Option<Vec<u64>> {
-    let is_sound = text.len().is_multiple_of(n_digits) && text.bytes().all(|it| it.is_ascii_hexdigit());
-    let number = |digits: &[u8]| u64::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok();
-    if is_sound { text.as_bytes().chunks(n_digits).map(number).collect() } else { None }
+fn strangest_of(file: &ModelFile, n_bins: usize) -> Result<Vec<f32>, ModelFileError> {
+    let damaged = ModelFileError::Part { name: STRANGEST };
+    let (numbers, []) = file.part_of_values(STRANGEST, &[])?.as_chunks() else { return Err(damaged) };
+    let numbers: Vec<f32> = numbers.iter().map(|it| f32::from_le_bytes(*it)).collect();
+    let is_sound = |it: &f32| it.is_finite() || *it == f32::INFINITY;
+    if numbers.len() == n_bins && numbers.iter().all(is_sound) { Ok(numbers) } else { Err(damaged) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::describe::trained_file::Provenance;
 
     fn model() -> PartialModel {
         let mut params = PartialParams::shipped();
@@ -265,49 +215,44 @@ mod tests {
         let shipped = PartialModel::shipped();
         assert_eq!(shipped.params, PartialParams::shipped());
         assert_eq!(shipped.classes, ["tree", "car", "pole", "pedestrian", "other"]);
-        assert_eq!(shipped.to_toml(), include_str!("../params/partial_model.toml"));
-        // It is part of the program and of the repository.
-        assert!(include_str!("../params/partial_model.toml").len() < 1_500_000);
+        assert!(shipped.to_bytes() == include_bytes!("../params/partial.model"));
     }
 
     #[test]
     fn what_is_written_is_read_to_the_bit() {
-        assert_eq!(PartialModel::from_toml(&model().to_toml()).unwrap(), model());
+        assert_eq!(PartialModel::from_bytes(&model().to_bytes()).unwrap(), model());
         let mut nearest = model();
         nearest.params.decision.rule = DecisionRule::Nearest;
         nearest.decision.weights.clear();
-        assert_eq!(PartialModel::from_toml(&nearest.to_toml()).unwrap(), nearest);
-    }
-
-    #[track_caller]
-    fn check_refused(from: &str, to: &str, message: &str) {
-        let text = model().to_toml();
-        assert!(text.contains(from), "{text}");
-        let error = PartialModel::from_toml(&text.replacen(from, to, 1)).unwrap_err();
-        assert!(error.to_string().contains(message), "{error}");
+        assert_eq!(PartialModel::from_bytes(&nearest.to_bytes()).unwrap(), nearest);
     }
 
     #[test]
-    fn other_and_damaged_files_are_refused_with_their_line() {
-        check_refused("bag-of-graphs", "nu-svm", "line 1: the format is");
-        check_refused("version = 3", "version = 9", "line 2: the format has version 9");
-        check_refused("units = \"3fe", "units = \"bfe", "line 5: units: not twelve positive numbers");
-        check_refused("  \"3fd5", "  \"3fd", "line 7: labels: not twelve numbers");
-        check_refused("[0, 1, 1]", "[0, 1, 2]", "center_classes: not a number of every class");
-        check_refused("[0, 1, 1]", "[0, 0, 0]", "center_classes: not a number of every class");
-        check_refused("sharpness = \"3f", "sharpness = \"ff", "sharpness: not as many numbers");
-        check_refused("strangest = \"7f800000", "strangest = \"", "strangest: not as many numbers");
-        check_refused("  \"0000000000000007", "  \"0005000000000007", "columns: not a pattern");
-        check_refused("  \"0000000000000007", "  \"0001000000000007", "columns: patterns do not ascend");
-        check_refused("min_keypoints = 1", "min_keypoints = 0", "decision.min_keypoints = 0 is not within");
-        check_refused("radius_m", "radios_m", "unknown field `radios_m`");
-    }
-
-    #[test]
-    fn a_model_cut_off_anywhere_is_no_model() {
-        let text = model().to_toml();
-        for end in 0..text.trim_end().len() {
-            assert!(PartialModel::from_toml(&text[..end]).is_err(), "{}", &text[..end]);
+    fn what_no_training_gives_is_refused_by_the_name_of_its_part() {
+        type Change = fn(&mut PartialModel);
+        let changes: [(Change, &str); 11] = [
+            (|it| it.labeler.units[0] = -0.5, "\"labels\" is damaged"),
+            (|it| it.labeler.centers.clear(), "\"labels\" is damaged"),
+            (|it| it.labeler.centers[0][3] = f64::NAN, "\"labels\" is damaged"),
+            (|it| it.decision.centers[0].class_idx = 2, "classes [2, 1, 1], and there are 2 classes"),
+            (|it| it.decision.centers[0].class_idx = 1, "classes [1, 1, 1], and there are 2 classes"),
+            (|it| it.decision.centers[1].bag[0] = f32::NAN, "\"mean bags\" is damaged"),
+            (|it| it.decision.weights.truncate(1), "\"weights\" is damaged"),
+            (|it| it.decision.sharpness[1] = f32::INFINITY, "\"sharpness\" is damaged"),
+            (|it| it.decision.strangest.truncate(1), "\"strangest\" is damaged"),
+            (
+                |it| it.vocabulary = Vocabulary::new(vec![Pattern(7), Pattern(5 << 48)]).unwrap(),
+                "\"patterns\"",
+            ),
+            (|it| it.params.decision.min_keypoints = 0, "decision.min_keypoints = 0 is not within"),
+        ];
+        for (change, message) in changes {
+            let mut changed = model();
+            change(&mut changed);
+            let error = PartialModel::from_bytes(&changed.to_bytes()).unwrap_err().to_string();
+            assert!(error.contains(message), "{error}");
         }
+        let error = PartialModel::from_bytes(include_bytes!("../params/groupings.model")).unwrap_err();
+        assert_eq!(error.to_string(), "it is a model of \"groupings\", not of \"partial\"");
     }
 }

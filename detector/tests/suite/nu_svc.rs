@@ -4,11 +4,9 @@ use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams, Tolerance, solv
 use detector::classify::nu_svm::NuSvm;
 use detector::classify::svm_model::SvmModel;
 use detector::classify::svm_training::train_svm;
-use detector::describe::trained_file::Provenance;
 use serde::Deserialize;
 
 const FEATURES: [&str; 8] = ["a", "b", "c", "d", "e", "f", "g", "h"];
-const DESCRIBER: &str = "a ruler";
 
 /// See `fixtures/nu_svc.py`.
 #[derive(Deserialize)]
@@ -46,8 +44,6 @@ impl Reference {
 fn unscaled_model(reference: &Reference, params: &NuSvcParams) -> SvmModel<8> {
     let solution = solve_nu_svc(&reference.vectors, &reference.is_first(), params).expect("a solution");
     SvmModel {
-        made: provenance(),
-        describer: DESCRIBER.to_owned(),
         gamma: params.gamma,
         nu: params.nu,
         rho: solution.rho as f32,
@@ -57,10 +53,6 @@ fn unscaled_model(reference: &Reference, params: &NuSvcParams) -> SvmModel<8> {
         coefficients: solution.coefficients.iter().map(|&it| it as f32).collect(),
         support_vectors: reference.vectors.clone(),
     }
-}
-
-fn provenance() -> Provenance {
-    Provenance { command: "cargo test".to_owned(), data: vec![], seed: 0, split: "none".to_owned() }
 }
 
 #[test]
@@ -104,8 +96,7 @@ fn a_trained_model_does_not_depend_on_the_units_of_its_values() {
     let reference = Reference::read();
     let train = |vectors: &[[f32; 8]]| {
         let params = reference.params(0.3);
-        train_svm(vectors, &reference.is_first(), (FEATURES, DESCRIBER.to_owned()), &params, provenance())
-            .unwrap()
+        train_svm(vectors, &reference.is_first(), FEATURES, &params).unwrap()
     };
     let in_millimetres = |vector: &[f32; 8]| vector.map(|it| 1000.0 * it + 250.0);
     let metres = NuSvm::new(&train(&reference.vectors));
@@ -118,22 +109,12 @@ fn a_trained_model_does_not_depend_on_the_units_of_its_values() {
 }
 
 #[test]
-fn training_twice_gives_the_same_file() {
+fn training_twice_gives_the_same() {
     let reference = Reference::read();
     let params = reference.params(0.0377);
-    let train = || {
-        train_svm(
-            &reference.vectors,
-            &reference.is_first(),
-            (FEATURES, DESCRIBER.to_owned()),
-            &params,
-            provenance(),
-        )
-        .unwrap()
-    };
-    let text = train().to_toml();
-    assert_eq!(text, train().to_toml());
-    let model = SvmModel::from_toml(&text, FEATURES, DESCRIBER).unwrap();
+    let train = || train_svm(&reference.vectors, &reference.is_first(), FEATURES, &params).unwrap();
+    let model = train();
+    assert_eq!(model, train());
     assert!(model.support_vectors.len() < reference.vectors.len());
 }
 
@@ -141,14 +122,7 @@ fn training_twice_gives_the_same_file() {
 fn a_value_that_never_differs_is_harmless() {
     let vectors = [[0.0, 5.0], [0.2, 5.0], [1.0, 5.0], [1.2, 5.0]];
     let params = NuSvcParams { gamma: 1.0, nu: 0.5, tolerance: Tolerance::OfMargin(1e-6), max_steps: 1000 };
-    let model = train_svm(
-        &vectors,
-        &[true, true, false, false],
-        (["a", "b"], DESCRIBER.to_owned()),
-        &params,
-        provenance(),
-    )
-    .unwrap();
+    let model = train_svm(&vectors, &[true, true, false, false], ["a", "b"], &params).unwrap();
     let svm = NuSvm::new(&model);
     assert!(svm.decision(&[0.1, 5.0]) > 0.5 && svm.decision(&[1.1, 5.0]) < -0.5);
 }

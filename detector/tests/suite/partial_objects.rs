@@ -146,9 +146,9 @@ fn nothing_is_allocated_once_the_first_clouds_have_sized_the_buffers() {
 #[test]
 fn a_trained_model_comes_back_from_its_file_and_is_read_in_milliseconds() {
     let model = drawn_model(&PartialParams::shipped());
-    let text = model.to_toml();
+    let bytes = model.to_bytes();
     let started = std::time::Instant::now();
-    assert_eq!(PartialModel::from_toml(&text).unwrap(), model);
-    assert!(started.elapsed().as_millis() < 500, "{:?} for {} bytes", started.elapsed(), text.len());
-    assert_eq!(drawn_model(&PartialParams::shipped()).to_toml(), text);
+    assert_eq!(PartialModel::from_bytes(&bytes).unwrap(), model);
+    assert!(started.elapsed().as_millis() < 500, "{:?} for {} bytes", started.elapsed(), bytes.len());
+    assert_eq!(drawn_model(&PartialParams::shipped()).to_bytes(), bytes);
 }

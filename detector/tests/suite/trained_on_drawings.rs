@@ -7,7 +7,6 @@ use detector::classify::svm_training::train_svm;
 use detector::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber, PaperFeatures};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
-use detector::describe::vehicle_features::VehicleDescriber;
 
 /// How far ahead of the sensor the drawings stand, in metres.
 const AHEAD_M: f32 = 7.0;
@@ -42,9 +41,8 @@ pub fn vehicle_model() -> PaperModel {
         seed: 0,
         split: "nothing held out".to_owned(),
     };
-    let named = (PaperFeatures::NAMES, VehicleDescriber::name(&library));
-    let svm = train_svm(&vectors, &is_vehicle, named, &params, made).expect("a classifier");
-    PaperModel::from_toml(&library.to_toml(), &svm.to_toml()).expect("a model")
+    let svm = train_svm(&vectors, &is_vehicle, PaperFeatures::NAMES, &params).expect("a classifier");
+    PaperModel::of(&PaperModel::file(&library, &svm, made)).expect("a model")
 }
 
 /// The features of a profile that is drawn out to `width_m`.

@@ -3,7 +3,6 @@
 use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams, Tolerance};
 use detector::classify::nu_svm::NuSvm;
 use detector::classify::svm_training::train_svm;
-use detector::describe::trained_file::Provenance;
 use detector::partial::decision::to_probabilities;
 use detector::partial::sharpness::{HeldOutScores, learn_sharpness};
 
@@ -98,9 +97,7 @@ fn machine<const D: usize>(vectors: &[[f32; D]], is_first: &[bool]) -> Result<Nu
         tolerance: Tolerance::OfGradients(1e-3),
         max_steps: 2_000_000,
     };
-    let made = Provenance { command: String::new(), data: Vec::new(), seed: 0, split: String::new() };
-    let model = train_svm(vectors, is_first, ([""; D], String::new()), &params, made)?;
-    Ok(NuSvm::new(&model))
+    Ok(NuSvm::new(&train_svm(vectors, is_first, [""; D], &params)?))
 }
 
 #[cfg(test)]

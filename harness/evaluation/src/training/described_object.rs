@@ -5,7 +5,6 @@ use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams};
 use detector::classify::svm_model::SvmModel;
 use detector::classify::svm_training::train_svm;
 use detector::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber};
-use detector::describe::trained_file::Provenance;
 
 use super::candidates::Candidate;
 
@@ -52,7 +51,7 @@ impl<const D: usize> DescribedObject<D> {
 }
 
 /// The classifier of vehicles against background of `selected` candidates, whose values `describer` takes and `names`
-/// names, as [`train_svm`] has it.
+/// names.
 ///
 /// # Errors
 ///
@@ -60,13 +59,12 @@ impl<const D: usize> DescribedObject<D> {
 pub fn fit_model<const D: usize>(
     selected: &[&Candidate],
     describer: &mut impl CandidateDescriber<D>,
-    names: ([&'static str; D], String),
+    names: [&'static str; D],
     params: &NuSvcParams,
-    made: Provenance,
 ) -> Result<SvmModel<D>, NuSvcError> {
     let objects: Vec<DescribedObject<D>> =
         selected.iter().filter_map(|it| DescribedObject::of(it, describer)).collect();
     let vectors: Vec<[f32; D]> = objects.iter().map(|it| it.features).collect();
     let is_vehicle: Vec<bool> = objects.iter().map(|it| it.is_vehicle).collect();
-    train_svm(&vectors, &is_vehicle, names, params, made)
+    train_svm(&vectors, &is_vehicle, names, params)
 }

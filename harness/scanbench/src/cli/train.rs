@@ -155,11 +155,11 @@ Examples:
 const SVM_DETAILS: &str = "\
 Examples of vehicles are clusters that match an annotated car, van, truck or bus. Examples
 of other objects are clusters without points of any, and regions cut out at random places.
-Writes model.toml and, for paper, prototypes.toml; objects.csv with every held-out object,
-importance.csv, curves.csv, curves.svg and manifest.json. The same scans and options write
-the same bytes, except the date in the manifest.";
+Writes paper.model or pca.model; objects.csv with every held-out object, importance.csv,
+curves.csv, curves.svg and manifest.json. The same scans and options write the same bytes,
+except the date in the manifest.";
 
 const PARTIAL_EXAMPLES: &str = "\
 Examples:
   scanbench train partial -o model
-  scanbench partial --model model/model.toml";
+  scanbench partial --model model/partial.model";

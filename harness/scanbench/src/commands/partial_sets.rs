@@ -75,8 +75,8 @@ pub fn open_all(arguments: &PartialArgs) -> Result<Vec<Compared>, Failure> {
 
 fn read_model(path: &Path) -> Result<PartialModel, Failure> {
     let cannot = || format!("cannot use the model {}", path.display());
-    let text = std::fs::read_to_string(path).map_err(|error| Failure::usage(cannot(), error))?;
-    PartialModel::from_toml(&text).map_err(|error| Failure::usage(cannot(), error))
+    let bytes = std::fs::read(path).map_err(|error| Failure::usage(cannot(), error))?;
+    PartialModel::from_bytes(&bytes).map_err(|error| Failure::usage(cannot(), error))
 }
 
 /// What methods learn from, in turn.

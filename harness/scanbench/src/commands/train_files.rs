@@ -1,8 +1,8 @@
 //! What `scanbench train` leaves in its directory.
 
+use detector::classify::model_file::ModelFile;
 use detector::classify::nu_svm::NuSvm;
 use detector::classify::svm_model::SvmModel;
-use detector::describe::prototype_library::PrototypeLibrary;
 use evaluation::training::candidates::Candidate;
 use evaluation::training::described_object::DescribedObject;
 use evaluation::training::evaluation::Evaluation;
@@ -25,8 +25,10 @@ use crate::commands::training_data::TrainingData;
 pub struct TrainedModel<'a, const D: usize> {
     /// The classifier.
     pub model: SvmModel<D>,
-    /// What it compares with, if it does.
-    pub library: Option<&'a PrototypeLibrary>,
+    /// What its file is called.
+    pub file_name: &'static str,
+    /// The file, with what it compares with.
+    pub file: ModelFile,
     /// Held-out objects, with their data sets.
     pub judged: Vec<(&'a str, &'a Candidate, DescribedObject<D>)>,
     /// How the classifier does on them.
@@ -42,7 +44,7 @@ pub fn write_files<const D: usize>(
     (data, started): (&TrainingData<'_>, Timestamp),
     trained: &TrainedModel<'_, D>,
 ) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
-    let TrainedModel { model, library, judged, evaluation } = trained;
+    let TrainedModel { model, file_name, file, judged, evaluation } = trained;
     let totals = evaluation.curves.totals();
     let points = evaluation.curves.points().iter();
     let curve: Vec<OperatingRow> =
@@ -52,16 +54,14 @@ pub fn write_files<const D: usize>(
         .iter()
         .map(|&(name, loss)| ImportanceRow::new(name, loss, judged.len()))
         .collect();
-    let mut files = vec![
+    Ok(vec![
         (MANIFEST_JSON, format!("{:#}\n", manifest(data, started)).into_bytes()),
-        ("model.toml", model.to_toml().into_bytes()),
+        (*file_name, file.to_bytes()),
         ("objects.csv", objects(model, judged)?),
         ("importance.csv", to_csv_bytes(&importance)?),
         ("curves.csv", to_csv_bytes(&curve)?),
         ("curves.svg", operating_plot(&curve, &title(data, totals)).into_bytes()),
-    ];
-    files.extend(library.map(|it| ("prototypes.toml", it.to_toml().into_bytes())));
-    Ok(files)
+    ])
 }
 
 /// Everything that decides the model.

@@ -24,7 +24,7 @@ use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// The name of the model in the directory.
-const MODEL_TOML: &str = "model.toml";
+const PARTIAL_FILE: &str = "partial.model";
 
 /// Trains a bag of graphs, and writes it.
 ///
@@ -47,7 +47,7 @@ pub fn train_partial(arguments: &PartialTrainingArgs) -> Result<(), Failure> {
         ModelTrainingError::Dataset(error) => Failure::from(error),
         error @ ModelTrainingError::Training(_) => NothingEvaluated { reason: with_causes(&error) }.into(),
     })?;
-    directory.write_file(MODEL_TOML, model.to_toml().as_bytes())?;
+    directory.write_file(PARTIAL_FILE, &model.to_bytes())?;
     directory.write_file(MANIFEST_JSON, manifest(&sets, started).as_bytes())?;
     let finished = directory.finish()?;
     let printed = print_result(summary(&model, &recipe.objects, n_objects));

@@ -3,12 +3,16 @@
 use std::sync::atomic::AtomicBool;
 
 use baselines::pca_features::{PcaDescriber, PcaFeatures};
+use baselines::pca_vehicle_model::PcaVehicleModel;
+use detector::classify::model_file::ModelFile;
 use detector::classify::nu_svc_solver::NuSvcParams;
+use detector::classify::paper_model::PaperModel;
+use detector::classify::svm_model::SvmModel;
 use detector::describe::paper_features::{PaperDescriber, PaperFeatures};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
-use detector::describe::vehicle_features::VehicleDescriber;
 use evaluation::run::config::RunConfig;
+use evaluation::run::config::{PAPER_FILE, PCA_FILE};
 use evaluation::training::candidates::Candidate;
 use evaluation::training::described_object::{CandidateDescriber, DescribedObject, fit_model};
 use evaluation::training::evaluation::evaluate;
@@ -56,12 +60,13 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
     let (files, printed) = match kind {
         ModelKind::Paper => {
             let library = training.prototypes()?;
-            let named = (PaperFeatures::NAMES, VehicleDescriber::name(&library));
-            training.fit_and_judge(&mut PaperDescriber::new(library.clone()), named, Some(&library))?
+            let mut describer = PaperDescriber::new(library.clone());
+            let file = |svm: &SvmModel<_>, made| (PAPER_FILE, PaperModel::file(&library, svm, made));
+            training.fit_and_judge(&mut describer, PaperFeatures::NAMES, file, Some(&library))?
         }
         ModelKind::Pca => {
-            let named = (PcaFeatures::NAMES, PcaDescriber::name());
-            training.fit_and_judge(&mut PcaDescriber::default(), named, None)?
+            let file = |svm: &SvmModel<_>, made| (PCA_FILE, PcaVehicleModel::file(svm, made));
+            training.fit_and_judge(&mut PcaDescriber::default(), PcaFeatures::NAMES, file, None)?
         }
     };
     for (name, content) in files {
@@ -132,7 +137,8 @@ impl Training<'_> {
     fn fit_and_judge<const D: usize, S: CandidateDescriber<D>>(
         &self,
         describer: &mut S,
-        named: ([&'static str; D], String),
+        names: [&'static str; D],
+        file: impl FnOnce(&SvmModel<D>, Provenance) -> (&'static str, ModelFile),
         library: Option<&PrototypeLibrary>,
     ) -> Result<FilesAndText, Failure> {
         let numbers = (self.arguments.vehicles as usize, self.arguments.others);
@@ -143,8 +149,7 @@ impl Training<'_> {
             tolerance: self.kind.tolerance(),
             max_steps: MOST_STEPS,
         };
-        let model = fit_model(&selected, describer, named, &params, self.made.clone())
-            .map_err(|error| nothing(&error))?;
+        let model = fit_model(&selected, describer, names, &params).map_err(|error| nothing(&error))?;
         let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = self
             .judged
             .iter()
@@ -153,7 +158,8 @@ impl Training<'_> {
         let objects: Vec<DescribedObject<D>> = judged.iter().map(|&(_, _, object)| object).collect();
         let evaluation = evaluate(&model, &objects, self.arguments.choice_seed);
         let printed = summary(&self.data.parted, &selected, library, &model, &evaluation);
-        let trained = TrainedModel { model, library, judged, evaluation };
+        let (file_name, file) = file(&model, self.made.clone());
+        let trained = TrainedModel { model, file_name, file, judged, evaluation };
         Ok((write_files((self.data, self.started), &trained)?, printed))
     }
 }

@@ -1,5 +1,7 @@
 //! Training.
 
+use detector::classify::model_file::ModelFile;
+
 use crate::program::{Ended, Workplace};
 
 /// Three simulated drives, of which the last is held out.
@@ -8,8 +10,7 @@ const TRAIN: [&str; 10] =
 /// The same drives for the model of the other detector.
 const TRAIN_PCA: [&str; 7] = ["train", "pca", "streets", "--seed", "7", "--simulated-scans", "4"];
 /// But for the manifest, which has a date.
-const FILES: [&str; 6] =
-    ["curves.csv", "curves.svg", "importance.csv", "model.toml", "objects.csv", "prototypes.toml"];
+const FILES: [&str; 5] = ["curves.csv", "curves.svg", "importance.csv", "objects.csv", "paper.model"];
 
 /// A workplace with a trained model in `model`.
 fn trained() -> (Workplace, Ended) {
@@ -21,13 +22,11 @@ fn trained() -> (Workplace, Ended) {
 #[test]
 fn a_model_says_what_it_was_made_of_and_what_was_held_out() {
     let (workplace, ended) = trained();
-    let model: toml::Table = workplace.read("model/model.toml").parse().expect("it is TOML");
-    let made = &model["made"];
+    let model = ModelFile::of_any_kind(&workplace.read_bytes("model/paper.model")).expect("it is a model");
+    let made = model.made();
     let command = "scanbench train paper streets --seed 7 --simulated-scans 4 --vehicles 3000 --others 1.5 --gamma 0.1078 --nu 0.3";
-    assert_eq!(made["command"].as_str(), Some(command));
-    assert_eq!(made["data"][0].as_str(), Some("street-main-road (simulated, seeds from 7)"));
-    let split = made["split"].as_str().expect("text");
-    let held_out = split.strip_prefix("held out: ").expect("it says what was held out");
+    assert_eq!((&*made.command, &*made.data[0]), (command, "street-main-road (simulated, seeds from 7)"));
+    let held_out = made.split.strip_prefix("held out: ").expect("it says what was held out");
     assert!(ended.stdout.contains(&format!("Held out 1 drives: {held_out}\n")), "{ended:#?}");
     let drive = held_out.split(": ").nth(1).expect("data set and drive");
     // Nothing of any other drive was judged, and the curves are of as many objects.
@@ -60,7 +59,7 @@ fn the_same_scans_give_the_same_bytes_with_any_number_of_threads() {
         let mut command = workplace.command(&[&TRAIN[..], &["model"]].concat());
         let ended = Ended::from(command.env("RAYON_NUM_THREADS", n_threads).output().expect("it starts"));
         assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
-        FILES.map(|it| workplace.read(&format!("model/{it}")))
+        FILES.map(|it| workplace.read_bytes(&format!("model/{it}")))
     });
     assert!(one == three);
 }
@@ -162,42 +161,22 @@ fn a_model_that_no_chosen_detector_reads_is_refused_by_name() {
 
 #[test]
 fn a_damaged_model_is_named() {
-    let (workplace, _) = trained();
-    let whole = workplace.read("model/model.toml");
-    let run =
-        ["run", "street-narrow", "-d", "paper", "-P", "vehicle_model.paper_directory=model", "-o", "out"];
-    for (damaged, said) in [
-        (
-            whole.replace("version = 2", "version = 9"),
-            "model.toml: line 2: the format has version 9, but this program reads version 2",
-        ),
-        (whole.replace("nu = 0.3", "nu = 3.0"), "model.toml: line 14: nu = 3 is not within"),
-        (whole[..whole.len() / 2].to_owned(), "vehicle_model.paper_directory"),
-    ] {
-        workplace.write("model/model.toml", &damaged);
-        let ended = workplace.run(&run);
-        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-        assert!(ended.stderr.contains(said), "{ended:#?}");
+    let workplace = Workplace::new();
+    let params = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params");
+    std::fs::create_dir(workplace.path("model")).expect("an empty workplace");
+    for (detector, kind) in [("hierarchical", "groupings"), ("paper", "paper")] {
+        let name = format!("{kind}.model");
+        let whole = std::fs::read(format!("{params}/{name}")).expect("it is shipped");
+        let mut changed = whole.clone();
+        changed[5000] ^= 1;
+        let option = format!("vehicle_model.{kind}_directory=model");
+        for damaged in [&changed, &whole[..whole.len() / 2]] {
+            workplace.write_bytes(&format!("model/{name}"), damaged);
+            let ended = workplace.run(&["run", "street-narrow", "-d", detector, "-P", &option, "-o", "out"]);
+            assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+            assert!(ended.stderr.contains(&format!("{name}: the file is damaged")), "{ended:#?}");
+        }
     }
-    workplace.write("model/model.toml", &whole);
-    let prototypes = workplace.read("model/prototypes.toml");
-    workplace.write("model/prototypes.toml", &prototypes.replacen("car 1", "car 9", 1));
-    let ended = workplace.run(&run);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(
-        ended.stderr.contains(
-            "model.toml: line 4: the features of the model were computed with prototypes of SHA-256"
-        ),
-        "{ended:#?}"
-    );
-    let mut groupings =
-        std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params/groupings.model"))
-            .unwrap();
-    groupings[5000] ^= 1;
-    workplace.write_bytes("model/groupings.model", &groupings);
-    let ended = workplace.run(&["run", "-P", "vehicle_model.groupings_directory=model", "-o", "out"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("groupings.model: the file is damaged"), "{ended:#?}");
     let ended = workplace.run(&["run", "-P", "vehicle_model.groupings_directory=nowhere", "-o", "out"]);
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
     assert!(ended.stderr.contains("groupings.model: "), "{ended:#?}");
@@ -209,25 +188,29 @@ fn the_detectors_of_the_papers_have_models_of_their_own() {
     let ([shipped, mine], _) = outcomes(&workplace, "paper", "vehicle_model.paper_directory=model");
     assert_ne!(shipped, mine);
     workplace.succeed(&[&TRAIN_PCA[..], &["-o", "model-pca"]].concat());
-    let model: toml::Table = workplace.read("model-pca/model.toml").parse().expect("it is TOML");
+    let model = ModelFile::of_any_kind(&workplace.read_bytes("model-pca/pca.model")).expect("it is a model");
     let command = "scanbench train pca streets --seed 7 --simulated-scans 4 --vehicles 3000 --others 1.5 --gamma 0.1078 --nu 0.2";
-    assert_eq!(model["made"]["command"].as_str(), Some(command));
-    assert!(!workplace.path("model-pca/prototypes.toml").exists());
+    assert_eq!(model.made().command, command);
     let header = workplace.read("model-pca/objects.csv").lines().next().expect("a header").to_owned();
     assert!(header.contains(",decision,height_m,length_m,width_m,scatterness_from_0,"), "{header}");
     let ([shipped, mine], _) = outcomes(&workplace, "pca", "vehicle_model.pca_directory=model-pca");
     assert_ne!(shipped, mine);
     // Each is no model for the other.
-    let ended = workplace.run(&["run", "-d", "pca", "-P", "vehicle_model.pca_directory=model", "-o", "out"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("the model was trained on the features"), "{ended:#?}");
-    let ended =
-        workplace.run(&["run", "-d", "paper", "-P", "vehicle_model.paper_directory=model-pca", "-o", "out"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(
-        ended.stderr.contains("vehicle_model.paper_directory = \"model-pca\": prototypes.toml"),
-        "{ended:#?}"
-    );
+    std::fs::create_dir(workplace.path("exchanged")).expect("there is none");
+    for (detector, other, other_file) in
+        [("pca", "paper", "model/paper.model"), ("paper", "pca", "model-pca/pca.model")]
+    {
+        workplace.write_bytes(
+            &format!("exchanged/{detector}.model"),
+            &workplace
+                .read_bytes(&format!("model{}/{other}.model", if other == "pca" { "-pca" } else { "" })),
+        );
+        let option = format!("vehicle_model.{detector}_directory=exchanged");
+        let ended = workplace.run(&["run", "-d", detector, "-P", &option, "-o", "out"]);
+        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+        let said = format!("{detector}.model: it is a model of \"{other}\", not of \"{detector}\"");
+        assert!(ended.stderr.contains(&said), "{ended:#?}");
+    }
 }
 
 #[test]
@@ -237,8 +220,8 @@ fn other_data_may_be_judged_by() {
     let ended = workplace.succeed(&[&TRAIN_PCA[..], &held_out].concat());
     let [trained, judged] = ["Trained on 6 drives: ", "Held out 1 drives: street-narrow: narrow-803595\n"];
     assert!(ended.stdout.contains(trained) && ended.stdout.contains(judged), "{ended:#?}");
-    let model: toml::Table = workplace.read("model/model.toml").parse().expect("it is TOML");
-    let command = model["made"]["command"].as_str().expect("text").to_owned();
+    let model = ModelFile::of_any_kind(&workplace.read_bytes("model/pca.model")).expect("it is a model");
+    let command = &model.made().command;
     assert!(command.contains("--nu 0.2 --held-out street-narrow --held-out-scans 0..2"), "{command}");
     let objects = workplace.read("model/objects.csv");
     assert!(

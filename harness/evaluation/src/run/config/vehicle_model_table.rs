@@ -7,7 +7,7 @@ use baselines::kd_tree_models::{TrainedComponents, shipped_tree, tree_from_bytes
 use baselines::pca_vehicle_model::PcaVehicleModel;
 use detector::classify::grouping_model::GroupingModel;
 use detector::classify::model_file::{ModelFile, ModelFileError};
-use detector::classify::paper_model::{PaperModel, PaperModelError};
+use detector::classify::paper_model::PaperModel;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::params::ParamsError;
 use scans::dataset::checksum::sha256;
@@ -67,6 +67,10 @@ pub const COMPONENTS_FILE: &str = "kd_tree_trained.model";
 pub const NESTED_FILE: &str = "kd_tree_tree.model";
 /// The same of the vehicles of clusters.
 pub const CLUSTERS_FILE: &str = "clusters.model";
+/// The same of the detector paper.
+pub const PAPER_FILE: &str = "paper.model";
+/// The same of the detector pca.
+pub const PCA_FILE: &str = "pca.model";
 
 impl TrainedModel {
     /// All models.
@@ -233,44 +237,22 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
         nested_components: rivals.model(NESTED_FILE, |it| tree_from_bytes(it).map(Arc::new))?,
         clusters: rivals.model(CLUSTERS_FILE, VehicleModel::from_bytes)?,
         paper: paper_from(&paper, table.paper_as_printed)?,
-        pca: pca_from(&pca)?,
+        pca: pca.model(PCA_FILE, PcaVehicleModel::from_bytes)?,
     }))
 }
 
-const PROTOTYPES: &str = "prototypes.toml";
-const MODEL: &str = "model.toml";
-
 fn paper_from(files: &ModelDirectory<'_>, as_printed: bool) -> Result<ModelSource<PaperModel>, ValueProblem> {
-    if files.is_shipped() && !as_printed {
-        return Ok(ModelSource::Shipped);
+    if !as_printed {
+        return files.model(PAPER_FILE, PaperModel::from_bytes);
     }
-    if as_printed {
-        if !files.is_shipped() {
-            let problem = " = true: vehicle_model.paper_directory names another classifier".to_owned();
-            let keys = vec!["vehicle_model".to_owned(), "paper_as_printed".to_owned()];
-            return Err(ValueProblem { keys, problem });
-        }
-        let trained = TrainedWith { parameters: toml::Table::new(), parameter: files.parameter };
-        let model = Arc::new(PaperModel::as_printed());
-        return Ok(ModelSource::Trained { model, checksum: "shipped, as printed".to_owned(), trained });
+    if !files.is_shipped() {
+        let problem = " = true: vehicle_model.paper_directory names another classifier".to_owned();
+        let keys = vec!["vehicle_model".to_owned(), "paper_as_printed".to_owned()];
+        return Err(ValueProblem { keys, problem });
     }
-    let [prototypes, svm] = [files.read_text(PROTOTYPES)?, files.read_text(MODEL)?];
-    let model = PaperModel::from_toml(&prototypes, &svm).map_err(|error| match error {
-        PaperModelError::Prototypes(error) => files.problem(PROTOTYPES, &error),
-        PaperModelError::Svm(error) => files.problem(MODEL, &error),
-    })?;
     let trained = TrainedWith { parameters: toml::Table::new(), parameter: files.parameter };
-    Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(prototypes + &svm), trained })
-}
-
-fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, ValueProblem> {
-    if files.is_shipped() {
-        return Ok(ModelSource::Shipped);
-    }
-    let svm = files.read_text(MODEL)?;
-    let model = PcaVehicleModel::from_toml(&svm).map_err(|error| files.problem(MODEL, &error))?;
-    let trained = TrainedWith { parameters: toml::Table::new(), parameter: files.parameter };
-    Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(svm), trained })
+    let model = Arc::new(PaperModel::as_printed());
+    Ok(ModelSource::Trained { model, checksum: "shipped, as printed".to_owned(), trained })
 }
 
 /// A directory with what training wrote, and the parameter that names it.
@@ -299,11 +281,6 @@ impl ModelDirectory<'_> {
         let file = ModelFile::of_any_kind(&bytes).map_err(|error| self.problem(name, &error))?;
         let trained = TrainedWith { parameters: file.parameters().clone(), parameter: self.parameter };
         Ok(ModelSource::Trained { model: Arc::new(model), checksum: sha256(bytes), trained })
-    }
-
-    fn read_text(&self, name: &str) -> Result<String, ValueProblem> {
-        let path = Path::new(self.directory).join(name);
-        std::fs::read_to_string(path).map_err(|error| self.problem(name, &error))
     }
 
     fn problem(&self, name: &str, error: &dyn std::fmt::Display) -> ValueProblem {
