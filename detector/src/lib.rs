@@ -65,6 +65,7 @@ pub mod describe;
 pub mod group;
 pub mod classify;
 pub mod complete;
+pub mod whole;
 
 // What they are called, and what they leave behind to be looked at; nothing is decided here.
 pub mod stage;

@@ -74,7 +74,7 @@ impl ConvexHullBox {
 }
 
 /// The direction from one corner to the next, a unit vector.
-fn direction(from_m: [f32; 2], to_m: [f32; 2]) -> [f32; 2] {
+pub(crate) fn direction(from_m: [f32; 2], to_m: [f32; 2]) -> [f32; 2] {
     let (dx, dy) = (to_m[0] - from_m[0], to_m[1] - from_m[1]);
     let length_m = single::hypot(dx, dy);
     // A hull of one point has an edge from it to itself.
@@ -159,7 +159,7 @@ fn box_over(rectangle: &Rectangle, z_range_m: [f32; 2]) -> OrientedBox {
 }
 
 /// The yaw in (−π/2, π/2] of the same line.
-fn half_turn_yaw(yaw_rad: f32) -> f32 {
+pub(crate) fn half_turn_yaw(yaw_rad: f32) -> f32 {
     use std::f32::consts::{FRAC_PI_2, PI};
     let mut yaw_rad = yaw_rad;
     while yaw_rad > FRAC_PI_2 {
