@@ -288,35 +288,36 @@ def condition_changes(results: list[Result]) -> Shown:
     return Shown(table(["kind", "condition", *heads], lines, 2))
 
 
-def box_medians(results: list[Result]) -> Shown:
-    """Median errors of both boxes around the same clusters."""
-    found = rows(results[0], "box_errors.csv")
-    decimals = {"centre": 2, "length": 2, "width": 2, "yaw": 1}
+def box_fits(results: list[Result]) -> Shown:
+    """How boxes of each kind do around the same clusters."""
+    found = [it for it in rows(results[0], "box_errors.csv") if it["by"] == "all"]
+    what = list(dict.fromkeys(it["error"] for it in found))
+    lines: dict[str, list[str]] = defaultdict(list)
+    for row in found:
+        lines[row["fit"]].append(number(row["value"], 2 if row["unit"] == "m" else 1))
+    units = {it["error"]: it["unit"] for it in found}
+    heads = [f"{it}, {units[it]}" for it in what]
+    note = f"{found[0]['n_pairs']} vehicles, {found[0]['n_tracks']} tracks."
+    return Shown(table(["", *heads], [[fit, *cells] for fit, cells in lines.items()]) + f"\n\n{note}")
+
+
+def box_slices(results: list[Result]) -> Shown:
+    """The shares with the right yaw and with the right box, slice by slice."""
+    fits = ["hull box", "outline box", "reported box"]
     lines: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     counts = {}
-    for row in found:
+    for row in rows(results[0], "box_errors.csv"):
         key = (row["by"], row["slice"])
-        lines[key][row["error"]].append(number(row["median"], decimals[row["error"]]))
-        counts[key] = [row["n_pairs"], row["n_tracks"]]
-    words = {"all": "all", "occlusion": "hidden: ", "range": ""}
-    texts = []
-    for (by, slice_), errors in lines.items():
-        if counts[by, slice_][0] != "0":
-            cells = [" / ".join(errors[it]) for it in decimals]
-            texts.append([words[by] + slice_, *counts[by, slice_], *cells])
-    return Shown(table(["", "pairs", "tracks", "centre, m", "length, m", "width, m", "yaw, °"], texts))
-
-
-def box_yaws(results: list[Result], most_range_m: str, most_error_deg: str) -> Shown:
-    """Share of pairs near the sensor whose yaw is nearly right."""
-    found = [it for it in rows(results[0], "boxes.csv") if float(it["range_m"]) <= float(most_range_m)]
-    fits = list(dict.fromkeys(it["fit"] for it in found))
-    lines = []
-    for fit in fits:
-        errors = [float(it["yaw_error_deg"]) for it in found if it["fit"] == fit]
-        is_near = [it <= float(most_error_deg) for it in errors]
-        lines.append([fit, str(len(errors)), share(sum(is_near), len(errors))])
-    return Shown(table(["", f"pairs up to {most_range_m} m", f"yaw off by at most {most_error_deg}°, %"], lines))
+        if row["fit"] in fits and row["n_pairs"] != "0":
+            lines[key][row["error"]].append(number(row["value"], 1))
+            counts[key] = row["n_pairs"]
+    words = {"all": "all", "occlusion": "hidden: ", "range": "", "class": "", "points": "points: "}
+    what = ["yaw within 10 deg", "BEV IoU >= 0.7"]
+    texts = [
+        [words[by] + slice_, counts[by, slice_], *(" / ".join(errors[it]) for it in what)]
+        for (by, slice_), errors in lines.items()
+    ]
+    return Shown(table(["", "vehicles", *(f"{it}, %: {' / '.join(fits)}" for it in what)], texts))
 
 
 # Cell fitness
@@ -498,8 +499,8 @@ SHOWS = {
     "gap-shares": gap_shares,
     "gap-layouts": gap_layouts,
     "condition-changes": condition_changes,
-    "box-medians": box_medians,
-    "box-yaws": box_yaws,
+    "box-fits": box_fits,
+    "box-slices": box_slices,
     "fitness-summary": fitness_summary,
     "fitness-by-dataset": fitness_by_dataset,
     "fitness-losses": fitness_losses,

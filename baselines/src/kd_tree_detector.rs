@@ -1,6 +1,7 @@
 //! The rival of the hierarchical grid: components of points over a kd-tree.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock, StageTime};
@@ -12,6 +13,7 @@ use detector::pipeline::object_stages::ObjectStages;
 use detector::segment::clusters::Clusters;
 use detector::stage_product::Shape;
 use detector::surface_class::SurfaceClass;
+use detector::whole::box_model::BoxModel;
 use detector::{Detector, PointCloud, Rule, StageProduct, stage};
 
 use crate::COMPONENTS;
@@ -73,6 +75,12 @@ impl KdTreeDetector {
     ) -> Self {
         params.foreground = ForegroundChoice::Refined;
         Self { name: "kd-tree-same-walls", ..Self::new(params, shared, sensor_height_m) }
+    }
+
+    /// The same detector, with the boxes of whole vehicles by `model`, if there is one.
+    pub fn with_box_model(mut self, model: Option<Arc<BoxModel>>) -> Self {
+        self.objects = self.objects.with_box_model(model);
+        self
     }
 
     /// The same detector, which tells vehicles by `model` instead of by their size.

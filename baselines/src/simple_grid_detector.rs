@@ -1,5 +1,7 @@
 //! The ablation of the hierarchical grid: the same detector without its dense level.
 
+use std::sync::Arc;
+
 use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
 use detector::drawn::merge_graph::merge_graph;
@@ -14,6 +16,7 @@ use detector::segment::connected_components::{ConnectedComponentsParams, connect
 use detector::segment::dense_level::DenseLevel;
 use detector::segment::disjoint_sets::DisjointSets;
 use detector::segment::object_points::ObjectPoint;
+use detector::whole::box_model::BoxModel;
 use detector::{Detector, PointCloud, Rule, StageProduct, stage};
 
 /// Objects as connected components of coarse cells.
@@ -57,6 +60,12 @@ impl SimpleGridDetector {
             box_fit: ConvexHullBox::default(),
             objects,
         }
+    }
+
+    /// The same detector, with the boxes of whole vehicles by `model`, if there is one.
+    pub fn with_box_model(mut self, model: Option<Arc<BoxModel>>) -> Self {
+        self.objects = self.objects.with_box_model(model);
+        self
     }
 
     /// The same detector, which tells vehicles by `model` instead of by their size.

@@ -23,7 +23,14 @@ const SENSOR_HEIGHT_M: f32 = 1.73;
 fn kd_tree(foreground: ForegroundChoice) -> KdTreeDetector {
     let mut params = BaselineParams::shipped().kd_tree;
     params.foreground = foreground;
-    KdTreeDetector::new(params, HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
+    KdTreeDetector::new(params, shared(), SENSOR_HEIGHT_M)
+}
+
+/// Boxes are those of what is seen: drawn cars are hollow, and look like no car that whole boxes were learned from.
+fn shared() -> HierarchicalParams {
+    let mut shared = HierarchicalParams::shipped();
+    shared.boxes.whole = false;
+    shared
 }
 
 fn pca() -> PcaDetector {
@@ -31,7 +38,7 @@ fn pca() -> PcaDetector {
 }
 
 fn simple_grid() -> SimpleGridDetector {
-    SimpleGridDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
+    SimpleGridDetector::new(shared(), SENSOR_HEIGHT_M)
 }
 
 fn every_detector() -> [Box<dyn Detector>; 4] {

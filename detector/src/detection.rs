@@ -89,6 +89,13 @@ impl Detections {
         });
     }
 
+    /// Gives each detection the box that `new_box` returns for it.
+    pub(crate) fn replace_boxes(&mut self, mut new_box: impl FnMut(Detection<'_>) -> OrientedBox) {
+        for detection_idx in 0..self.len() {
+            self.entries[detection_idx].bounding_box = new_box(self.get(detection_idx));
+        }
+    }
+
     /// Number of detections.
     pub fn len(&self) -> usize {
         self.entries.len()

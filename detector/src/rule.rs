@@ -21,6 +21,8 @@ pub enum Rule {
     SizeBounds,
     /// Objects get the points in their boxes that are no foreground.
     Completion,
+    /// Boxes are fitted anew to what the sensor sees, and are those of whole vehicles.
+    WholeBoxes,
 }
 
 impl fmt::Display for Rule {
@@ -32,6 +34,7 @@ impl fmt::Display for Rule {
             Self::TrainedGroups => formatter.write_str("groups judged by trained trees"),
             Self::BestCut => formatter.write_str("best cut of groups within groups"),
             Self::Completion => formatter.write_str("completion"),
+            Self::WholeBoxes => formatter.write_str("boxes of whole vehicles"),
         }
     }
 }

@@ -21,6 +21,7 @@ use crate::segment::foreground::ForegroundParams;
 use crate::segment::ground_segmentation::GroundSegmentationParams;
 use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
+use crate::whole::reported_boxes::BoxParams;
 
 /// Parameters of every stage. `params/hierarchical.toml` explains the values.
 ///
@@ -61,6 +62,8 @@ pub struct HierarchicalParams {
     pub grouping: GroupingParams,
     /// Points of objects that are no foreground.
     pub completion: CompletionParams,
+    /// The boxes that are reported.
+    pub boxes: BoxParams,
 }
 
 /// The tree of groupings and its best cut.

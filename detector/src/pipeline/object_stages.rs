@@ -1,5 +1,7 @@
 //! From objects with boxes to detections. Shared with baselines that classify as the paper does.
 
+use std::sync::Arc;
+
 use crate::classify::size_gate::size_gate;
 use crate::classify::vehicle_model::{VehicleModel, class_by_decision};
 use crate::complete::completed_object::{box_with_points, merge_points};
@@ -18,6 +20,8 @@ use crate::point_cloud::PointCloud;
 use crate::rule::Rule;
 use crate::stage;
 use crate::stage_product::StageProduct;
+use crate::whole::box_model::BoxModel;
+use crate::whole::reported_boxes::ReportedBoxes;
 
 /// Classes and completion of one scan after another.
 #[derive(Debug, Clone)]
@@ -31,6 +35,7 @@ pub struct ObjectStages {
     // Log odds of the least likely vehicle that is ranked.
     ranked_log_odds: f32,
     point_indices: Vec<u32>,
+    boxes: ReportedBoxes,
 }
 
 impl ObjectStages {
@@ -44,6 +49,7 @@ impl ObjectStages {
             completion: Completion::new(params.completion.clone()),
             ranked_log_odds: params.grouping.ranked_log_odds(),
             point_indices: Vec::new(),
+            boxes: ReportedBoxes::new(params.boxes),
             params: params.clone(),
         }
     }
@@ -52,6 +58,11 @@ impl ObjectStages {
     pub fn with_vehicle_model(self, model: VehicleModel) -> Self {
         let vehicles = VehicleStages::new(model, &self.params);
         Self { vehicles: Some(vehicles), ..self }
+    }
+
+    /// The same stages, with the boxes of whole vehicles by `model`, if there is one.
+    pub fn with_box_model(self, model: Option<Arc<BoxModel>>) -> Self {
+        Self { boxes: self.boxes.with_model(model), ..self }
     }
 
     /// Fewest points of what may become a detection.
@@ -72,6 +83,9 @@ impl ObjectStages {
         }
         if self.completion.is_enabled() {
             rules.push(Rule::Completion);
+        }
+        if self.boxes.are_whole() {
+            rules.push(Rule::WholeBoxes);
         }
         rules
     }
@@ -112,6 +126,8 @@ impl ObjectStages {
         self.complete(cloud, foreground);
         self.report(cloud, output);
         clock.lap(stage::COMPLETION, &mut output.stage_times);
+        self.boxes.replace(cloud, |it| foreground.ground_below_m(it), output);
+        clock.lap(stage::REPORTED_BOXES, &mut output.stage_times);
     }
 
     /// Drops what has too few points for an object and is no vehicle. A car far away shows few points.

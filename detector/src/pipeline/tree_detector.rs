@@ -29,6 +29,8 @@ use crate::point_cloud::PointCloud;
 use crate::rule::Rule;
 use crate::stage;
 use crate::stage_product::{Shape, StageProduct};
+use crate::whole::box_model::BoxModel;
+use crate::whole::reported_boxes::ReportedBoxes;
 
 /// Objects as the best cut of a tree of groupings of a hierarchical grid's cells.
 ///
@@ -63,6 +65,7 @@ pub struct TreeDetector<L = DenseGaps> {
     decisions: Vec<f32>,
     completion: Completion,
     point_indices: Vec<u32>,
+    boxes: ReportedBoxes,
 }
 
 impl TreeDetector {
@@ -77,6 +80,7 @@ impl<L: Linkage> TreeDetector<L> {
     /// A detector of this name that looks at other groups, by a model that was trained on them.
     pub fn over(name: &'static str, grouping: GroupingStages<L>, model: Arc<GroupingModel>) -> Self {
         let params = grouping.params();
+        let boxes = ReportedBoxes::new(params.boxes);
         Self {
             name,
             ranked_log_odds: params.grouping.ranked_log_odds(),
@@ -99,12 +103,18 @@ impl<L: Linkage> TreeDetector<L> {
             asked_values: Vec::new(),
             decisions: Vec::new(),
             point_indices: Vec::new(),
+            boxes,
         }
     }
 
     /// The same detector, which tells vehicles by its model.
     pub fn telling_vehicles(self) -> Self {
         Self { tells_vehicles: true, ..self }
+    }
+
+    /// The same detector, with the boxes of whole vehicles by `model`, if there is one.
+    pub fn with_box_model(self, model: Option<Arc<BoxModel>>) -> Self {
+        Self { boxes: self.boxes.with_model(model), ..self }
     }
 
     /// Finds what every described group is worth.
@@ -264,6 +274,9 @@ impl<L: Linkage> Detector for TreeDetector<L> {
         self.complete(cloud);
         self.report(cloud, output);
         clock.lap(stage::COMPLETION, &mut output.stage_times);
+        let Self { grouping, boxes, .. } = self;
+        boxes.replace(cloud, |it| grouping.ground_below_m(it), output);
+        clock.lap(stage::REPORTED_BOXES, &mut output.stage_times);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
@@ -314,6 +327,9 @@ impl<L: Linkage> Detector for TreeDetector<L> {
         }
         if self.completion.is_enabled() {
             rules.push(Rule::Completion);
+        }
+        if self.boxes.are_whole() {
+            rules.push(Rule::WholeBoxes);
         }
         rules
     }

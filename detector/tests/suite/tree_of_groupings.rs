@@ -121,9 +121,16 @@ fn what_is_no_number_and_what_is_no_scan_is_no_object() {
 #[test]
 fn it_says_what_it_does_beside_grouping() {
     let rules = |change: fn(&mut HierarchicalParams)| detector(change).rules();
-    let all = [Rule::TrainedGroups, Rule::BestCut, Rule::SmallVehicles { min_points: 10 }, Rule::Completion];
+    let all = [
+        Rule::TrainedGroups,
+        Rule::BestCut,
+        Rule::SmallVehicles { min_points: 10 },
+        Rule::Completion,
+        Rule::WholeBoxes,
+    ];
     assert_eq!(rules(|_| ()), all);
-    assert_eq!(rules(|it| it.completion.enabled = false), all[..3]);
+    assert_eq!(rules(|it| it.boxes.whole = false), all[..4]);
+    assert_eq!(rules(|it| (it.completion.enabled, it.boxes.whole) = (false, false)), all[..3]);
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use detector::OrientedBox;
 use detector::fit::convex_hull_box::ConvexHullBox;
+use detector::fit::outline_box::{OutlineBox, box_along};
 use detector::fit::principal_axes_box::principal_axes_box;
+use detector::portable_math::single::sin_cos;
 
 /// A way to fit a box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -11,17 +13,23 @@ pub enum ObjectBox {
     ConvexHull,
     /// Along the principal axes, as its rival does it (VM section 1, \[5\]).
     PrincipalAxes,
+    /// Closest to all points, in steps of a degree (Zhang et al. 2017, *Efficient L-shape fitting for vehicle detection*).
+    Closeness,
+    /// Along the outline that the sensor sees, as `hierarchical` does it.
+    Outline,
 }
 
 impl ObjectBox {
-    /// Both, the method's first.
-    pub const ALL: [Self; 2] = [Self::ConvexHull, Self::PrincipalAxes];
+    /// All of them: the paper's and its rival's first.
+    pub const ALL: [Self; 4] = [Self::ConvexHull, Self::PrincipalAxes, Self::Closeness, Self::Outline];
 
     /// The name used in files and on screens.
     pub fn name(self) -> &'static str {
         match self {
             Self::ConvexHull => "hull box",
             Self::PrincipalAxes => "PCA box",
+            Self::Closeness => "closeness box",
+            Self::Outline => "outline box",
         }
     }
 
@@ -35,8 +43,41 @@ impl ObjectBox {
                 ConvexHullBox::default().fit(positions_m.iter().map(|&[x, y, _]| [x, y]), z_range_m)
             }
             Self::PrincipalAxes => principal_axes_box(positions_m.iter().copied()),
+            Self::Closeness => closeness_box(positions_m),
+            Self::Outline => OutlineBox::default().fit(positions_m),
         }
     }
+}
+
+/// No point is nearer to a side than this when it counts, in metres.
+const LEAST_DISTANCE_M: f64 = 0.01;
+
+/// The box of the direction, of all whole degrees, at which the sum of one over the distance to the nearest side is greatest.
+fn closeness_box(positions_m: &[[f32; 3]]) -> Option<OrientedBox> {
+    let closeness = |along: [f32; 2]| -> f64 {
+        let [cos, sin] = along.map(f64::from);
+        let places = || {
+            positions_m
+                .iter()
+                .map(|it| it.map(f64::from))
+                .map(|[x, y, _]| [x * cos + y * sin, y * cos - x * sin])
+        };
+        let ends = places().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], it| {
+            [[0, 1].map(|axis| low[axis].min(it[axis])), [0, 1].map(|axis| high[axis].max(it[axis]))]
+        });
+        let distance_m = |it: [f64; 2]| {
+            let to_ends = [0, 1].map(|axis| (it[axis] - ends[0][axis]).min(ends[1][axis] - it[axis]));
+            to_ends[0].min(to_ends[1]).max(LEAST_DISTANCE_M)
+        };
+        places().map(|it| 1.0 / distance_m(it)).sum()
+    };
+    let directions = (0..90_u8).map(|degrees| {
+        let (sin, cos) = sin_cos(f32::from(degrees).to_radians());
+        [cos, sin]
+    });
+    let best =
+        directions.map(|it| (closeness(it), it)).reduce(|best, it| if it.0 > best.0 { it } else { best })?;
+    (!positions_m.is_empty()).then(|| box_along(best.1, positions_m))
 }
 
 #[cfg(test)]
@@ -49,11 +90,14 @@ mod tests {
         let side = (0_u8..40).map(|it| [5.0 + f32::from(it) / 10.0, 2.0, -1.0]);
         let end = (0_u8..18).map(|it| [5.0, 2.0 + f32::from(it) / 10.0, 0.4]);
         let seen: Vec<[f32; 3]> = side.chain(end).collect();
-        let [hull, pca] = ObjectBox::ALL.map(|it| it.around(&seen).unwrap());
+        let [hull, pca, closeness, outline] = ObjectBox::ALL.map(|it| it.around(&seen).unwrap());
         assert!(hull.yaw_rad.abs() < 1e-5, "{hull:?}");
         assert!((hull.length_width_height_m[0] - 3.9).abs() < 1e-4, "{hull:?}");
         assert!(pca.yaw_rad.abs() > 0.05, "{pca:?}");
         assert_eq!(hull.length_width_height_m[2], pca.length_width_height_m[2]);
-        assert_eq!(ObjectBox::ALL.map(|it| it.around(&[])), [None, None]);
+        for it in [closeness, outline] {
+            assert!(it.yaw_rad.abs() < 1e-5 && (it.length_width_height_m[0] - 3.9).abs() < 1e-4, "{it:?}");
+        }
+        assert_eq!(ObjectBox::ALL.map(|it| it.around(&[])), [None; 4]);
     }
 }

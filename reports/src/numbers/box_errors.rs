@@ -2,11 +2,11 @@
 
 use crate::numbers::blocks::Interval;
 
-/// A median with its 95 % interval.
+/// A number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MedianWithin {
-    /// The median.
-    pub median: f64,
+pub struct NumberWithin {
+    /// The number.
+    pub value: f64,
     /// The interval; `None` of a single drive or object.
     pub within: Option<Interval>,
 }
@@ -18,7 +18,7 @@ pub struct BoxErrorLine {
     pub data: String,
     /// Whether they are simulated.
     pub is_simulated: bool,
-    /// What the pairs are sliced by: `all`, `occlusion` or `range`.
+    /// What the pairs are sliced by: `all`, `class`, `occlusion`, `range` or `points`.
     pub by: String,
     /// The slice.
     pub slice: String,
@@ -28,11 +28,11 @@ pub struct BoxErrorLine {
     pub n_pairs: u64,
     /// Tracks that these belong to.
     pub n_tracks: u64,
-    /// Names of the fits with the median of the absolute error; `None` without pairs.
-    pub fits: Vec<(String, Option<MedianWithin>)>,
+    /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs.
+    pub fits: Vec<(String, Option<NumberWithin>)>,
 }
 
-/// What is wrong with a box.
+/// What is measured of boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoxError {
     /// Distance of the centres on the ground plan.
@@ -43,11 +43,39 @@ pub enum BoxError {
     Width,
     /// Angle between the long sides, at most a right one.
     Yaw,
+    /// The share that is turned by at most 5 degrees.
+    Yaw5,
+    /// The share that is turned by at most 10 degrees.
+    Yaw10,
+    /// The share with an intersection over union of at least 0.5, seen from above.
+    Bev50,
+    /// The same of 0.7.
+    Bev70,
+    /// The share with an intersection over union of at least 0.5 in space.
+    Space50,
+    /// The same of 0.7.
+    Space70,
+    /// The share with the front on the right side.
+    Front,
 }
 
 impl BoxError {
     /// All, in the order of tables.
-    pub const ALL: [Self; 4] = [Self::Centre, Self::Length, Self::Width, Self::Yaw];
+    pub const ALL: [Self; 11] = [
+        Self::Centre,
+        Self::Length,
+        Self::Width,
+        Self::Yaw,
+        Self::Yaw5,
+        Self::Yaw10,
+        Self::Bev50,
+        Self::Bev70,
+        Self::Space50,
+        Self::Space70,
+        Self::Front,
+    ];
+    /// Those that are told of every slice; of all vehicles together all are.
+    pub const OF_SLICES: [Self; 4] = [Self::Centre, Self::Yaw, Self::Yaw10, Self::Bev70];
 
     /// The name used in files and on screens.
     pub fn name(self) -> &'static str {
@@ -56,17 +84,33 @@ impl BoxError {
             Self::Length => "length",
             Self::Width => "width",
             Self::Yaw => "yaw",
+            Self::Yaw5 => "yaw within 5 deg",
+            Self::Yaw10 => "yaw within 10 deg",
+            Self::Bev50 => "BEV IoU >= 0.5",
+            Self::Bev70 => "BEV IoU >= 0.7",
+            Self::Space50 => "3D IoU >= 0.5",
+            Self::Space70 => "3D IoU >= 0.7",
+            Self::Front => "front right",
         }
+    }
+
+    /// Whether it is a share, of which the mean is told, in %; otherwise an error, of which the median is.
+    pub fn is_share(self) -> bool {
+        !matches!(self, Self::Centre | Self::Length | Self::Width | Self::Yaw)
     }
 
     /// Its unit.
     pub fn unit(self) -> &'static str {
-        if self == Self::Yaw { "deg" } else { "m" }
+        match self {
+            Self::Centre | Self::Length | Self::Width => "m",
+            Self::Yaw => "deg",
+            _ => "%",
+        }
     }
 
     /// Decimals that say something.
     pub(crate) fn decimals(self) -> usize {
-        if self == Self::Yaw { 1 } else { 2 }
+        if self.unit() == "m" { 2 } else { 1 }
     }
 }
 
@@ -80,15 +124,16 @@ pub(crate) mod tests {
     use super::*;
     use crate::numbers::blocks::{BlockCount, BlockKind};
 
-    /// All four errors of a slice, the second fit twice as far off.
+    /// All that is measured of a slice, the second fit twice as far off.
     pub(crate) fn lines(data: &str, by: &str, slice: &str, n_pairs: u64) -> Vec<BoxErrorLine> {
-        let fit = |name: &str, median: f64| {
+        let fit = |name: &str, value: f64| {
             let blocks = BlockCount::of_dataset(n_pairs / 4, BlockKind::Tracks);
-            let within = Some(Interval { ends: [0.9 * median, 1.2 * median], blocks });
-            (name.to_owned(), (n_pairs > 0).then_some(MedianWithin { median, within }))
+            let within = Some(Interval { ends: [0.9 * value, 1.2 * value], blocks });
+            (name.to_owned(), (n_pairs > 0).then_some(NumberWithin { value, within }))
         };
-        BoxError::ALL
-            .map(|error| BoxErrorLine {
+        let told = if by == "all" { &BoxError::ALL[..] } else { &BoxError::OF_SLICES };
+        told.iter()
+            .map(|&error| BoxErrorLine {
                 data: data.to_owned(),
                 is_simulated: data == "street",
                 by: by.to_owned(),
@@ -98,6 +143,6 @@ pub(crate) mod tests {
                 n_tracks: n_pairs / 4,
                 fits: vec![fit("hull box", 0.5), fit("PCA box", 1.0)],
             })
-            .to_vec()
+            .collect()
     }
 }

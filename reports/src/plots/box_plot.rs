@@ -10,14 +10,14 @@ use super::style::{
 };
 use crate::numbers::box_errors::{BoxError, BoxErrorLine};
 
-const SIZE_PX: (u32, u32) = (1000, 1060);
-const HEADING_PX: u32 = 100;
+const SIZE_PX: (u32, u32) = (1000, 1126);
+const HEADING_PX: u32 = 166;
 const KEY_LINE_PX: i32 = 22;
 /// Slices are an apart; fits of one slice stand this far from each other.
-const ASIDE: f64 = 0.18;
+const ASIDE: f64 = 0.13;
 
-/// The plot of `lines`, all of the same data, as an SVG document: a row of panels for each error, by occlusion and by
-/// range, with the 95 % interval of every median. `title` says what the data are.
+/// The plot of `lines`, all of the same data, as an SVG document: a row of panels for each of [`BoxError::OF_SLICES`], by occlusion
+/// and by range, with the 95 % interval of every number. `title` says what the data are.
 pub fn box_plot(lines: &[BoxErrorLine], title: &str) -> String {
     let mut svg = String::new();
     let root = SVGBackend::with_string(&mut svg, SIZE_PX).into_drawing_area();
@@ -37,15 +37,15 @@ fn draw(root: &Area<'_>, lines: &[BoxErrorLine], title: &str) -> Drawn {
         heading.draw(&mark.marker((left_px + 8, y_px)))?;
         heading.draw_text(fit, &text(TEXT_PX, HPos::Left), (left_px + 24, y_px))?;
     }
-    let rows = panels.split_evenly((BoxError::ALL.len(), 1));
-    for (row, error) in rows.iter().zip(BoxError::ALL) {
+    let rows = panels.split_evenly((BoxError::OF_SLICES.len(), 1));
+    for (row, error) in rows.iter().zip(BoxError::OF_SLICES) {
         let of_error = lines.iter().filter(|it| it.error == error);
         let greatest = of_error
             .clone()
             .flat_map(|it| {
                 it.fits.iter().filter_map(|(_, it)| {
                     let it = (*it)?;
-                    Some(it.within.map_or(it.median, |it| it.ends[1]))
+                    Some(it.within.map_or(it.value, |it| it.ends[1]))
                 })
             })
             .fold(0.0_f64, f64::max);
@@ -96,7 +96,7 @@ fn draw_panel(area: &Area<'_>, lines: &[&BoxErrorLine], (error, by): (BoxError, 
         .x_label_formatter(&slice_name)
         .y_label_formatter(&|value| axis_text(*value))
         .x_desc(if by == "range" { "range" } else { "hidden by others" })
-        .y_desc(format!("{} error ({})", error.name(), error.unit()))
+        .y_desc(axis_title(error))
         .label_style(text(TEXT_PX - 2, HPos::Center))
         .axis_desc_style(text(TEXT_PX, HPos::Center))
         .draw()?;
@@ -115,9 +115,14 @@ fn draw_panel(area: &Area<'_>, lines: &[&BoxErrorLine], (error, by): (BoxError, 
             Some(PathElement::new(vec![(x, low), (x, high)], style))
         });
         chart.draw_series(bars)?;
-        chart.draw_series(medians.iter().map(|&(x, it)| mark.marker((x, it.median))))?;
+        chart.draw_series(medians.iter().map(|&(x, it)| mark.marker((x, it.value))))?;
     }
     Ok(())
+}
+
+fn axis_title(error: BoxError) -> String {
+    let what = if error.is_share() { "" } else { " error" };
+    format!("{}{what} ({})", error.name(), error.unit())
 }
 
 #[cfg(test)]

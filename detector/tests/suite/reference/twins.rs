@@ -7,6 +7,7 @@ use detector::pipeline::paper_detector::PaperDetector;
 use detector::pipeline::tree_detector::TreeDetector;
 use detector::stage_product::{Shape, StageProduct};
 use detector::surface_class::SurfaceClass;
+use detector::whole::reported_boxes::BoxParams;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
 use super::{Found, FoundObject, Params};
@@ -73,7 +74,9 @@ pub struct CompletionTwins {
 }
 
 impl CompletionTwins {
-    pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
+    pub fn new(mut params: HierarchicalParams, sensor_height_m: f32) -> Self {
+        // Boxes as completion leaves them.
+        params.boxes = BoxParams { outline: false, whole: false };
         let detector = |params| TreeDetector::new(params, GroupingModel::shipped(), sensor_height_m);
         let mut without = params.clone();
         without.completion.enabled = false;

@@ -2,6 +2,8 @@
 
 use detector::OrientedBox;
 
+use crate::matching::box_overlap::{bev_iou, iou_3d};
+
 /// The errors of one box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoxErrors {
@@ -13,6 +15,12 @@ pub struct BoxErrors {
     pub width_m: f64,
     /// Angle between the long sides in radians, 0 to π/2: which end is the front is not asked.
     pub yaw_rad: f64,
+    /// Whether the front is on the right side.
+    pub is_front_right: bool,
+    /// Intersection over union seen from above, 0 to 1.
+    pub bev_iou: f64,
+    /// The same in space.
+    pub iou_3d: f64,
 }
 
 impl BoxErrors {
@@ -29,6 +37,9 @@ impl BoxErrors {
             length_m: size[0] - whole[0],
             width_m: size[1] - whole[1],
             yaw_rad: turn_rad.sin().abs().atan2(turn_rad.cos().abs()),
+            is_front_right: turn_rad.cos() > 0.0,
+            bev_iou: bev_iou(fitted, annotated),
+            iou_3d: iou_3d(fitted, annotated),
         }
     }
 }
@@ -50,8 +61,10 @@ mod tests {
 
     #[test]
     fn an_annotation_fed_back_has_no_error_whichever_way_it_faces() {
-        let none = BoxErrors { centre_m: 0.0, length_m: 0.0, width_m: 0.0, yaw_rad: 0.0 };
-        assert_eq!(BoxErrors::of(&car(0.3), &car(0.3)), none);
+        let it = BoxErrors::of(&car(0.3), &car(0.3));
+        assert_eq!([it.centre_m, it.length_m, it.width_m, it.yaw_rad], [0.0; 4]);
+        assert!(it.is_front_right && it.bev_iou > 0.999 && it.iou_3d > 0.999, "{it:?}");
+        assert!(!BoxErrors::of(&car(0.3), &car(0.3 + PI)).is_front_right);
         check_turn(0.3, 0.3 + PI, 0.0);
         check_turn(0.3 - 2.0 * PI, 0.3, 0.0);
     }
@@ -67,7 +80,8 @@ mod tests {
     fn sizes_and_places_are_compared_as_they_are() {
         let half =
             OrientedBox { center_m: [13.0, 1.0, 5.0], length_width_height_m: [2.5, 2.25, 9.0], yaw_rad: 0.0 };
-        let expected = BoxErrors { centre_m: 5.0, length_m: -1.5, width_m: 0.25, yaw_rad: 0.0 };
-        assert_eq!(BoxErrors::of(&half, &car(0.0)), expected);
+        let it = BoxErrors::of(&half, &car(0.0));
+        assert_eq!([it.centre_m, it.length_m, it.width_m, it.yaw_rad], [5.0, -1.5, 0.25, 0.0]);
+        assert_eq!([it.bev_iou, it.iou_3d], [0.0; 2]);
     }
 }

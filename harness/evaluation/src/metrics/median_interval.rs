@@ -1,30 +1,49 @@
-//! How sure a median is.
+//! How sure a median is, and a mean.
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use reports::numbers::blocks::BlockCount;
-use reports::numbers::box_errors::MedianWithin;
+use reports::numbers::box_errors::NumberWithin;
 use reports::uncertainty::bootstrap::{Distribution, N_RESAMPLES};
 
 /// The lower median of `values`, with its 95 % interval by a bootstrap of the blocks that the second of each pair names by their
 /// places: whole blocks are drawn, as values of one block are not independent. The same seed draws the same blocks. `None`
 /// without values.
-pub fn median_within(values: &[(f64, usize)], blocks: BlockCount, seed: u64) -> Option<MedianWithin> {
-    let n_groups = blocks.n_blocks as usize;
+pub fn median_within(values: &[(f64, usize)], blocks: BlockCount, seed: u64) -> Option<NumberWithin> {
     let mut sorted = values.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let median = weighted_median(&sorted, &vec![1; n_groups])?;
+    within(|n_drawn| weighted_median(&sorted, n_drawn), blocks, seed)
+}
+
+/// The same of the mean.
+pub fn mean_within(values: &[(f64, usize)], blocks: BlockCount, seed: u64) -> Option<NumberWithin> {
+    let mut of_groups = vec![(0.0, 0_u32); blocks.n_blocks as usize];
+    for &(value, group) in values {
+        of_groups[group] = (of_groups[group].0 + value, of_groups[group].1 + 1);
+    }
+    let mean = |n_drawn: &[u32]| {
+        let n: u64 = of_groups.iter().zip(n_drawn).map(|(it, &n)| u64::from(it.1) * u64::from(n)).sum();
+        let sum: f64 = of_groups.iter().zip(n_drawn).map(|(it, &n)| it.0 * f64::from(n)).sum();
+        (n > 0).then(|| sum / n as f64)
+    };
+    within(mean, blocks, seed)
+}
+
+/// A number that depends on how often each block is drawn, with its interval.
+fn within(number: impl Fn(&[u32]) -> Option<f64>, blocks: BlockCount, seed: u64) -> Option<NumberWithin> {
+    let n_groups = blocks.n_blocks as usize;
+    let of_all = number(&vec![1; n_groups])?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut n_drawn = vec![0_u32; n_groups];
-    let medians = (0..N_RESAMPLES).map(|_| {
+    let numbers = (0..N_RESAMPLES).map(|_| {
         n_drawn.fill(0);
         for _ in 0..n_groups {
             n_drawn[rng.random_range(0..n_groups)] += 1;
         }
-        weighted_median(&sorted, &n_drawn)
+        number(&n_drawn)
     });
-    let within = Distribution::new(medians, blocks).map(|it| it.interval());
-    Some(MedianWithin { median, within })
+    let within = Distribution::new(numbers, blocks).map(|it| it.interval());
+    Some(NumberWithin { value: of_all, within })
 }
 
 /// The least of ascending values to which half of the weight comes; `None` without weight.
@@ -43,24 +62,24 @@ mod tests {
     use super::*;
     use reports::numbers::blocks::BlockKind;
 
-    fn interval(values: &[(f64, usize)], n_groups: u64) -> MedianWithin {
+    fn interval(values: &[(f64, usize)], n_groups: u64) -> NumberWithin {
         median_within(values, BlockCount::of_dataset(n_groups, BlockKind::Tracks), 1).unwrap()
     }
 
-    fn ends(it: MedianWithin) -> [f64; 2] {
+    fn ends(it: NumberWithin) -> [f64; 2] {
         it.within.unwrap().ends
     }
 
     #[test]
     fn nothing_has_no_median_and_one_value_is_it() {
         assert_eq!(median_within(&[], BlockCount::of_dataset(0, BlockKind::Tracks), 1), None);
-        assert_eq!(interval(&[(3.0, 0)], 1), MedianWithin { median: 3.0, within: None });
+        assert_eq!(interval(&[(3.0, 0)], 1), NumberWithin { value: 3.0, within: None });
     }
 
     #[test]
     fn the_median_is_the_middle_one() {
-        assert_eq!(interval(&[(5.0, 2), (1.0, 0), (2.0, 1)], 3).median, 2.0);
-        assert_eq!(interval(&[(4.0, 3), (1.0, 0), (2.0, 1), (3.0, 2)], 4).median, 2.0);
+        assert_eq!(interval(&[(5.0, 2), (1.0, 0), (2.0, 1)], 3).value, 2.0);
+        assert_eq!(interval(&[(4.0, 3), (1.0, 0), (2.0, 1), (3.0, 2)], 4).value, 2.0);
     }
 
     #[test]
@@ -68,16 +87,27 @@ mod tests {
         // Of 101 values the 95 % interval of the median reaches from about the 41st to the 61st.
         let values: Vec<(f64, usize)> = (0..101).map(|it| (f64::from(it as u8), it)).collect();
         let it = interval(&values, 101);
-        assert_eq!(it.median, 50.0);
+        assert_eq!(it.value, 50.0);
         let [low, high] = ends(it);
         assert!((39.0..=42.0).contains(&low) && (58.0..=61.0).contains(&high), "{it:?}");
+    }
+
+    #[test]
+    fn of_zeros_and_ones_the_mean_is_the_share_with_the_interval_of_shares() {
+        let values: Vec<(f64, usize)> = (0..400).map(|it| (f64::from(u8::from(it % 4 == 0)), it)).collect();
+        let it = mean_within(&values, BlockCount::of_dataset(400, BlockKind::Tracks), 1).unwrap();
+        assert_eq!(it.value, 0.25);
+        // 1.96 times the square root of 0.25 * 0.75 / 400 is 0.042.
+        let [low, high] = ends(it);
+        assert!((low - 0.208).abs() < 0.006 && (high - 0.292).abs() < 0.006, "{it:?}");
+        assert_eq!(mean_within(&[], BlockCount::of_dataset(0, BlockKind::Tracks), 1), None);
     }
 
     #[test]
     fn values_of_one_group_are_no_more_than_one() {
         let apart: Vec<(f64, usize)> = (0..100).map(|it| (f64::from(it as u8), it)).collect();
         let together: Vec<(f64, usize)> = apart.iter().map(|&(value, it)| (value, it / 20)).collect();
-        let width = |it: MedianWithin| ends(it)[1] - ends(it)[0];
+        let width = |it: NumberWithin| ends(it)[1] - ends(it)[0];
         assert!(width(interval(&together, 5)) > 1.5 * width(interval(&apart, 100)));
         assert_eq!(interval(&together, 5), interval(&together, 5));
         assert!(interval(&together, 5).within.unwrap().blocks.are_too_few());

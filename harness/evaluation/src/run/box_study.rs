@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use detector::{Detector, DetectorOutput, OrientedBox};
+use detector::{Detection, Detector, DetectorOutput, OrientedBox};
 use rayon::prelude::*;
 use reports::numbers::blocks::{BlockCount, BlockKind, Blocks, DriveSecond, FEWEST_DRIVES};
 use reports::numbers::box_errors::{BoxError, BoxErrorLine};
@@ -17,11 +17,18 @@ use crate::matching::assign::assign;
 use crate::matching::eligibility::counts_as_vehicle;
 use crate::matching::outcome::AnnotationOutcome;
 use crate::metrics::box_errors::BoxErrors;
-use crate::metrics::median_interval::median_within;
+use crate::metrics::median_interval::{mean_within, median_within};
 use crate::object_box::ObjectBox;
 use crate::realism::survey::SurveyError;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
+
+/// Number of boxes around the same points.
+pub const N_FITS: usize = ObjectBox::ALL.len() + 1;
+/// Their names: those of the fits, and the one that the detector reports.
+pub const FITS: [&str; N_FITS] = ["hull box", "PCA box", "closeness box", "outline box", "reported box"];
+/// Points of clusters, from and to.
+const POINTS: [[usize; 2]; 4] = [[0, 30], [30, 100], [100, 300], [300, usize::MAX]];
 
 /// Ranges of the annotations, from and to in metres.
 pub const RANGES_M: [[f64; 2]; 4] = [[0.0, 15.0], [15.0, 30.0], [30.0, 50.0], [50.0, 80.0]];
@@ -48,8 +55,8 @@ pub struct BoxPair {
     pub range_m: f64,
     /// Points of the cluster.
     pub n_points: usize,
-    /// The errors of the fits, as [`ObjectBox::ALL`] has them.
-    pub errors: [BoxErrors; 2],
+    /// The errors of the fits, as [`FITS`] has them.
+    pub errors: [BoxErrors; N_FITS],
 }
 
 /// All pairs of the scans `scan_indices` of `dataset`, in their order: clusters that `listed` finds with `config`, matched
@@ -83,7 +90,7 @@ pub fn box_pairs(
         let second = &times[scan_idx].second;
         let pairs = assignment.annotations.iter().enumerate().filter_map(|(annotation_idx, outcome)| {
             let AnnotationOutcome::Matched { detection_idx, .. } = *outcome else { return None };
-            box_pair((&scan, second), annotation_idx, detections.get(detection_idx).point_indices)
+            box_pair((&scan, second), annotation_idx, detections.get(detection_idx))
         });
         let pairs: Vec<BoxPair> = pairs.collect();
         on_scan();
@@ -99,17 +106,18 @@ pub fn box_pairs(
 fn box_pair(
     (scan, second): (&LabeledScan, &DriveSecond),
     annotation_idx: usize,
-    point_indices: &[u32],
+    detection: Detection<'_>,
 ) -> Option<BoxPair> {
     let annotation = &scan.annotations[annotation_idx];
     let annotated = annotation.bounding_box.filter(|_| counts_as_vehicle(annotation.class))?;
     let positions_m: Vec<[f32; 3]> =
-        point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
+        detection.point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
     let errors_of = |fit: ObjectBox| -> Option<BoxErrors> {
         let fitted: OrientedBox = fit.around(&positions_m)?;
         Some(BoxErrors::of(&fitted, &annotated))
     };
-    let [hull, pca] = ObjectBox::ALL.map(errors_of);
+    let [hull, pca, closeness, outline] = ObjectBox::ALL.map(errors_of);
+    let reported = BoxErrors::of(&detection.bounding_box, &annotated);
     Some(BoxPair {
         scan: scan.id.clone(),
         second: second.clone(),
@@ -118,7 +126,7 @@ fn box_pair(
         occlusion: annotation.occlusion,
         range_m: annotated.range_m().into(),
         n_points: positions_m.len(),
-        errors: [hull?, pca?],
+        errors: [hull?, pca?, closeness?, outline?, reported],
     })
 }
 
@@ -140,6 +148,16 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
         let of_slice = pairs.iter().filter(|it| (from_m..to_m).contains(&it.1.range_m)).collect();
         slices.push(("range", format!("{from_m}–{to_m} m"), of_slice));
     }
+    let classes: BTreeSet<&str> = pairs.iter().map(|it| it.1.class.name()).collect();
+    for class in classes {
+        let of_slice = pairs.iter().filter(|it| it.1.class.name() == class).collect();
+        slices.push(("class", class.to_owned(), of_slice));
+    }
+    for [from, to] in POINTS {
+        let of_slice = pairs.iter().filter(|it| (from..to).contains(&it.1.n_points)).collect();
+        let name = if to == usize::MAX { format!("{from} and more") } else { format!("{from}–{}", to - 1) };
+        slices.push(("points", name, of_slice));
+    }
     let drives: BTreeSet<(&str, &str)> = pairs.iter().map(|it| (it.0, it.1.second.drive())).collect();
     let kind = match Blocks::of(pairs.iter().map(|it| it.1.second.clone())).count().kind {
         kind @ (BlockKind::Named | BlockKind::Scans) => kind,
@@ -150,10 +168,11 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
         let n_tracks = blocks(pairs, BlockKind::Tracks).1.n_blocks;
         let (block_of_pair, count) = blocks(pairs, kind);
         let line = |error: BoxError| {
-            let median = |fit_idx: usize| {
+            let number = |fit_idx: usize| {
                 let errors = pairs.iter().map(|it| absolute(&it.1.errors[fit_idx], error));
                 let of_blocks: Vec<(f64, usize)> = errors.zip(block_of_pair.iter().copied()).collect();
-                median_within(&of_blocks, count, RESAMPLING_SEED)
+                let within = if error.is_share() { mean_within } else { median_within };
+                within(&of_blocks, count, RESAMPLING_SEED)
             };
             BoxErrorLine {
                 data: data.to_owned(),
@@ -163,13 +182,11 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
                 error,
                 n_pairs: pairs.len() as u64,
                 n_tracks,
-                fits: (0..)
-                    .zip(ObjectBox::ALL)
-                    .map(|(idx, fit)| (fit.name().to_owned(), median(idx)))
-                    .collect(),
+                fits: (0..).zip(FITS).map(|(idx, fit)| (fit.to_owned(), number(idx))).collect(),
             }
         };
-        BoxError::ALL.map(line).to_vec()
+        let told = if *by == "all" { &BoxError::ALL[..] } else { &BoxError::OF_SLICES };
+        told.iter().map(|it| line(*it)).collect()
     };
     slices.par_iter().flat_map_iter(lines_of).collect()
 }
@@ -188,12 +205,22 @@ fn blocks(pairs: &[&(&str, BoxPair)], kind: BlockKind) -> (Vec<usize>, BlockCoun
     (of_pairs, BlockCount::of_dataset(numbers.len() as u64, kind))
 }
 
+/// What `error` is of a box; 100 or 0 where it is a share.
 fn absolute(errors: &BoxErrors, error: BoxError) -> f64 {
+    let yaw_deg = errors.yaw_rad.to_degrees();
+    let percent = |is_so: bool| if is_so { 100.0 } else { 0.0 };
     match error {
         BoxError::Centre => errors.centre_m,
         BoxError::Length => errors.length_m.abs(),
         BoxError::Width => errors.width_m.abs(),
-        BoxError::Yaw => errors.yaw_rad.to_degrees(),
+        BoxError::Yaw => yaw_deg,
+        BoxError::Yaw5 => percent(yaw_deg <= 5.0),
+        BoxError::Yaw10 => percent(yaw_deg <= 10.0),
+        BoxError::Bev50 => percent(errors.bev_iou >= 0.5),
+        BoxError::Bev70 => percent(errors.bev_iou >= 0.7),
+        BoxError::Space50 => percent(errors.iou_3d >= 0.5),
+        BoxError::Space70 => percent(errors.iou_3d >= 0.7),
+        BoxError::Front => percent(errors.is_front_right),
     }
 }
 
@@ -207,6 +234,9 @@ mod tests {
             length_m: factor * length_m,
             width_m: 0.0,
             yaw_rad: 0.0,
+            is_front_right: factor > 0.0,
+            bev_iou: 0.6,
+            iou_3d: 0.4,
         };
         let scan = ScanId { sequence: sequence.to_owned(), index: 0 };
         let occlusion = (range_m < 30.0).then_some(Occlusion::Partly);
@@ -221,7 +251,7 @@ mod tests {
                 occlusion,
                 range_m,
                 n_points: 30,
-                errors: [errors(1.0), errors(-2.0)],
+                errors: [errors(1.0), errors(-2.0), errors(1.0), errors(1.0), errors(1.0)],
             },
         )
     }
@@ -268,7 +298,8 @@ mod tests {
         ];
         let lines = box_error_lines(&pairs, "street", true);
         let line = |by: &str, slice: &str| {
-            lines.iter().find(|it| it.by == by && it.slice == slice && it.error == BoxError::Length).unwrap()
+            let error = if by == "all" { BoxError::Length } else { BoxError::Centre };
+            lines.iter().find(|it| it.by == by && it.slice == slice && it.error == error).unwrap()
         };
         let numbers = |by, slice| (line(by, slice).n_pairs, line(by, slice).n_tracks);
         assert_eq!(numbers("all", ""), (5, 4));
@@ -277,8 +308,8 @@ mod tests {
         assert_eq!(numbers("range", "30–50 m"), (0, 0));
         assert_eq!(numbers("occlusion", "partly"), (3, 2));
         assert_eq!(numbers("occlusion", "not said"), (2, 2));
-        let medians = line("all", "").fits.iter().map(|it| it.1.unwrap().median).collect::<Vec<_>>();
-        assert_eq!(medians, [3.0, 6.0]);
+        let medians = line("all", "").fits.iter().map(|it| it.1.unwrap().value).collect::<Vec<_>>();
+        assert_eq!(medians, [3.0, 6.0, 3.0, 3.0, 3.0]);
         assert_eq!(line("range", "30–50 m").fits[0].1, None);
     }
 }

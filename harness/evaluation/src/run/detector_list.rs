@@ -54,7 +54,7 @@ pub const DETECTORS: &[ListedDetector] = &[
             let params = config.hierarchical.clone();
             let groupings = config.vehicle_models.as_ref().map(VehicleModels::groupings);
             let model = groupings.unwrap_or_else(GroupingModel::shipped);
-            telling_vehicles_if(config, TreeDetector::new(params, model, sensor_height_m))
+            tree_detector(config, TreeDetector::new(params, model, sensor_height_m))
         },
     },
     ListedDetector {
@@ -67,7 +67,7 @@ pub const DETECTORS: &[ListedDetector] = &[
             let components = config.vehicle_models.as_ref().map(VehicleModels::components);
             let model = components.unwrap_or_else(TrainedComponents::shipped);
             let sensor = (config.sensor.as_deref(), sensor_height_m);
-            telling_vehicles_if(config, kd_tree_trained(params, &model, sensor))
+            tree_detector(config, kd_tree_trained(params, &model, sensor))
         },
     },
     ListedDetector {
@@ -79,7 +79,7 @@ pub const DETECTORS: &[ListedDetector] = &[
             let params = config.hierarchical.clone();
             let nested = config.vehicle_models.as_ref().map(VehicleModels::nested_components);
             let model = nested.unwrap_or_else(shipped_tree);
-            telling_vehicles_if(config, kd_tree_tree(params, model, sensor_height_m))
+            tree_detector(config, kd_tree_tree(params, model, sensor_height_m))
         },
     },
     PAPER,
@@ -92,7 +92,8 @@ pub const DETECTORS: &[ListedDetector] = &[
         build: |config, sensor_height_m| {
             let params = config.baselines.kd_tree.clone();
             let by_size =
-                KdTreeDetector::with_same_walls(params, config.hierarchical.clone(), sensor_height_m);
+                KdTreeDetector::with_same_walls(params, config.hierarchical.clone(), sensor_height_m)
+                    .with_box_model(config.box_model());
             match &config.vehicle_models {
                 Some(models) => Box::new(by_size.with_vehicle_model(models.clusters())),
                 None => Box::new(by_size),
@@ -106,7 +107,8 @@ pub const DETECTORS: &[ListedDetector] = &[
         model: TrainedModel::Clusters,
         build: |config, sensor_height_m| {
             let params = config.baselines.kd_tree.clone();
-            let by_size = KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m);
+            let by_size = KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m)
+                .with_box_model(config.box_model());
             match &config.vehicle_models {
                 Some(models) => Box::new(by_size.with_vehicle_model(models.clusters())),
                 None => Box::new(by_size),
@@ -134,7 +136,8 @@ pub const DETECTORS: &[ListedDetector] = &[
         fixed: &[],
         model: TrainedModel::Clusters,
         build: |config, sensor_height_m| {
-            let by_size = SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m);
+            let by_size = SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m)
+                .with_box_model(config.box_model());
             match &config.vehicle_models {
                 Some(models) => Box::new(by_size.with_vehicle_model(models.clusters())),
                 None => Box::new(by_size),
@@ -143,10 +146,8 @@ pub const DETECTORS: &[ListedDetector] = &[
     },
 ];
 
-fn telling_vehicles_if<L: Linkage + 'static>(
-    config: &RunConfig,
-    by_size: TreeDetector<L>,
-) -> Box<dyn Detector> {
+fn tree_detector<L: Linkage + 'static>(config: &RunConfig, by_size: TreeDetector<L>) -> Box<dyn Detector> {
+    let by_size = by_size.with_box_model(config.box_model());
     match config.vehicle_models {
         Some(_) => Box::new(by_size.telling_vehicles()),
         None => Box::new(by_size),
@@ -223,6 +224,15 @@ impl ChosenDetector {
         }
     }
 
+    /// Whether the model of whole boxes makes its boxes whole with the parameters of `config`.
+    pub fn has_whole_boxes(&self, config: &RunConfig) -> bool {
+        let are_ours = match self {
+            Self::BuiltIn(listed) => !matches!(listed.model, TrainedModel::Paper | TrainedModel::Pca),
+            Self::Foreign(_) => self.vehicle_model(config).is_some(),
+        };
+        are_ours && config.hierarchical.boxes.whole
+    }
+
     /// By what its vehicles are classified with the parameters of `config`, for people.
     pub fn vehicles_in_words(&self, config: &RunConfig) -> String {
         let model = self.vehicle_model(config);
@@ -231,6 +241,9 @@ impl ChosenDetector {
         let by = format!("{by}{}", from.unwrap_or_default());
         match self {
             Self::BuiltIn(_) => by,
+            Self::Foreign(_) if self.has_whole_boxes(config) => {
+                format!("its own classes, else {by}; boxes of its own, else whole ones of ours")
+            }
             Self::Foreign(_) => format!("its own classes, else {by}"),
         }
     }
@@ -331,6 +344,7 @@ mod tests {
     fn rules_seen(detector: &mut dyn Detector, scans: &[LabeledScan], min_points: usize) -> Vec<Rule> {
         let mut output = DetectorOutput::default();
         let (mut has_walls, mut is_judged, mut has_small, mut has_completed) = (false, false, false, false);
+        let mut has_whole = false;
         for scan in scans {
             detector.detect(&scan.cloud, &mut output);
             for product in detector.stage_products(&scan.cloud) {
@@ -351,8 +365,14 @@ mod tests {
                     });
                 }
             }
-            let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
-            has_small |= vehicles.into_iter().any(|it| it.point_indices.len() < min_points);
+            let vehicles = || output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
+            has_whole |= vehicles().any(|it| {
+                let along_m = it.point_indices.iter().map(|&point_idx| {
+                    it.bounding_box.in_box_frame(scan.cloud.position_m(point_idx as usize))[0].abs()
+                });
+                along_m.fold(0.0, f32::max) + 0.3 < 0.5 * it.bounding_box.length_width_height_m[0]
+            });
+            has_small |= vehicles().any(|it| it.point_indices.len() < min_points);
             is_judged |= output.stage_times.iter().any(|it| it.stage == "best_cut");
         }
         let seen = [
@@ -361,6 +381,7 @@ mod tests {
             (is_judged, Rule::TrainedGroups),
             (has_small, Rule::SmallVehicles { min_points: 10 }),
             (has_completed, Rule::Completion),
+            (has_whole, Rule::WholeBoxes),
         ];
         seen.into_iter().filter_map(|(is_seen, rule)| is_seen.then_some(rule)).collect()
     }
@@ -381,15 +402,15 @@ mod tests {
             assert_eq!(rules_seen(&mut *detector, &scans, 15), to_be_seen, "{}", listed.name);
         }
         let expected = [
-            ("hierarchical", 4),
-            ("kd-tree-trained", 3),
-            ("kd-tree-tree", 4),
+            ("hierarchical", 5),
+            ("kd-tree-trained", 4),
+            ("kd-tree-tree", 5),
             // Walls, which the papers have.
             ("paper", 1),
-            ("kd-tree-same-walls", 4),
-            ("kd-tree", 3),
+            ("kd-tree-same-walls", 5),
+            ("kd-tree", 4),
             ("pca", 0),
-            ("simple-grid", 4),
+            ("simple-grid", 5),
         ];
         assert_eq!(n_rules, expected);
     }

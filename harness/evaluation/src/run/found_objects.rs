@@ -1,6 +1,7 @@
 //! From what a foreign detector says to detections: points of boxes, boxes of points, and what is a vehicle.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use detector::classify::size_gate::{SizeGateParams, size_gate};
 use detector::classify::vehicle_model::VehicleModel;
@@ -9,6 +10,7 @@ use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::pipeline::object_stages::ObjectStages;
+use detector::whole::box_model::BoxModel;
 use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, PointCloud};
 use reports::vocabulary::class::AnnotationClass;
 use scans::foreign::points_in_boxes::PointsAlongX;
@@ -64,8 +66,18 @@ struct ByModel {
 struct WholeObject {
     points: Vec<u32>,
     bounding_box: OrientedBox,
+    // Whether we fitted that.
+    is_fitted: bool,
     class: Option<AnnotationClass>,
     score: Option<f32>,
+}
+
+/// What our stages make of an object.
+#[derive(Clone, Copy)]
+struct Judged {
+    class: DetectedClass,
+    score: Option<f32>,
+    bounding_box: OrientedBox,
 }
 
 /// Why objects cannot be made detections, as the rest of a sentence.
@@ -77,12 +89,17 @@ impl ForeignVehicles {
         Self { size: params.vehicle_size.clone(), box_fit: ConvexHullBox::default(), by_model: None }
     }
 
-    /// By `model`, as our own detectors do, in scans of a sensor `sensor_height_m` above the road.
-    pub fn by_model(params: &HierarchicalParams, model: VehicleModel, sensor_height_m: f32) -> Self {
+    /// By `model`, as our own detectors do, in scans of a sensor `sensor_height_m` above the road. What has no box gets that of the
+    /// whole vehicle, by `box_model` if there is one, as our own detectors have it.
+    pub fn by_model(
+        params: &HierarchicalParams,
+        (model, box_model): (VehicleModel, Option<Arc<BoxModel>>),
+        sensor_height_m: f32,
+    ) -> Self {
         let mut params = params.clone();
         // Objects stay as their detector found them.
         params.completion.enabled = false;
-        let objects = ObjectStages::new(&params, 1).with_vehicle_model(model);
+        let objects = ObjectStages::new(&params, 1).with_vehicle_model(model).with_box_model(box_model);
         let foreground = ForegroundStages::new(params.clone(), sensor_height_m);
         let by_model = ByModel { foreground, objects, output: DetectorOutput::default() };
         Self { by_model: Some(by_model), ..Self::by_size(&params) }
@@ -110,23 +127,29 @@ impl ForeignVehicles {
                 }
                 (None, None) => continue,
             };
+            let is_fitted = object.bounding_box.is_none();
             let bounding_box = object.bounding_box.or_else(|| self.fit(&points, cloud));
             let Some(bounding_box) = bounding_box else { continue };
-            whole.push(WholeObject { points, bounding_box, class: object.class, score: object.score });
+            let FoundObject { class, score, .. } = object;
+            whole.push(WholeObject { points, bounding_box, is_fitted, class, score });
         }
         let by_model = self.classes_by_model(&whole, cloud);
-        for (object_idx, WholeObject { points, bounding_box, class, score }) in whole.iter().enumerate() {
+        for (object_idx, WholeObject { points, bounding_box, is_fitted, class, score }) in
+            whole.iter().enumerate()
+        {
             let by_model = by_model.as_ref().and_then(|it| it.get(object_idx).copied());
             let told = class
                 .map(|it| if counts_as_vehicle(it) { DetectedClass::Vehicle } else { DetectedClass::Object });
             let (class, decision) = match (told, by_model) {
                 (Some(told), _) => (told, None),
-                (None, Some(by_model)) => by_model,
+                (None, Some(by_model)) => (by_model.class, by_model.score),
                 (None, None) => (size_gate(points.len(), bounding_box, &self.size), None),
             };
             let score = score.or(decision);
-            let bounding_box = *bounding_box;
-            output.detections.push(Detection { point_indices: points, bounding_box, class, score });
+            // What somebody else takes for something else is not made a whole vehicle.
+            let ours = by_model.filter(|it| *is_fitted && it.class == class);
+            let reported = ours.map_or(*bounding_box, |it| it.bounding_box);
+            output.detections.push(Detection { point_indices: points, bounding_box: reported, class, score });
         }
         Ok(())
     }
@@ -139,13 +162,9 @@ impl ForeignVehicles {
         self.box_fit.fit(positions_m.map(|[x_m, y_m, _]| [x_m, y_m]), z_range_m)
     }
 
-    /// What the model takes each object for, and how surely; `None` without a model, or where every class is told.
-    fn classes_by_model(
-        &mut self,
-        objects: &[WholeObject],
-        cloud: &PointCloud,
-    ) -> Option<Vec<(DetectedClass, Option<f32>)>> {
-        if objects.iter().all(|it| it.class.is_some()) {
+    /// What our stages make of each object; `None` without a model, or where every class is told and every box.
+    fn classes_by_model(&mut self, objects: &[WholeObject], cloud: &PointCloud) -> Option<Vec<Judged>> {
+        if objects.iter().all(|it| it.class.is_some() && !it.is_fitted) {
             return None;
         }
         let mut by_model = self.by_model.take()?;
@@ -166,13 +185,20 @@ impl ForeignVehicles {
             stages.add(positions, *bounding_box, self.box_fit.hull_m());
         }
         stages.finish(cloud, foreground, &mut clock, output);
-        let mut judged: Vec<_> = output.detections.iter().map(|it| (it.class, it.score)).collect();
+        let mut judged: Vec<Judged> = output
+            .detections
+            .iter()
+            .map(|it| Judged { class: it.class, score: it.score, bounding_box: it.bounding_box })
+            .collect();
         judged.reverse();
         self.by_model = Some(by_model);
         // What holds no point has no shape.
-        let nothing = (DetectedClass::Object, None);
-        let of_object = |has_points| if has_points { judged.pop().unwrap_or(nothing) } else { nothing };
-        Some(has_points.into_iter().map(of_object).collect())
+        let of_object = |(object, has_points): (&WholeObject, bool)| {
+            let nothing =
+                Judged { class: DetectedClass::Object, score: None, bounding_box: object.bounding_box };
+            if has_points { judged.pop().unwrap_or(nothing) } else { nothing }
+        };
+        Some(objects.iter().zip(has_points).map(of_object).collect())
     }
 }
 
@@ -242,7 +268,7 @@ mod tests {
         let config = RunConfig::load(None).unwrap().for_sensor(&description.sensor).unwrap();
         let model = config.vehicle_models.as_ref().unwrap().clusters();
         let mut vehicles =
-            ForeignVehicles::by_model(&config.hierarchical, model, description.sensor_height_m);
+            ForeignVehicles::by_model(&config.hierarchical, (model, None), description.sensor_height_m);
         let large: Vec<_> = scan.annotations.iter().filter(|it| it.point_indices.len() >= 100).collect();
         let objects = large.iter().map(|it| FoundObject {
             point_indices: Some(it.point_indices.clone()),

@@ -16,6 +16,7 @@ pub mod looks;
 pub mod grouping_training;
 pub mod cluster_training;
 pub mod calibration;
+pub mod box_training;
 
 /// The last of so many drives is held out.
 pub const HOLD_OUT_EVERY: u32 = 4;

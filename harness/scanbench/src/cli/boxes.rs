@@ -32,8 +32,9 @@ Examples:
   scanbench boxes
   scanbench boxes streets ~/data/kitti_tracking -o runs/boxes
 
-Fits two boxes to each cluster of the hierarchical detector that matches an annotated
-car, van, truck or bus: one to its convex hull, one along its principal axes. Writes
-boxes.csv with every box; box_errors.csv and box_errors.md with median errors by
-occlusion and range and their 95 % intervals; a plot for simulated data and one for
-each recorded data set; and manifest.json.";
+Fits boxes to each cluster of the hierarchical detector that matches an annotated car,
+van, truck or bus: to its convex hull, along its principal axes, closest to its points,
+and along the outline that the sensor sees; and takes the one that is reported. Writes
+boxes.csv with every box; box_errors.csv and box_errors.md with median errors and
+shares by class, occlusion, range and number of points, and 95 % intervals; a plot for
+simulated data and one for each recorded data set; and manifest.json.";

@@ -72,6 +72,6 @@ pub use shard::{ShardArgs, ShardOption};
 pub use stream::StreamArgs;
 pub use submit::{KubernetesArgs, SlurmArgs, SubmitCommand};
 pub use sweep::SweepArgs;
-pub use train::{HeldOutArgs, SvmTrainingArgs, TrainCommand, TreeTrainingArgs};
+pub use train::{BoxTrainingArgs, HeldOutArgs, SvmTrainingArgs, TrainCommand, TreeTrainingArgs};
 pub use train_partial::PartialTrainingArgs;
 pub use view::{OutcomeName, ViewArgs};

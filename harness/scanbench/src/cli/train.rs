@@ -26,6 +26,9 @@ pub enum TrainCommand {
     /// Train the classifier of pca
     #[command(after_help = PCA_EXAMPLES, after_long_help = with_details(PCA_EXAMPLES, SVM_DETAILS))]
     Pca(Box<SvmTrainingArgs>),
+    /// Train what makes the boxes of vehicles whole, for all detectors but those of the papers
+    #[command(after_help = BOXES_EXAMPLES, after_long_help = with_details(BOXES_EXAMPLES, BOXES_DETAILS))]
+    Boxes(Box<BoxTrainingArgs>),
     /// Train the classifier of partial objects, of which more and more is seen
     #[command(after_help = PARTIAL_EXAMPLES)]
     Partial(Box<PartialTrainingArgs>),
@@ -52,6 +55,23 @@ pub struct TreeTrainingArgs {
     #[command(flatten)]
     pub judging: HeldOutArgs,
     /// Where the models are written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Arguments of training boxes.
+#[derive(Debug, Args)]
+pub struct BoxTrainingArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// Sensors to simulate, one after the other
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "sensor", help_heading = TRAINING)]
+    pub sensors: Vec<String>,
+    /// What is judged by.
+    #[command(flatten)]
+    pub judging: HeldOutArgs,
+    /// Where the model is written.
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -158,6 +178,18 @@ of other objects are clusters without points of any, and regions cut out at rand
 Writes paper.model or pca.model; objects.csv with every held-out object, importance.csv,
 curves.csv, curves.svg and manifest.json. The same scans and options write the same bytes,
 except the date in the manifest.";
+
+const BOXES_EXAMPLES: &str = "\
+Examples:
+  scanbench train boxes training-streets --scans 0..300:6 --sensors vlp-16,os1-128 -o model
+  scanbench run -P vehicle_model.boxes_directory=model";
+
+const BOXES_DETAILS: &str = "\
+Trains on the clusters of hierarchical and of kd-tree that match an annotated car, van, truck
+or bus: how far the annotated box reaches beyond what is seen, whether the vehicle is longer
+across than along what is seen, and which end is its front. Writes boxes.model and
+manifest.json. The same scans and options write the same bytes, except the date in the
+manifest.";
 
 const PARTIAL_EXAMPLES: &str = "\
 Examples:

@@ -4,8 +4,7 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use evaluation::metrics::box_errors::BoxErrors;
-use evaluation::object_box::ObjectBox;
-use evaluation::run::box_study::{BoxPair, box_error_lines, box_pairs};
+use evaluation::run::box_study::{BoxPair, FITS, box_error_lines, box_pairs};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ListedDetector;
 use evaluation::run::entrant::Entrant;
@@ -36,9 +35,11 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// What has to be said of the numbers.
 const NOTES: [&str; 2] = [
-    "Medians of absolute errors with their 95 % intervals. pairs: clusters of the \
-     hierarchical detector that match an annotated car, van, truck or bus; both boxes are fitted to the same points. \
-     centre: distance seen from above; yaw: modulo 180 degrees, so at most 90.",
+    "centre, length, width, yaw: medians of absolute errors; the others are shares. pairs: clusters of the \
+     hierarchical detector that match an annotated car, van, truck or bus; all boxes are fitted to the same points. \
+     centre: distance seen from above; yaw: modulo 180 degrees, so at most 90; front right: within 90 degrees of the annotated heading. \
+     reported box: that of the detector, whole where it takes the cluster for a vehicle; the others are of what is seen, \
+     and which end is the front they do not tell.",
     "Annotated boxes contain the whole vehicle, also the sides that the sensor does not see. A box around the visible \
      points is therefore shorter or narrower, even if it is right.",
 ];
@@ -53,8 +54,6 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let started = Timestamp::now();
     let (detectors, mut config) = built_in_detectors(&arguments.config, &["hierarchical".to_owned()])?;
     choose_criterion(&mut config, &arguments.matching);
-    // What clusters are taken for does not matter.
-    config.vehicle_models = None;
     let opened = open_datasets(&arguments.data, &config.classes)?;
     let opened = with_named_blocks(opened, arguments.blocks.blocks.as_deref())?;
     let opened = look_first_at_all(opened, &mut config);
@@ -151,10 +150,11 @@ fn write_pairs(directory: &RunDirectory, groups: &[Group<'_>]) -> Result<(), Fai
                 range_m: pair.range_m,
                 n_points: pair.n_points,
             };
-            for (fit, errors) in ObjectBox::ALL.iter().zip(&pair.errors) {
-                let BoxErrors { centre_m, length_m, width_m, yaw_rad } = *errors;
-                let errors = [centre_m, length_m, width_m, yaw_rad.to_degrees()];
-                rows.write(&FittedBoxRow::new(vehicle, fit.name(), errors))?;
+            for (fit, errors) in FITS.iter().zip(&pair.errors) {
+                let BoxErrors { centre_m, length_m, width_m, yaw_rad, is_front_right, bev_iou, iou_3d } =
+                    *errors;
+                let errors = [centre_m, length_m, width_m, yaw_rad.to_degrees(), bev_iou, iou_3d];
+                rows.write(&FittedBoxRow::new(vehicle, fit, errors, is_front_right))?;
             }
         }
     }

@@ -36,6 +36,7 @@ use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
 use crate::commands::submit::kubernetes::submit_kubernetes;
 use crate::commands::submit::slurm::submit_slurm;
 use crate::commands::sweep::sweep;
+use crate::commands::train_boxes::train_boxes;
 use crate::commands::train_groupings::train_groupings;
 use crate::commands::train_partial::train_partial;
 use crate::commands::train_rivals::train_rivals;
@@ -70,6 +71,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::FitDensity(arguments) => fit_density(arguments),
         Command::Train(TrainCommand::Groupings(arguments)) => train_groupings(arguments),
         Command::Train(TrainCommand::Rivals(arguments)) => train_rivals(arguments),
+        Command::Train(TrainCommand::Boxes(arguments)) => train_boxes(arguments),
         Command::Train(TrainCommand::Paper(arguments)) => train_svm(arguments, ModelKind::Paper),
         Command::Train(TrainCommand::Pca(arguments)) => train_svm(arguments, ModelKind::Pca),
         Command::Train(TrainCommand::Partial(arguments)) => train_partial(arguments),

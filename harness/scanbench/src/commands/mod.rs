@@ -82,6 +82,7 @@ pub mod train_summary;
 pub mod train_svm;
 pub mod train_groupings;
 pub mod train_rivals;
+pub mod train_boxes;
 pub mod train_partial;
 pub mod open_run;
 pub mod comparison_facts;

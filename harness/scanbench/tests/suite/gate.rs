@@ -648,7 +648,6 @@ fn what_changed_in_a_detector_of_others_is_told() {
     let page = workplace.read("second/report.html");
     assert!(page.contains("<code>sh mine.sh</code>") && page.contains("<code>mine.sh</code> of SHA-256 "));
     let table = workplace.read("second/table_vehicles.md");
-    let classified =
-        "Vehicles classified by: mine: its own classes, else trees trained on kd-tree components.";
+    let classified = "Vehicles classified by: mine: its own classes, else trees trained on kd-tree components; boxes of its own, else whole ones of ours.";
     assert!(table.contains(classified), "{table}");
 }

@@ -28,17 +28,17 @@ fn what_has_no_times_is_the_same_to_the_last_byte_in_any_number_of_shards() {
     workplace.succeed(&[&["run"][..], &STREETS, &["-d", "simple-grid"], &written].concat());
     // Results that were read have no times.
     let read = [&STREETS[..], &["--detections", "grid=found/simple-grid", "-d", "grid"], &PROTOCOLS].concat();
-    workplace.succeed(&[&["run"], &read[..], &["-o", "whole"]].concat());
+    workplace.succeed(&[&["run"], &read[..], &["-o", "in-one"]].concat());
     for count in [1, 2, 3, 7, 16] {
         let [shards, merged] = [format!("shards-{count}"), format!("merged-{count}")];
         run_shards(&workplace, &read, count, &shards);
         merge_whole(&workplace, &shards, &merged);
-        check_same_bytes(&workplace, "whole", &merged);
+        check_same_bytes(&workplace, "in-one", &merged);
     }
     let manifest: Value = serde_json::from_str(&workplace.read("merged-3/manifest.json")).unwrap();
     assert_eq!(manifest["shards"].as_array().unwrap().len(), 3);
     assert!(manifest.get("shard").is_none());
-    workplace.succeed(&["gate", "merged-3", "--baseline", "whole"]);
+    workplace.succeed(&["gate", "merged-3", "--baseline", "in-one"]);
 }
 
 #[test]
@@ -48,10 +48,10 @@ fn detectors_of_ours_and_of_others_find_the_same_in_shards() {
     let command = format!("[detector.served]\ncommand = [{program:?}, \"serve\", \"simple-grid\"]\n");
     workplace.write("scanbench.toml", &command);
     let run = [&STREETS[..], &["-d", "simple-grid,served,pca", "--scans", "0..20:2"]].concat();
-    workplace.succeed(&[&["run"], &run[..], &["-o", "whole"]].concat());
+    workplace.succeed(&[&["run"], &run[..], &["-o", "in-one"]].concat());
     run_shards(&workplace, &run, 3, "shards");
     merge_whole(&workplace, "shards", "merged");
-    check_same_but_times(&workplace, "whole", "merged");
+    check_same_but_times(&workplace, "in-one", "merged");
 }
 
 #[test]
@@ -61,12 +61,12 @@ fn recorded_drives_give_the_same_in_shards() {
     let workplace = Workplace::new();
     let run = [root.to_str().unwrap(), "-d", "simple-grid,pca", "--scans", "0..60:4", "--no-rrd", "-q"];
     let run = [&run[..], &["--protocol", "kitti-object"]].concat();
-    workplace.succeed(&[&["run"], &run[..], &["-o", "whole"]].concat());
+    workplace.succeed(&[&["run"], &run[..], &["-o", "in-one"]].concat());
     run_shards(&workplace, &run, 3, "shards");
     merge_whole(&workplace, "shards", "merged");
-    check_same_but_times(&workplace, "whole", "merged");
+    check_same_but_times(&workplace, "in-one", "merged");
     for name in ["protocol_kitti_object.csv", "protocols.json", "table_protocol_kitti-object.md"] {
-        let [one, other] = ["whole", "merged"].map(|it| workplace.read(&format!("{it}/{name}")));
+        let [one, other] = ["in-one", "merged"].map(|it| workplace.read(&format!("{it}/{name}")));
         assert!(one == other && one.lines().count() > 20, "{name}");
     }
     let manifest: Value = serde_json::from_str(&workplace.read("merged/manifest.json")).unwrap();
@@ -90,10 +90,10 @@ fn change_manifest(workplace: &Workplace, change: impl FnOnce(&mut Value)) {
 /// The shards are refused with this exit code and these words, and nothing is left.
 #[track_caller]
 fn check_refused(workplace: &Workplace, exit_code: i32, words: &str) {
-    let merged = merge(workplace, "shards", "whole");
+    let merged = merge(workplace, "shards", "in-one");
     assert_eq!(merged.exit_code, Some(exit_code), "{words}: {merged:#?}");
     assert!(merged.stderr.contains(words), "{words}: {}", merged.stderr);
-    assert!(!workplace.path("whole").exists());
+    assert!(!workplace.path("in-one").exists());
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn shards_that_do_not_make_a_run_are_refused_each_in_its_own_words() {
     std::fs::rename(workplace.path("aside"), workplace.path("shards/shard-2-of-2.unfinished")).unwrap();
     check_refused(&workplace, 5, "is an unfinished shard: give its command again");
     std::fs::rename(workplace.path("shards/shard-2-of-2.unfinished"), &second).unwrap();
-    merge_whole(&workplace, "shards", "whole");
+    merge_whole(&workplace, "shards", "in-one");
 }
 
 #[test]
@@ -172,8 +172,8 @@ fn damaged_shards_are_refused() {
 fn times_of_unlike_processors_are_never_put_together() {
     let workplace = halves();
     change_manifest(&workplace, |it| it["shard"]["processors"][0]["cpu_model"] = "Abacus 3".into());
-    merge_whole(&workplace, "shards", "whole");
-    let report: Value = serde_json::from_str(&workplace.read("whole/report.json")).unwrap();
+    merge_whole(&workplace, "shards", "in-one");
+    let report: Value = serde_json::from_str(&workplace.read("in-one/report.json")).unwrap();
     let rows = report["rows"].as_array().unwrap();
     let values = |metric: &str| {
         let of_metric = rows.iter().filter(|it| it["metric"] == metric);
@@ -184,10 +184,10 @@ fn times_of_unlike_processors_are_never_put_together() {
         assert!(!values.is_empty() && values.iter().all(Value::is_null), "{metric}: {values:?}");
     }
     assert!(values("time_over_reference").iter().all(Value::is_number));
-    let times = workplace.read("whole/times_of_processors.csv");
+    let times = workplace.read("in-one/times_of_processors.csv");
     let n = |model: &str| times.lines().filter(|it| it.starts_with(model)).count();
     assert_eq!((n("Abacus 3") > 8, n("Abacus 3") * 2), (true, times.lines().count() - 1), "{times}");
-    assert!(workplace.read("whole/table_times.md").contains("on Abacus 3"));
+    assert!(workplace.read("in-one/table_times.md").contains("on Abacus 3"));
 }
 
 #[test]
@@ -205,8 +205,8 @@ fn an_empty_shard_is_a_sound_result_and_a_shard_is_no_run() {
         assert_eq!(ended.exit_code, Some(5), "{ended:#?}");
         assert!(ended.stderr.contains("shards/shard-1-of-4 is shard 1 of 4"), "{ended:#?}");
     }
-    merge_whole(&workplace, "shards", "whole");
-    workplace.succeed(&["report", "whole"]);
+    merge_whole(&workplace, "shards", "in-one");
+    workplace.succeed(&["report", "in-one"]);
 }
 
 #[test]
@@ -286,9 +286,9 @@ fn a_shard_goes_on_where_it_was_ended() {
     let ended = workplace.succeed(&[&LONG[..], &["shards"]].concat());
     assert!(ended.stderr.contains("Continuing with "), "{ended:#?}");
     merge_whole(&workplace, "shards", "merged");
-    workplace.succeed(&[&LONG[..11], &["-o", "whole"]].concat());
-    check_same_but_times(&workplace, "whole", "merged");
-    assert_eq!(workplace.top_names(), ["merged", "shards", "whole"]);
+    workplace.succeed(&[&LONG[..11], &["-o", "in-one"]].concat());
+    check_same_but_times(&workplace, "in-one", "merged");
+    assert_eq!(workplace.top_names(), ["in-one", "merged", "shards"]);
 }
 
 #[cfg(feature = "viewer")]
@@ -299,14 +299,14 @@ fn the_page_leads_to_the_recordings_of_the_shards() {
         ["street-narrow", "--simulated-scans", "24", "--sensor", "vlp-16", "-d", "pca", "--rerun-every", "2"];
     run_shards(&workplace, &run, 2, "shards");
     assert!(workplace.path("shards/shard-2-of-2/run.rrd").is_file());
-    merge_whole(&workplace, "shards", "whole");
-    let recordings: Value = serde_json::from_str(&workplace.read("whole/recordings.json")).unwrap();
+    merge_whole(&workplace, "shards", "in-one");
+    let recordings: Value = serde_json::from_str(&workplace.read("in-one/recordings.json")).unwrap();
     let places = recordings["places"].as_array().unwrap();
-    let page = workplace.read("whole/report.html");
+    let page = workplace.read("in-one/report.html");
     for place in places {
         let file = place["recording"].as_str().unwrap();
         assert!(
-            file.starts_with("../shards/shard-") && workplace.path("whole").join(file).is_file(),
+            file.starts_with("../shards/shard-") && workplace.path("in-one").join(file).is_file(),
             "{file}"
         );
         assert!(page.contains(&format!("href=\"{file}\"")), "{file}");

@@ -200,11 +200,7 @@ fn the_detectors_of_the_papers_have_models_of_their_own() {
     for (detector, other, other_file) in
         [("pca", "paper", "model/paper.model"), ("paper", "pca", "model-pca/pca.model")]
     {
-        workplace.write_bytes(
-            &format!("exchanged/{detector}.model"),
-            &workplace
-                .read_bytes(&format!("model{}/{other}.model", if other == "pca" { "-pca" } else { "" })),
-        );
+        workplace.write_bytes(&format!("exchanged/{detector}.model"), &workplace.read_bytes(other_file));
         let option = format!("vehicle_model.{detector}_directory=exchanged");
         let ended = workplace.run(&["run", "-d", detector, "-P", &option, "-o", "out"]);
         assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
@@ -306,4 +302,51 @@ fn groupings_are_trained_for_several_sensors_and_run() {
     let ([shipped, trained], _) =
         outcomes(&workplace, "hierarchical", "vehicle_model.groupings_directory=model");
     assert_ne!(shipped, trained);
+}
+
+#[test]
+fn boxes_are_trained_to_the_byte_and_run() {
+    let workplace = Workplace::new();
+    let train = [
+        "train",
+        "boxes",
+        "street-narrow",
+        "--seed",
+        "7",
+        "--simulated-scans",
+        "6",
+        "--sensors",
+        "vlp-16,hdl-32e",
+    ];
+    let ended = workplace.succeed(&[&train[..], &["-o", "model"]].concat());
+    assert!(ended.stdout.contains("held-out ones, in %:\n"), "{ended:#?}");
+    let model = workplace.read_bytes("model/boxes.model");
+    let made = ModelFile::of_any_kind(&model).expect("it is a model").made().clone();
+    assert_eq!(made.command, format!("scanbench {}", train.join(" ")));
+    let mut command = workplace.command(&[&train[..], &["-o", "again"]].concat());
+    let again = Ended::from(command.env("RAYON_NUM_THREADS", "1").output().expect("it starts"));
+    assert_eq!(again.exit_code, Some(0), "{again:#?}");
+    assert!(model == workplace.read_bytes("again/boxes.model"));
+    let run = ["run", "street-narrow", "--simulated-scans", "2", "--no-rrd", "-d", "hierarchical,kd-tree"];
+    let option = ["-P", "vehicle_model.boxes_directory=model"];
+    workplace.succeed(&[&run[..], &["-o", "shipped"]].concat());
+    workplace.succeed(&[&run[..], &option, &["-o", "trained"]].concat());
+    // Boxes differ, and nothing else: classes, scores and points stand before them.
+    let matches = |directory: &str| -> Vec<(String, String)> {
+        let text = workplace.read(&format!("{directory}/matches.csv"));
+        let column =
+            text.lines().next().expect("a header").split(',').position(|it| it == "detection_center_x_m");
+        let part = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let (before, boxes) = cells.split_at(column.expect("a column"));
+            (before.join(","), boxes.join(","))
+        };
+        text.lines().map(part).collect()
+    };
+    let (shipped, trained) = (matches("shipped"), matches("trained"));
+    assert!(shipped.iter().map(|it| &it.0).eq(trained.iter().map(|it| &it.0)));
+    assert!(shipped.iter().zip(&trained).filter(|(a, b)| a.1 != b.1).count() > 10);
+    let refused = workplace.run(&[&run[..5], &["-d", "pca"], &option, &["-o", "refused"]].concat());
+    assert_eq!(refused.exit_code, Some(2), "{refused:#?}");
+    assert!(refused.stderr.contains("no chosen detector reads it"), "{refused:#?}");
 }

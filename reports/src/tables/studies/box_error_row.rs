@@ -24,6 +24,9 @@ pub struct FittedBoxRow {
     length_error_m: Fixed<4>,
     width_error_m: Fixed<4>,
     yaw_error_deg: Fixed<3>,
+    front_right: bool,
+    bev_iou: Fixed<4>,
+    iou_3d: Fixed<4>,
 }
 
 impl CsvRow for FittedBoxRow {
@@ -41,6 +44,9 @@ impl CsvRow for FittedBoxRow {
         "length_error_m",
         "width_error_m",
         "yaw_error_deg",
+        "front_right",
+        "bev_iou",
+        "iou_3d",
     ];
 }
 
@@ -66,9 +72,14 @@ pub struct MatchedVehicle<'a> {
 }
 
 impl FittedBoxRow {
-    /// The row of `fit`, which is off by so much: centre, length (fitted less annotated) and width in metres, yaw in
-    /// degrees.
-    pub fn new(vehicle: MatchedVehicle<'_>, fit: &str, [centre, length, width, yaw]: [f64; 4]) -> Self {
+    /// The row of `fit`, which is off by so much: centre, length (fitted less annotated) and width in metres, yaw in degrees; its
+    /// intersections over union from above and in space; and whether its front is on the right side.
+    pub fn new(
+        vehicle: MatchedVehicle<'_>,
+        fit: &str,
+        [centre, length, width, yaw, bev_iou, iou_3d]: [f64; 6],
+        is_front_right: bool,
+    ) -> Self {
         Self {
             data: vehicle.data.to_owned(),
             simulated: vehicle.is_simulated,
@@ -83,11 +94,14 @@ impl FittedBoxRow {
             length_error_m: Fixed(length),
             width_error_m: Fixed(width),
             yaw_error_deg: Fixed(yaw),
+            front_right: is_front_right,
+            bev_iou: Fixed(bev_iou),
+            iou_3d: Fixed(iou_3d),
         }
     }
 }
 
-/// A median over a slice.
+/// A median or a share over a slice.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoxErrorRow {
     data: String,
@@ -99,7 +113,7 @@ pub struct BoxErrorRow {
     fit: String,
     n_pairs: u64,
     n_tracks: u64,
-    median: Option<Fixed<4>>,
+    value: Option<Fixed<4>>,
     low: Option<Fixed<4>>,
     high: Option<Fixed<4>>,
     n_blocks: Option<u64>,
@@ -118,7 +132,7 @@ impl CsvRow for BoxErrorRow {
         "fit",
         "n_pairs",
         "n_tracks",
-        "median",
+        "value",
         "low",
         "high",
         "n_blocks",
@@ -130,8 +144,8 @@ impl CsvRow for BoxErrorRow {
 impl BoxErrorRow {
     /// The rows of `line`, one for each fit.
     pub fn of(line: &BoxErrorLine) -> impl Iterator<Item = Self> + '_ {
-        line.fits.iter().map(|(fit, median)| {
-            let interval = median.and_then(|it| it.within);
+        line.fits.iter().map(|(fit, number)| {
+            let interval = number.and_then(|it| it.within);
             let blocks = interval.map(|it| it.blocks);
             Self {
                 data: line.data.clone(),
@@ -143,7 +157,7 @@ impl BoxErrorRow {
                 fit: fit.clone(),
                 n_pairs: line.n_pairs,
                 n_tracks: line.n_tracks,
-                median: median.map(|it| Fixed(it.median)),
+                value: number.map(|it| Fixed(it.value)),
                 low: interval.map(|it| Fixed(it.ends[0])),
                 high: interval.map(|it| Fixed(it.ends[1])),
                 n_blocks: blocks.map(|it| it.n_blocks),
@@ -166,13 +180,13 @@ mod tests {
         let rows: Vec<BoxErrorRow> = lines.iter().step_by(3).flat_map(BoxErrorRow::of).collect();
         let text = String::from_utf8(to_csv_bytes(&rows).unwrap()).unwrap();
         insta::assert_snapshot!(text, @r"
-        data,simulated,by,slice,error,unit,fit,n_pairs,n_tracks,median,low,high,n_blocks,blocks,few_blocks
+        data,simulated,by,slice,error,unit,fit,n_pairs,n_tracks,value,low,high,n_blocks,blocks,few_blocks
         street,true,range,0–15 m,centre,m,hull box,40,10,0.5000,0.4500,0.6000,10,tracks,false
         street,true,range,0–15 m,centre,m,PCA box,40,10,1.0000,0.9000,1.2000,10,tracks,false
-        street,true,range,0–15 m,yaw,deg,hull box,40,10,0.5000,0.4500,0.6000,10,tracks,false
-        street,true,range,0–15 m,yaw,deg,PCA box,40,10,1.0000,0.9000,1.2000,10,tracks,false
-        street,true,range,50–80 m,width,m,hull box,0,0,,,,,,
-        street,true,range,50–80 m,width,m,PCA box,0,0,,,,,,
+        street,true,range,0–15 m,BEV IoU >= 0.7,%,hull box,40,10,0.5000,0.4500,0.6000,10,tracks,false
+        street,true,range,0–15 m,BEV IoU >= 0.7,%,PCA box,40,10,1.0000,0.9000,1.2000,10,tracks,false
+        street,true,range,50–80 m,yaw within 10 deg,%,hull box,0,0,,,,,,
+        street,true,range,50–80 m,yaw within 10 deg,%,PCA box,0,0,,,,,,
         ");
     }
 }

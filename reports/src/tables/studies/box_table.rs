@@ -22,7 +22,10 @@ impl Tabular for BoxTable<'_> {
         let intervals = self.lines.iter().flat_map(|it| &it.fits).filter_map(|(_, it)| (*it)?.within);
         let mut sentences: Vec<String> = Vec::new();
         for interval in intervals {
-            let sentence = format!("low, high: 95 % interval, {}", about_interval(interval.blocks.kind));
+            let sentence = format!(
+                "box_errors.csv and the plot have 95 % intervals: {}",
+                about_interval(interval.blocks.kind)
+            );
             if !sentences.contains(&sentence) {
                 sentences.push(sentence);
             }
@@ -40,9 +43,9 @@ fn title(line: &BoxErrorLine) -> String {
 fn grid(lines: &[BoxErrorLine]) -> Grid {
     let mut columns = ["by", "slice"].map(Column::left).to_vec();
     columns.extend(["pairs", "tracks"].map(Column::number));
-    columns.push(Column::left("error"));
+    columns.push(Column::left("what"));
     for (fit, _) in &lines[0].fits {
-        columns.extend(["median", "low", "high"].map(|title| Column::number(title).within(fit)));
+        columns.push(Column::number("").within(fit));
     }
     let mut before = None;
     let lines = lines.iter().map(|line| {
@@ -54,13 +57,11 @@ fn grid(lines: &[BoxErrorLine]) -> Grid {
         let number = |it: Option<f64>| {
             Cell::new(it.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, line.error.decimals())))
         };
-        let medians = line.fits.iter().flat_map(|(_, it)| {
-            let interval = it.and_then(|it| it.within);
-            let end = |it| Cell { mark: interval.and_then(|it| Mark::of_blocks(it.blocks)), ..number(it) };
-            let [low, high] = [0, 1].map(|idx| end(interval.map(|it| it.ends[idx])));
-            [number(it.map(|it| it.median)), low, high]
+        let numbers = line.fits.iter().map(|(_, it)| {
+            let mark = it.and_then(|it| it.within).and_then(|it| Mark::of_blocks(it.blocks));
+            Cell { mark, ..number(it.map(|it| it.value)) }
         });
-        let cells = head.into_iter().chain([error]).map(Cell::new).chain(medians);
+        let cells = head.into_iter().chain([error]).map(Cell::new).chain(numbers);
         Line { kind: LineKind::Dataset, cells: cells.collect() }
     });
     Grid { columns, lines: lines.collect() }
@@ -85,44 +86,58 @@ mod tests {
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&BoxTable { lines: &lines, notes: &["A note."] }), @r"
         Box errors of matched vehicles: street (simulated)
 
-                                                          hull box             PCA box
-                                                     ──────────────────   ──────────────────
-        by         slice  pairs  tracks  error       median   low  high   median   low  high
-        ────────────────────────────────────────────────────────────────────────────────────
-        all                  80      20  centre, m     0.50  0.45  0.60     1.00  0.90  1.20
-                                         length, m     0.50  0.45  0.60     1.00  0.90  1.20
-                                         width, m      0.50  0.45  0.60     1.00  0.90  1.20
-                                         yaw, deg      0.5   0.5   0.6      1.0   0.9   1.2
-        occlusion  none       0       0  centre, m     –     –     –        –     –     –
-                                         length, m     –     –     –        –     –     –
-                                         width, m      –     –     –        –     –     –
-                                         yaw, deg      –     –     –        –     –     –
+                                                                hull box   PCA box
+                                                                ────   ────
+        by         slice  pairs  tracks  what
+        ───────────────────────────────────────────────────────────────────
+        all                  80      20  centre, m              0.50   1.00
+                                         length, m              0.50   1.00
+                                         width, m               0.50   1.00
+                                         yaw, deg               0.5    1.0
+                                         yaw within 5 deg, %    0.5    1.0
+                                         yaw within 10 deg, %   0.5    1.0
+                                         BEV IoU >= 0.5, %      0.5    1.0
+                                         BEV IoU >= 0.7, %      0.5    1.0
+                                         3D IoU >= 0.5, %       0.5    1.0
+                                         3D IoU >= 0.7, %       0.5    1.0
+                                         front right, %         0.5    1.0
+        occlusion  none       0       0  centre, m              –      –
+                                         yaw, deg               –      –
+                                         yaw within 10 deg, %   –      –
+                                         BEV IoU >= 0.7, %      –      –
 
         Box errors of matched vehicles: drive
 
-                                                     hull box               PCA box
-                                               ────────────────────   ────────────────────
-        by   slice  pairs  tracks  error       median    low   high   median    low   high
-        ──────────────────────────────────────────────────────────────────────────────────
-        all             8       2  centre, m     0.50  0.45§  0.60§     1.00  0.90§  1.20§
-                                   length, m     0.50  0.45§  0.60§     1.00  0.90§  1.20§
-                                   width, m      0.50  0.45§  0.60§     1.00  0.90§  1.20§
-                                   yaw, deg      0.5   0.5§   0.6§      1.0   0.9§   1.2§
+                                                          hull box   PCA box
+                                                          ─────   ─────
+        by   slice  pairs  tracks  what
+        ───────────────────────────────────────────────────────────────
+        all             8       2  centre, m              0.50§   1.00§
+                                   length, m              0.50§   1.00§
+                                   width, m               0.50§   1.00§
+                                   yaw, deg               0.5§    1.0§
+                                   yaw within 5 deg, %    0.5§    1.0§
+                                   yaw within 10 deg, %   0.5§    1.0§
+                                   BEV IoU >= 0.5, %      0.5§    1.0§
+                                   BEV IoU >= 0.7, %      0.5§    1.0§
+                                   3D IoU >= 0.5, %       0.5§    1.0§
+                                   3D IoU >= 0.7, %       0.5§    1.0§
+                                   front right, %         0.5§    1.0§
 
-        low, high: 95 % interval, cluster bootstrap, 10000 resamples of objects, each with all its scans:
-          they cover other scans of the same drives, but not other drives.
+        box_errors.csv and the plot have 95 % intervals: cluster bootstrap, 10000 resamples of objects, each
+          with all its scans: they cover other scans of the same drives, but not other drives.
         A note.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");
-        insta::assert_snapshot!(Markdown.text(&BoxTable { lines: &lines[4..8], notes: &["A note."] }), @r"
+        insta::assert_snapshot!(Markdown.text(&BoxTable { lines: &lines[11..15], notes: &["A note."] }), @r"
         **Box errors of matched vehicles: street (simulated)**
 
-        | by | slice | pairs | tracks | error | hull box: median | low | high | PCA box: median | low | high |
-        | :-- | :-- | --: | --: | :-- | --: | --: | --: | --: | --: | --: |
-        | occlusion | none | 0 | 0 | centre, m | – | – | – | – | – | – |
-        |  |  |  |  | length, m | – | – | – | – | – | – |
-        |  |  |  |  | width, m | – | – | – | – | – | – |
-        |  |  |  |  | yaw, deg | – | – | – | – | – | – |
+        | by | slice | pairs | tracks | what | hull box:  | PCA box:  |
+        | :-- | :-- | --: | --: | :-- | --: | --: |
+        | occlusion | none | 0 | 0 | centre, m | – | – |
+        |  |  |  |  | yaw, deg | – | – |
+        |  |  |  |  | yaw within 10 deg, % | – | – |
+        |  |  |  |  | BEV IoU >= 0.7, % | – | – |
 
         - A note.
         ");

@@ -14,6 +14,6 @@ pub use detector_table::{DETECTOR_TABLE, TAKEN_NAMES, check_name};
 pub use error::ConfigError;
 pub use run_config::RunConfig;
 pub use vehicle_model_table::{
-    CLUSTERS_FILE, COMPONENTS_FILE, GROUPINGS_FILE, NESTED_FILE, PAPER_FILE, PCA_FILE, TrainedModel,
-    VehicleModels,
+    BOXES_FILE, CLUSTERS_FILE, COMPONENTS_FILE, GROUPINGS_FILE, NESTED_FILE, PAPER_FILE, PCA_FILE,
+    TrainedModel, VehicleModels,
 };

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use baselines::params::{BaselineParams, PARAMS_TOML};
 use detector::grid::density_curve::DensityCurve;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
+use detector::whole::box_model::BoxModel;
 use scans::dataset::DatasetDescription;
 use scans::dataset::class_table::ClassTable;
 use toml::{Table, Value};
@@ -163,6 +165,11 @@ impl RunConfig {
     pub fn value_of(&self, full_name: &str) -> Option<&Value> {
         let (first, rest) = full_name.split_once('.')?;
         rest.split('.').try_fold(self.resolved.get(first)?, |table, key| table.get(key))
+    }
+
+    /// The model of the boxes of whole vehicles; `None` of that which comes with the program.
+    pub fn box_model(&self) -> Option<Arc<BoxModel>> {
+        self.vehicle_models.as_ref().and_then(VehicleModels::boxes)
     }
 
     /// The directory that `model` is from; `None` of one that comes with the program.

@@ -10,6 +10,7 @@ use detector::classify::model_file::{ModelFile, ModelFileError};
 use detector::classify::paper_model::PaperModel;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::params::ParamsError;
+use detector::whole::box_model::BoxModel;
 use scans::dataset::checksum::sha256;
 use serde::Deserialize;
 
@@ -23,6 +24,7 @@ rivals_directory = ""
 paper_directory = ""
 paper_as_printed = false
 pca_directory = ""
+boxes_directory = ""
 "#;
 
 #[derive(Deserialize)]
@@ -40,6 +42,8 @@ struct VehicleModelTable {
     paper_as_printed: bool,
     /// The same of `train pca`.
     pca_directory: String,
+    /// The same of `train boxes`.
+    boxes_directory: String,
 }
 
 /// A trained model.
@@ -57,6 +61,8 @@ pub enum TrainedModel {
     Paper,
     /// The SVM of the detector pca.
     Pca,
+    /// The trees that make the boxes of vehicles whole, of all detectors but those of the papers.
+    Boxes,
 }
 
 /// What the files are called that training writes.
@@ -69,13 +75,22 @@ pub const NESTED_FILE: &str = "kd_tree_tree.model";
 pub const CLUSTERS_FILE: &str = "clusters.model";
 /// The same of the detector paper.
 pub const PAPER_FILE: &str = "paper.model";
+/// The same of the boxes of whole vehicles.
+pub const BOXES_FILE: &str = "boxes.model";
 /// The same of the detector pca.
 pub const PCA_FILE: &str = "pca.model";
 
 impl TrainedModel {
     /// All models.
-    pub const ALL: [Self; 6] =
-        [Self::Groupings, Self::Components, Self::NestedComponents, Self::Clusters, Self::Paper, Self::Pca];
+    pub const ALL: [Self; 7] = [
+        Self::Groupings,
+        Self::Components,
+        Self::NestedComponents,
+        Self::Clusters,
+        Self::Paper,
+        Self::Pca,
+        Self::Boxes,
+    ];
 
     /// The parameter that names its directory.
     pub fn parameter(self) -> &'static str {
@@ -84,6 +99,7 @@ impl TrainedModel {
             Self::Components | Self::NestedComponents | Self::Clusters => "vehicle_model.rivals_directory",
             Self::Paper => "vehicle_model.paper_directory",
             Self::Pca => "vehicle_model.pca_directory",
+            Self::Boxes => "vehicle_model.boxes_directory",
         }
     }
 
@@ -93,6 +109,7 @@ impl TrainedModel {
             Self::Groupings | Self::Components | Self::NestedComponents => "its own trees",
             Self::Clusters => "trees trained on kd-tree components",
             Self::Paper | Self::Pca => "its own SVM",
+            Self::Boxes => "trees of whole boxes",
         }
     }
 }
@@ -106,6 +123,7 @@ pub struct VehicleModels {
     clusters: ModelSource<VehicleModel>,
     paper: ModelSource<PaperModel>,
     pca: ModelSource<PcaVehicleModel>,
+    boxes: ModelSource<BoxModel>,
 }
 
 /// Where a model is from.
@@ -130,7 +148,7 @@ struct TrainedWith {
 impl VehicleModels {
     /// Checks that `resolved` has the parameters that the models were trained with.
     pub(super) fn check_parameters(&self, resolved: &toml::Table) -> Result<(), ValueProblem> {
-        let Self { groupings, components, nested_components, clusters, paper: _, pca: _ } = self;
+        let Self { groupings, components, nested_components, clusters, paper: _, pca: _, boxes: _ } = self;
         let trained =
             [groupings.trained(), components.trained(), nested_components.trained(), clusters.trained()];
         for TrainedWith { parameters, parameter } in trained.into_iter().flatten() {
@@ -181,9 +199,17 @@ impl VehicleModels {
         self.pca.model(PcaVehicleModel::shipped)
     }
 
+    /// That of the boxes of whole vehicles; `None` of the one that comes with the program.
+    pub fn boxes(&self) -> Option<Arc<BoxModel>> {
+        match &self.boxes {
+            ModelSource::Shipped => None,
+            ModelSource::Trained { model, .. } => Some(Arc::clone(model)),
+        }
+    }
+
     /// What tells these models from others of the same program: a checksum for each, in the order of [`TrainedModel::ALL`].
-    pub fn identity(&self) -> [&str; 6] {
-        let Self { groupings, components, nested_components, clusters, paper, pca } = self;
+    pub fn identity(&self) -> [&str; 7] {
+        let Self { groupings, components, nested_components, clusters, paper, pca, boxes } = self;
         [
             groupings.identity(),
             components.identity(),
@@ -191,6 +217,7 @@ impl VehicleModels {
             clusters.identity(),
             paper.identity(),
             pca.identity(),
+            boxes.identity(),
         ]
     }
 }
@@ -231,6 +258,7 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
     let rivals = ModelDirectory { parameter: "rivals_directory", directory: &table.rivals_directory };
     let paper = ModelDirectory { parameter: "paper_directory", directory: &table.paper_directory };
     let pca = ModelDirectory { parameter: "pca_directory", directory: &table.pca_directory };
+    let boxes = ModelDirectory { parameter: "boxes_directory", directory: &table.boxes_directory };
     Ok(Some(VehicleModels {
         groupings: groupings.model(GROUPINGS_FILE, |it| GroupingModel::from_bytes(it).map(Arc::new))?,
         components: rivals.model(COMPONENTS_FILE, TrainedComponents::from_bytes)?,
@@ -238,6 +266,7 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
         clusters: rivals.model(CLUSTERS_FILE, VehicleModel::from_bytes)?,
         paper: paper_from(&paper, table.paper_as_printed)?,
         pca: pca.model(PCA_FILE, PcaVehicleModel::from_bytes)?,
+        boxes: boxes.model(BOXES_FILE, BoxModel::from_bytes)?,
     }))
 }
 

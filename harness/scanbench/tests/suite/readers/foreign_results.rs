@@ -285,7 +285,8 @@ fn what_detect_writes_is_read() {
     for number in 0..2 {
         let name = |ending: &str| format!("results/0000/{number:06}.{ending}");
         let scan = format!("0000/{number:06}");
-        let parts = ["detect", "street", "--scan", &scan, "-P", "vehicle_model.enabled=false"];
+        let seen = ["-P", "vehicle_model.enabled=false", "-P", "boxes.whole=false"];
+        let parts = [&["detect", "street", "--scan", &scan], &seen[..]].concat();
         workplace.succeed(&[&parts[..], &["-o", &name("u32"), "--boxes", &name("csv")]].concat());
     }
     let dataset = open(&workplace.path("street"));

@@ -1,0 +1,172 @@
+//! The box of a whole vehicle.
+
+use crate::oriented_box::OrientedBox;
+use crate::portable_math::single;
+use crate::whole::box_model::BoxModel;
+use crate::whole::box_values::{IS_TURNED, N_BOX_VALUES, box_values};
+use crate::whole::seen_frame::SeenFrame;
+
+/// A box may become smaller than what is seen by so much at a side, in metres: a mirror, or a stray point.
+const MOST_SHRINKAGE_M: f32 = 0.5;
+/// And by no more than this share of it, so that something is left.
+const MOST_SHRINKAGE: f32 = 0.25;
+/// Least height of a box, in metres.
+const LEAST_HEIGHT_M: f32 = 0.3;
+
+/// What is asked about a vehicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenVehicle {
+    /// The box of what is seen of it.
+    pub seen: OrientedBox,
+    /// Its frame.
+    pub frame: SeenFrame,
+    /// Elevation of the ground below it, in metres.
+    pub ground_m: f32,
+    /// The values, still without whether it is turned.
+    pub values: [f32; N_BOX_VALUES],
+}
+
+impl SeenVehicle {
+    /// A vehicle with these points and this box around them, above ground of elevation `ground_m`.
+    pub fn new(seen: OrientedBox, ground_m: f32, positions_m: &[[f32; 3]]) -> Self {
+        let frame = SeenFrame::of(&seen);
+        let values = box_values(&seen, &frame, ground_m, positions_m);
+        Self { seen, frame, ground_m, values }
+    }
+
+    /// The box that reaches so far beyond what is seen, and whose front is the far or the near end.
+    fn grown(&self, is_turned: bool, growth_m: [f32; 5], is_away: bool) -> OrientedBox {
+        let [near_u_m, far_u_m, near_v_m, far_v_m, top_m] = growth_m;
+        let range_m = |axis: usize, [near_m, far_m]: [f32; 2]| {
+            let half_m = self.frame.half_m[axis];
+            let least_m = -MOST_SHRINKAGE_M.min(MOST_SHRINKAGE * 2.0 * half_m);
+            [-half_m - near_m.max(least_m), half_m + far_m.max(least_m)]
+        };
+        let ranges_m = [range_m(0, [near_u_m, far_u_m]), range_m(1, [near_v_m, far_v_m])];
+        let center_m = self.frame.in_scan_m(ranges_m.map(|[low, high]| 0.5 * (low + high)));
+        let [along_u_m, along_v_m] = ranges_m.map(|[low, high]| high - low);
+        let [length_m, width_m] = if is_turned { [along_v_m, along_u_m] } else { [along_u_m, along_v_m] };
+        let [x, y] = self.frame.axis(usize::from(is_turned));
+        let yaw_rad = if is_away { single::atan2(y, x) } else { single::atan2(-y, -x) };
+        let seen_top_m = self.seen.center_m[2] + 0.5 * self.seen.length_width_height_m[2];
+        let height_m = (seen_top_m + top_m - self.ground_m).max(LEAST_HEIGHT_M);
+        OrientedBox {
+            center_m: [center_m[0], center_m[1], self.ground_m + 0.5 * height_m],
+            length_width_height_m: [length_m, width_m, height_m],
+            yaw_rad,
+        }
+    }
+}
+
+/// The boxes of whole vehicles as a model tells them, with buffers for one scan after another.
+#[derive(Debug, Clone, Default)]
+pub struct WholeBoxes {
+    turned: Vec<f32>,
+    growths_m: [Vec<f32>; 5],
+    away: Vec<f32>,
+    boxes: Vec<OrientedBox>,
+}
+
+impl WholeBoxes {
+    /// The boxes of `vehicles`, one of each. They stand on the ground, and their yaws, in (−π, π], are those of the fronts. `vehicles`
+    /// know then whether they are turned.
+    pub fn find(&mut self, model: &BoxModel, vehicles: &mut [SeenVehicle]) -> &[OrientedBox] {
+        model.turned.sums(vehicles.iter().map(|it| &it.values), &mut self.turned);
+        for (vehicle, log_odds) in vehicles.iter_mut().zip(&self.turned) {
+            vehicle.values[IS_TURNED] = f32::from(u8::from(*log_odds > 0.0));
+        }
+        for (forest, growth_m) in model.growth_m.iter().zip(&mut self.growths_m) {
+            forest.sums(vehicles.iter().map(|it| &it.values), growth_m);
+        }
+        model.away.sums(vehicles.iter().map(|it| &it.values), &mut self.away);
+        let Self { turned, growths_m, away, boxes } = self;
+        boxes.clear();
+        boxes.extend(vehicles.iter().enumerate().map(|(place, it)| {
+            let growth_m = growths_m.each_ref().map(|growth_m| growth_m[place]);
+            it.grown(turned[place] > 0.0, growth_m, away[place] > 0.0)
+        }));
+        boxes
+    }
+}
+
+/// How a vehicle with the box `whole` differs from what is seen of it: what a model is to tell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Difference {
+    /// Whether it is longer along the width of what is seen.
+    pub is_turned: bool,
+    /// How far it reaches beyond what is seen, in metres, in the order of [`BoxModel::growth_m`].
+    pub growth_m: [f32; 5],
+    /// Whether its front is the far end.
+    pub is_away: bool,
+    /// The angle between the sides of both boxes in radians, at most π/4.
+    pub off_rad: f32,
+}
+
+impl Difference {
+    /// That of a vehicle of which `seen` is seen.
+    pub fn between(seen: &SeenVehicle, whole: &OrientedBox) -> Self {
+        let (sin, cos) = single::sin_cos(whole.yaw_rad);
+        let [along_u, along_v] = [0, 1].map(|axis| {
+            let [x, y] = seen.frame.axis(axis);
+            x * cos + y * sin
+        });
+        let is_turned = along_v.abs() > along_u.abs();
+        let [length_m, width_m, height_m] = whole.length_width_height_m;
+        let half_m = if is_turned { [width_m, length_m] } else { [length_m, width_m] }.map(|it| 0.5 * it);
+        let [u_m, v_m] = seen.frame.place_m([whole.center_m[0], whole.center_m[1]]);
+        let [half_u_m, half_v_m] = seen.frame.half_m;
+        let top_m = whole.center_m[2] + 0.5 * height_m;
+        let seen_top_m = seen.seen.center_m[2] + 0.5 * seen.seen.length_width_height_m[2];
+        let (less, more) = (along_u.abs().min(along_v.abs()), along_u.abs().max(along_v.abs()));
+        Self {
+            is_turned,
+            growth_m: [
+                half_m[0] - u_m - half_u_m,
+                half_m[0] + u_m - half_u_m,
+                half_m[1] - v_m - half_v_m,
+                half_m[1] + v_m - half_v_m,
+                top_m - seen_top_m,
+            ],
+            is_away: if is_turned { along_v } else { along_u } > 0.0,
+            off_rad: single::atan2(less, more),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_box_that_grows_by_the_difference_is_the_whole_one(
+            x in -30.0_f32..30.0, y in -30.0_f32..30.0, yaw_rad in -3.1_f32..3.1, quarters in 0_u8..4,
+            sizes in prop::array::uniform3(1.0_f32..5.0), shift in prop::array::uniform2(-0.5_f32..0.5),
+        ) {
+            let seen = OrientedBox { center_m: [x, y, -1.0], length_width_height_m: [2.0, 0.8, 0.9], yaw_rad };
+            let seen = SeenVehicle::new(seen, -1.7, &[[x, y, -1.0]]);
+            let whole = OrientedBox {
+                center_m: [x + shift[0], y + shift[1], -1.7 + 0.5 * sizes[2]],
+                length_width_height_m: [sizes[0] + 3.0, 2.5, sizes[2]],
+                yaw_rad: yaw_rad + f32::from(quarters) * std::f32::consts::FRAC_PI_2,
+            };
+            let it = Difference::between(&seen, &whole);
+            prop_assert!(it.off_rad < 1e-3);
+            prop_assert_eq!(it.is_turned, quarters % 2 == 1);
+            let grown = seen.grown(it.is_turned, it.growth_m, it.is_away);
+            for axis in 0..3 {
+                prop_assert!((grown.center_m[axis] - whole.center_m[axis]).abs() < 1e-3, "{:?}", (grown, whole));
+                prop_assert!((grown.length_width_height_m[axis] - whole.length_width_height_m[axis]).abs() < 1e-3);
+            }
+            prop_assert!((grown.yaw_rad - whole.yaw_rad).cos() > 0.999);
+        }
+
+        #[test]
+        fn something_is_left_of_every_box(growth_m in prop::array::uniform5(-9.0_f32..9.0)) {
+            let seen = OrientedBox { center_m: [9.0, 2.0, -1.0], length_width_height_m: [2.0, 0.8, 0.9], yaw_rad: 0.3 };
+            let grown = SeenVehicle::new(seen, -1.7, &[[9.0, 2.0, -1.0]]).grown(false, growth_m, true);
+            prop_assert!(grown.length_width_height_m.iter().all(|it| *it > 0.25));
+        }
+    }
+}

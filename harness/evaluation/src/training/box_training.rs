@@ -1,0 +1,197 @@
+//! The trees that make the boxes of vehicles whole, trained.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use detector::detector::StageClock;
+use detector::params::HierarchicalParams;
+use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::whole::box_model::BoxModel;
+use detector::whole::box_values::{IS_TURNED, N_BOX_VALUES};
+use detector::whole::reported_boxes::BoxParams;
+use detector::whole::whole_box::{Difference, SeenVehicle};
+use detector::{Detector, DetectorOutput, OrientedBox};
+use forust_ml::errors::ForustError;
+use rayon::prelude::*;
+use reports::vocabulary::task::Task;
+use scans::annotation::LabeledScan;
+use scans::dataset::Dataset;
+
+use crate::matching::assign::{MatchingParams, assign};
+use crate::matching::box_overlap::{bev_iou, iou_3d};
+use crate::matching::eligibility::counts_as_vehicle;
+use crate::matching::outcome::AnnotationOutcome;
+use crate::realism::survey::SurveyError;
+use crate::training::boosting::{BoostingParams, Target, boost};
+
+/// Chosen on held-out drives of the training streets.
+const GROWTH: BoostingParams =
+    BoostingParams { n_trees: 60, depth: 6, learning_rate: 0.15, least_leaf_weight: 20.0, drawn_share: 0.5 };
+/// The same for what is decided.
+const DECISIONS: BoostingParams = BoostingParams { least_leaf_weight: 5.0, ..GROWTH };
+
+/// What is seen may be turned by so much against the annotated box, and is no example otherwise.
+const MOST_OFF_DEG: f32 = 12.0;
+
+/// The detectors whose clusters are learned from: a cluster over cells and one over points end differently.
+pub const LEARNED_FROM: [&str; 2] = ["hierarchical", "kd-tree"];
+
+/// Forests that [`train_boxes`] trains.
+pub const N_BOX_FORESTS: usize = 7;
+
+/// A cluster that matches an annotated vehicle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VehicleExample {
+    /// The drive it was seen on.
+    pub sequence: String,
+    /// What is seen.
+    pub seen: SeenVehicle,
+    /// The annotated box.
+    pub whole: OrientedBox,
+}
+
+/// What every thread looks at its scans with.
+struct Looker {
+    foreground: ForegroundStages,
+    detectors: Vec<Box<dyn Detector>>,
+}
+
+/// Makes detectors whose clusters are learned from, which report the boxes of what is seen.
+pub type NewDetectors<'a> = &'a (dyn Fn() -> Vec<Box<dyn Detector>> + Sync);
+
+/// What says which boxes are reported of which the trees learn.
+pub const SEEN: BoxParams = BoxParams { outline: true, whole: false };
+
+/// The clusters of detectors, of which `new_detectors` makes some for each thread, that match an annotated vehicle with a box, in the
+/// scans `scan_indices` of `dataset`, scan by scan. The ground is found with `params`.
+///
+/// `on_scan` is called after every scan, from several threads.
+///
+/// # Errors
+///
+/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+pub fn collect_vehicles(
+    dataset: &dyn Dataset,
+    scan_indices: &[usize],
+    new_detectors: NewDetectors<'_>,
+    (params, matching): (&HierarchicalParams, &MatchingParams),
+    interrupted: &AtomicBool,
+    on_scan: impl Fn() + Sync,
+) -> Result<Vec<VehicleExample>, SurveyError> {
+    let description = dataset.description();
+    let new_looker = || Looker {
+        foreground: ForegroundStages::new(params.clone(), description.sensor_height_m),
+        detectors: new_detectors(),
+    };
+    let look = |looker: &mut Looker, &scan_idx: &usize| {
+        if interrupted.load(Ordering::Relaxed) {
+            let (dataset, n_scans) = (description.id.clone(), scan_indices.len());
+            return Err(SurveyError::Interrupted { dataset, n_scans });
+        }
+        let scan = dataset.read_scan(scan_idx)?;
+        looker.foreground.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
+        let mut found = Vec::new();
+        for detector in &mut looker.detectors {
+            let mut output = DetectorOutput::default();
+            detector.detect(&scan.cloud, &mut output);
+            let detections = &output.detections;
+            let assignment = assign(&scan, detections, Task::Objects, &description.annotated, matching);
+            found.extend(assignment.annotations.iter().enumerate().filter_map(
+                |(annotation_idx, outcome)| {
+                    let AnnotationOutcome::Matched { detection_idx, .. } = *outcome else { return None };
+                    example((&scan, &output, &looker.foreground), annotation_idx, detection_idx)
+                },
+            ));
+        }
+        on_scan();
+        Ok(found)
+    };
+    // Collected before it is looked through for errors, so that the first in order is reported.
+    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_looker, look).collect();
+    let of_scans: Vec<Vec<VehicleExample>> = of_scans.into_iter().collect::<Result<_, _>>()?;
+    Ok(of_scans.into_iter().flatten().collect())
+}
+
+/// `None` if the annotation is no vehicle, or has no box.
+fn example(
+    (scan, output, foreground): (&LabeledScan, &DetectorOutput, &ForegroundStages),
+    annotation_idx: usize,
+    detection_idx: usize,
+) -> Option<VehicleExample> {
+    let annotation = &scan.annotations[annotation_idx];
+    let whole = annotation.bounding_box.filter(|_| counts_as_vehicle(annotation.class))?;
+    let detection = output.detections.get(detection_idx);
+    let positions_m: Vec<[f32; 3]> =
+        detection.point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
+    let ground_m = foreground.ground_below_m(&detection.bounding_box);
+    let seen = SeenVehicle::new(detection.bounding_box, ground_m, &positions_m);
+    Some(VehicleExample { sequence: scan.id.sequence.clone(), seen, whole })
+}
+
+/// Trains all forests with `examples`.
+///
+/// `on_forest` is called after each of [`N_BOX_FORESTS`].
+///
+/// # Errors
+///
+/// If there is no example.
+pub fn train_boxes(examples: &[&VehicleExample], on_forest: &dyn Fn()) -> Result<BoxModel, ForustError> {
+    let differences = examples.iter().map(|it| (it, Difference::between(&it.seen, &it.whole)));
+    let kept = differences.filter(|(_, it)| it.off_rad <= MOST_OFF_DEG.to_radians());
+    let (mut untold, mut told, mut differences) = (Vec::new(), Vec::new(), Vec::new());
+    for (example, difference) in kept {
+        let mut values: [f32; N_BOX_VALUES] = example.seen.values;
+        untold.push(values);
+        values[IS_TURNED] = f32::from(u8::from(difference.is_turned));
+        told.push(values);
+        differences.push(difference);
+    }
+    let [untold, told] = [&untold, &told].map(|it| it.iter().collect::<Vec<_>>());
+    let decision = |values: &[&[f32; N_BOX_VALUES]], is_so: fn(&Difference) -> bool| {
+        let targets: Vec<f64> = differences.iter().map(|it| f64::from(u8::from(is_so(it)))).collect();
+        let forest = boost(values, &targets, Target::Yes, &DECISIONS);
+        on_forest();
+        forest
+    };
+    let growth = |place: usize| {
+        let targets: Vec<f64> = differences.iter().map(|it| f64::from(it.growth_m[place])).collect();
+        let forest = boost(&told, &targets, Target::Number, &GROWTH);
+        on_forest();
+        forest
+    };
+    Ok(BoxModel {
+        turned: decision(&untold, |it| it.is_turned)?,
+        growth_m: [growth(0)?, growth(1)?, growth(2)?, growth(3)?, growth(4)?],
+        away: decision(&told, |it| it.is_away)?,
+    })
+}
+
+/// How boxes do: shares of 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BoxShares {
+    /// Of those whose long sides are turned by at most 5 and at most 10 degrees.
+    pub yaw: [f64; 2],
+    /// Of those with an intersection over union of at least 0.5 and at least 0.7, seen from above.
+    pub bev: [f64; 2],
+    /// The same in space.
+    pub space: [f64; 2],
+    /// Of those whose front is on the right side.
+    pub heading: f64,
+}
+
+impl BoxShares {
+    /// Those of `boxes`, each with the annotated one.
+    pub fn of(boxes: &[(OrientedBox, OrientedBox)]) -> Self {
+        let share = |is_so: &dyn Fn(&OrientedBox, &OrientedBox) -> bool| {
+            boxes.iter().filter(|(fitted, whole)| is_so(fitted, whole)).count() as f64
+                / boxes.len().max(1) as f64
+        };
+        let turn = |fitted: &OrientedBox, whole: &OrientedBox| f64::from(fitted.yaw_rad - whole.yaw_rad);
+        let off_deg = |turn_rad: f64| turn_rad.sin().abs().atan2(turn_rad.cos().abs()).to_degrees();
+        Self {
+            yaw: [5.0, 10.0].map(|most_deg| share(&|a, b| off_deg(turn(a, b)) <= most_deg)),
+            bev: [0.5, 0.7].map(|least| share(&|a, b| bev_iou(a, b) >= least)),
+            space: [0.5, 0.7].map(|least| share(&|a, b| iou_3d(a, b) >= least)),
+            heading: share(&|a, b| turn(a, b).cos() > 0.0),
+        }
+    }
+}
