@@ -108,7 +108,7 @@ OF_VERB = {
     "gaps": [*JUDGED, "gaps"],
     "robustness": [*JUDGED, "robustness"],
     "reproduce": [*JUDGED, "reproduction"],
-    "boxes": ["golden", "parameters", "datasets", "boxes"],
+    "boxes": ["golden", "models", "parameters", "datasets", "boxes"],
     "train": ["golden", "parameters", "datasets", "training"],
     "data realism": ["golden", "parameters", "datasets", "realism"],
 }

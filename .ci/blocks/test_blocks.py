@@ -152,7 +152,7 @@ class Fingerprints(unittest.TestCase):
     def test_a_command_knows_what_decides_its_numbers(self):
         of = fingerprint.groups_of
         self.assertEqual(of(["scanbench gaps"], "gap-shares"), ["golden", "models", "parameters", "datasets", "gaps"])
-        self.assertEqual(of(["scanbench boxes ~/data/kitti"], "box-fits"), ["golden", "parameters", "boxes", "regions", "readers"])
+        self.assertEqual(of(["scanbench boxes ~/data/kitti"], "box-fits"), ["golden", "models", "parameters", "boxes", "regions", "readers"])
         realism = of(["scanbench data realism street --against ~/data/kitti"], "realism-worst")
         self.assertEqual(realism, ["golden", "parameters", "datasets", "realism", "regions", "readers"])
         self.assertIn("plots", of(["scanbench gaps"], "picture"))

@@ -16,7 +16,7 @@ const MOST_POINTS: usize = 256;
 const N_TRIMMED_OF_100: usize = 1;
 /// Most points that may lie beyond a side.
 const MOST_TRIMMED: usize = MOST_POINTS * N_TRIMMED_OF_100 / 100 + 1;
-/// Directions that are tried around the best of those of the hull's edges, in degrees from it.
+/// Turns in degrees that are tried from the best edge.
 const TURNS_DEG: [f32; 4] = [-2.0, -1.0, 1.0, 2.0];
 /// Directions that are tried at the same time.
 const N_ABREAST: usize = 16;
@@ -54,7 +54,8 @@ impl Default for OutlineBox {
 impl OutlineBox {
     /// The box around `positions_m` with its sides along the outline: the points nearest to the sensor, which is the origin, at each
     /// azimuth. Of the directions of the edges of the outline's hull the one is taken to whose sides these points are closest on average,
-    /// or one or two degrees beside it; a point counts at most 0.3 m, and one of a hundred points may lie beyond each side.
+    /// or one or two degrees beside it. A point counts at most 0.3 m, and the outermost one of a hundred points at each side does not say where
+    /// that is. The box itself holds all points.
     ///
     /// Length is the longer side and the yaw lies in (−π/2, π/2]. One point gives a box of no length and no width at yaw 0, points
     /// on a line one along it. `None` without points. All must be finite.

@@ -101,8 +101,7 @@ pub fn box_values(
     values
 }
 
-/// Which of `n` slices a place is in, of which there are `scale` in a metre and as many before the centre as behind it; what lies
-/// outside is in the outermost.
+/// The slice, of `n`, that holds a place. Slices are 1/`scale` m wide and lie around the centre; what lies outside is in the outermost.
 fn slice(place_m: f32, scale: f32, n: usize) -> usize {
     ((place_m * scale + 0.5 * n as f32) as usize).min(n - 1)
 }

@@ -21,11 +21,12 @@ const MOST_CLEARANCE_M: f32 = 0.6;
 pub struct BoxParams {
     /// Whether boxes lie along the outline that the sensor sees; otherwise close to the corners of the convex hull (VM section 4).
     pub outline: bool,
-    /// Whether vehicles have the box of the whole vehicle, and other objects one down to the ground; otherwise that of what is seen.
+    /// Whether vehicles have the box of the whole vehicle, and other objects one down to the ground if it ends a little above it; otherwise
+    /// that of what is seen.
     pub whole: bool,
 }
 
-/// Fits the boxes that are reported, when all else has been decided: points and classes are what they are.
+/// Fits the boxes that are reported, when all else has been decided. Points and classes do not change.
 #[derive(Debug, Clone)]
 pub struct ReportedBoxes {
     outlined: bool,
@@ -119,4 +120,79 @@ fn standing(seen: OrientedBox, ground_m: f32) -> OrientedBox {
 
 fn is_made_whole(detection: &Detection<'_>) -> bool {
     detection.class == DetectedClass::Vehicle && !detection.point_indices.is_empty()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::classify::forest::Forest;
+
+    const GROUND_M: f32 = -1.7;
+
+    /// Everything is 1 m longer at its far end than it is seen, and faces the sensor.
+    fn model() -> Arc<BoxModel> {
+        let always = |it: f32| Forest::new(Vec::new(), it).unwrap();
+        let growth_m = [0.0, 1.0, 0.0, 0.0, 0.0].map(always);
+        Arc::new(BoxModel { turned: always(-1.0), growth_m, away: always(-1.0) })
+    }
+
+    /// Two sides of a thing 3 m long and 1 m wide, whose lowest point is `bottom_m` above the ground.
+    fn cloud(bottom_m: f32) -> PointCloud {
+        let along = (0..=30_u8).map(|it| [6.0 + 0.1 * f32::from(it), 2.0, GROUND_M + bottom_m]);
+        let across = (0..=10_u8).map(|it| [6.0, 2.0 + 0.1 * f32::from(it), GROUND_M + 1.4]);
+        along.chain(across).collect()
+    }
+
+    const GIVEN: OrientedBox =
+        OrientedBox { center_m: [1.0; 3], length_width_height_m: [9.0, 8.0, 7.0], yaw_rad: 0.7 };
+
+    /// The boxes of an object, of a vehicle without points, and of a vehicle, and of one that is unlikely.
+    fn boxes(params: BoxParams, bottom_m: f32) -> [OrientedBox; 4] {
+        let cloud = cloud(bottom_m);
+        let all: Vec<u32> = (0..cloud.len() as u32).collect();
+        let detection =
+            |point_indices, class| Detection { point_indices, bounding_box: GIVEN, class, score: None };
+        let mut output = DetectorOutput::default();
+        output.detections.push(detection(&all, DetectedClass::Object));
+        output.detections.push(detection(&[], DetectedClass::Vehicle));
+        output.detections.push(detection(&all, DetectedClass::Vehicle));
+        output.unlikely_vehicles.push(detection(&all, DetectedClass::Vehicle));
+        let mut reported = ReportedBoxes::new(params).with_model(Some(model()));
+        reported.replace(&cloud, |_| GROUND_M, &mut output);
+        let [object, empty, vehicle] = [0, 1, 2].map(|it| output.detections.get(it).bounding_box);
+        [object, empty, vehicle, output.unlikely_vehicles.get(0).bounding_box]
+    }
+
+    #[track_caller]
+    fn check(it: OrientedBox, sizes_m: [f32; 3], bottom_m: f32) {
+        let error_m = (0..3).map(|axis| (it.length_width_height_m[axis] - sizes_m[axis]).abs());
+        assert!(error_m.fold(0.0, f32::max) < 1e-3, "{it:?}");
+        let low_m = it.center_m[2] - 0.5 * it.length_width_height_m[2] - GROUND_M;
+        assert!((low_m - bottom_m).abs() < 1e-3, "{it:?}");
+    }
+
+    #[test]
+    fn vehicles_are_made_whole_and_other_things_stand_on_the_ground() {
+        let [object, empty, vehicle, unlikely] = boxes(BoxParams { outline: true, whole: true }, 0.4);
+        check(object, [3.0, 1.0, 1.4], 0.0);
+        assert_eq!((empty, unlikely), (GIVEN, vehicle));
+        check(vehicle, [4.0, 1.0, 1.4], 0.0);
+        assert!((vehicle.center_m[0] - 8.0).abs() < 1e-3 && vehicle.yaw_rad.cos() < -0.999, "{vehicle:?}");
+    }
+
+    #[test]
+    fn what_hangs_or_reaches_below_the_ground_stays_there() {
+        for bottom_m in [0.7, -0.2] {
+            let [object, ..] = boxes(BoxParams { outline: true, whole: true }, bottom_m);
+            check(object, [3.0, 1.0, 1.4 - bottom_m], bottom_m);
+        }
+    }
+
+    #[test]
+    fn without_whole_boxes_there_is_what_is_seen_or_what_was_given() {
+        let [object, empty, vehicle, unlikely] = boxes(BoxParams { outline: true, whole: false }, 0.4);
+        check(object, [3.0, 1.0, 1.0], 0.4);
+        assert_eq!((empty, vehicle, unlikely), (GIVEN, object, object));
+        assert_eq!(boxes(BoxParams { outline: false, whole: false }, 0.4), [GIVEN; 4]);
+    }
 }

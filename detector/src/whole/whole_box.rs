@@ -10,8 +10,8 @@ use crate::whole::seen_frame::SeenFrame;
 const MOST_SHRINKAGE_M: f32 = 0.5;
 /// And by no more than this share of it, so that something is left.
 const MOST_SHRINKAGE: f32 = 0.25;
-/// Least height of a box, in metres.
-const LEAST_HEIGHT_M: f32 = 0.3;
+/// No side of a box is shorter, in metres.
+const LEAST_SIDE_M: f32 = 0.3;
 
 /// What is asked about a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,12 +44,12 @@ impl SeenVehicle {
         };
         let ranges_m = [range_m(0, [near_u_m, far_u_m]), range_m(1, [near_v_m, far_v_m])];
         let center_m = self.frame.in_scan_m(ranges_m.map(|[low, high]| 0.5 * (low + high)));
-        let [along_u_m, along_v_m] = ranges_m.map(|[low, high]| high - low);
+        let [along_u_m, along_v_m] = ranges_m.map(|[low, high]| (high - low).max(LEAST_SIDE_M));
         let [length_m, width_m] = if is_turned { [along_v_m, along_u_m] } else { [along_u_m, along_v_m] };
         let [x, y] = self.frame.axis(usize::from(is_turned));
         let yaw_rad = if is_away { single::atan2(y, x) } else { single::atan2(-y, -x) };
         let seen_top_m = self.seen.center_m[2] + 0.5 * self.seen.length_width_height_m[2];
-        let height_m = (seen_top_m + top_m - self.ground_m).max(LEAST_HEIGHT_M);
+        let height_m = (seen_top_m + top_m - self.ground_m).max(LEAST_SIDE_M);
         OrientedBox {
             center_m: [center_m[0], center_m[1], self.ground_m + 0.5 * height_m],
             length_width_height_m: [length_m, width_m, height_m],
@@ -68,8 +68,8 @@ pub struct WholeBoxes {
 }
 
 impl WholeBoxes {
-    /// The boxes of `vehicles`, one of each. They stand on the ground, and their yaws, in (−π, π], are those of the fronts. `vehicles`
-    /// know then whether they are turned.
+    /// The boxes of `vehicles`, one of each. They stand on the ground, and their yaws, in (−π, π], are those of the fronts. Sets
+    /// [`IS_TURNED`] in the values of `vehicles`.
     pub fn find(&mut self, model: &BoxModel, vehicles: &mut [SeenVehicle]) -> &[OrientedBox] {
         model.turned.sums(vehicles.iter().map(|it| &it.values), &mut self.turned);
         for (vehicle, log_odds) in vehicles.iter_mut().zip(&self.turned) {
@@ -163,10 +163,12 @@ mod tests {
         }
 
         #[test]
-        fn something_is_left_of_every_box(growth_m in prop::array::uniform5(-9.0_f32..9.0)) {
-            let seen = OrientedBox { center_m: [9.0, 2.0, -1.0], length_width_height_m: [2.0, 0.8, 0.9], yaw_rad: 0.3 };
+        fn something_is_left_of_every_box(
+            growth_m in prop::array::uniform5(-9.0_f32..9.0), sizes_m in prop::array::uniform3(0.0_f32..5.0),
+        ) {
+            let seen = OrientedBox { center_m: [9.0, 2.0, -1.0], length_width_height_m: sizes_m, yaw_rad: 0.3 };
             let grown = SeenVehicle::new(seen, -1.7, &[[9.0, 2.0, -1.0]]).grown(false, growth_m, true);
-            prop_assert!(grown.length_width_height_m.iter().all(|it| *it > 0.25));
+            prop_assert!(grown.length_width_height_m.iter().all(|it| *it >= LEAST_SIDE_M));
         }
     }
 }

@@ -29,7 +29,7 @@ pub struct BoxErrorLine {
     /// Tracks that these belong to.
     pub n_tracks: u64,
     /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs.
-    pub fits: Vec<(String, Option<NumberWithin>)>,
+    pub fits: Vec<(&'static str, Option<NumberWithin>)>,
 }
 
 /// What is measured of boxes.
@@ -126,10 +126,10 @@ pub(crate) mod tests {
 
     /// All that is measured of a slice, the second fit twice as far off.
     pub(crate) fn lines(data: &str, by: &str, slice: &str, n_pairs: u64) -> Vec<BoxErrorLine> {
-        let fit = |name: &str, value: f64| {
+        let fit = |name: &'static str, value: f64| {
             let blocks = BlockCount::of_dataset(n_pairs / 4, BlockKind::Tracks);
             let within = Some(Interval { ends: [0.9 * value, 1.2 * value], blocks });
-            (name.to_owned(), (n_pairs > 0).then_some(NumberWithin { value, within }))
+            (name, (n_pairs > 0).then_some(NumberWithin { value, within }))
         };
         let told = if by == "all" { &BoxError::ALL[..] } else { &BoxError::OF_SLICES };
         told.iter()

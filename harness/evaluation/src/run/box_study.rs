@@ -182,7 +182,7 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
                 error,
                 n_pairs: pairs.len() as u64,
                 n_tracks,
-                fits: (0..).zip(FITS).map(|(idx, fit)| (fit.to_owned(), number(idx))).collect(),
+                fits: (0..).zip(FITS).map(|(idx, fit)| (fit, number(idx))).collect(),
             }
         };
         let told = if *by == "all" { &BoxError::ALL[..] } else { &BoxError::OF_SLICES };
@@ -254,6 +254,11 @@ mod tests {
                 errors: [errors(1.0), errors(-2.0), errors(1.0), errors(1.0), errors(1.0)],
             },
         )
+    }
+
+    #[test]
+    fn fits_have_their_names() {
+        assert!(ObjectBox::ALL.iter().zip(FITS).all(|(it, name)| it.name() == name));
     }
 
     #[test]

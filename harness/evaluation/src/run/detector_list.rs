@@ -228,7 +228,7 @@ impl ChosenDetector {
     pub fn has_whole_boxes(&self, config: &RunConfig) -> bool {
         let are_ours = match self {
             Self::BuiltIn(listed) => !matches!(listed.model, TrainedModel::Paper | TrainedModel::Pca),
-            Self::Foreign(_) => self.vehicle_model(config).is_some(),
+            Self::Foreign(_) => true,
         };
         are_ours && config.hierarchical.boxes.whole
     }

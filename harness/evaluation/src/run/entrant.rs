@@ -159,7 +159,7 @@ impl ForeignDetector {
                 ForeignVehicles::by_model(&config.hierarchical, models, dataset.sensor_height_m)
             }
             (VehicleRule::Size, _) | (VehicleRule::Model, None) => {
-                ForeignVehicles::by_size(&config.hierarchical)
+                ForeignVehicles::by_size(&config.hierarchical, config.box_model(), dataset.sensor_height_m)
             }
         }
     }

@@ -11,6 +11,7 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::pipeline::object_stages::ObjectStages;
 use detector::whole::box_model::BoxModel;
+use detector::whole::reported_boxes::{BoxParams, ReportedBoxes};
 use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, PointCloud};
 use reports::vocabulary::class::AnnotationClass;
 use scans::foreign::points_in_boxes::PointsAlongX;
@@ -48,22 +49,25 @@ pub fn members_of(clusters: &[u32]) -> BTreeMap<u32, Vec<u32>> {
     members
 }
 
-/// Tells vehicles among objects whose detector does not.
+/// Tells vehicles among objects whose detector does not, and fits boxes to those that come without.
 pub struct ForeignVehicles {
     size: SizeGateParams,
-    box_fit: ConvexHullBox,
+    hull_fit: ConvexHullBox,
+    foreground: ForegroundStages,
     by_model: Option<ByModel>,
+    boxes: ReportedBoxes,
+    // The objects that come without a box.
+    fitted: DetectorOutput,
 }
 
 /// Our own stages on their objects.
 struct ByModel {
-    foreground: ForegroundStages,
     objects: ObjectStages,
     output: DetectorOutput,
 }
 
 /// An object with its points and its box.
-struct WholeObject {
+struct PreparedObject {
     points: Vec<u32>,
     bounding_box: OrientedBox,
     // Whether we fitted that.
@@ -72,37 +76,40 @@ struct WholeObject {
     score: Option<f32>,
 }
 
-/// What our stages make of an object.
-#[derive(Clone, Copy)]
-struct Judged {
-    class: DetectedClass,
-    score: Option<f32>,
-    bounding_box: OrientedBox,
-}
-
 /// Why objects cannot be made detections, as the rest of a sentence.
 pub type ObjectProblem = String;
 
 impl ForeignVehicles {
-    /// By their size, as `params` have it.
-    pub fn by_size(params: &HierarchicalParams) -> Self {
-        Self { size: params.vehicle_size.clone(), box_fit: ConvexHullBox::default(), by_model: None }
+    /// By their size, as `params` have it, in scans of a sensor `sensor_height_m` above the road. What has no box gets the one that our own
+    /// detectors have: that of the whole vehicle, by `box_model` if there is one.
+    pub fn by_size(
+        params: &HierarchicalParams,
+        box_model: Option<Arc<BoxModel>>,
+        sensor_height_m: f32,
+    ) -> Self {
+        Self {
+            size: params.vehicle_size.clone(),
+            hull_fit: ConvexHullBox::default(),
+            foreground: ForegroundStages::new(params.clone(), sensor_height_m),
+            by_model: None,
+            boxes: ReportedBoxes::new(params.boxes).with_model(box_model),
+            fitted: DetectorOutput::default(),
+        }
     }
 
-    /// By `model`, as our own detectors do, in scans of a sensor `sensor_height_m` above the road. What has no box gets that of the
-    /// whole vehicle, by `box_model` if there is one, as our own detectors have it.
+    /// The same by `model`, as our own detectors do.
     pub fn by_model(
         params: &HierarchicalParams,
         (model, box_model): (VehicleModel, Option<Arc<BoxModel>>),
         sensor_height_m: f32,
     ) -> Self {
-        let mut params = params.clone();
+        let mut as_found = params.clone();
         // Objects stay as their detector found them.
-        params.completion.enabled = false;
-        let objects = ObjectStages::new(&params, 1).with_vehicle_model(model).with_box_model(box_model);
-        let foreground = ForegroundStages::new(params.clone(), sensor_height_m);
-        let by_model = ByModel { foreground, objects, output: DetectorOutput::default() };
-        Self { by_model: Some(by_model), ..Self::by_size(&params) }
+        as_found.completion.enabled = false;
+        as_found.boxes = BoxParams { outline: false, whole: false };
+        let objects = ObjectStages::new(&as_found, 1).with_vehicle_model(model);
+        let by_model = ByModel { objects, output: DetectorOutput::default() };
+        Self { by_model: Some(by_model), ..Self::by_size(params, box_model, sensor_height_m) }
     }
 
     /// Makes detections of `objects`, in their order; what has neither a point nor a box is none.
@@ -117,7 +124,7 @@ impl ForeignVehicles {
         output: &mut DetectorOutput,
     ) -> Result<(), ObjectProblem> {
         let mut points_along_x = None;
-        let mut whole = Vec::with_capacity(objects.len());
+        let mut prepared = Vec::with_capacity(objects.len());
         for object in objects {
             let points = match (object.point_indices, object.bounding_box) {
                 (Some(points), _) => points,
@@ -131,27 +138,50 @@ impl ForeignVehicles {
             let bounding_box = object.bounding_box.or_else(|| self.fit(&points, cloud));
             let Some(bounding_box) = bounding_box else { continue };
             let FoundObject { class, score, .. } = object;
-            whole.push(WholeObject { points, bounding_box, is_fitted, class, score });
+            prepared.push(PreparedObject { points, bounding_box, is_fitted, class, score });
         }
-        let by_model = self.classes_by_model(&whole, cloud);
-        for (object_idx, WholeObject { points, bounding_box, is_fitted, class, score }) in
-            whole.iter().enumerate()
-        {
-            let by_model = by_model.as_ref().and_then(|it| it.get(object_idx).copied());
-            let told = class
-                .map(|it| if counts_as_vehicle(it) { DetectedClass::Vehicle } else { DetectedClass::Object });
-            let (class, decision) = match (told, by_model) {
-                (Some(told), _) => (told, None),
-                (None, Some(by_model)) => (by_model.class, by_model.score),
-                (None, None) => (size_gate(points.len(), bounding_box, &self.size), None),
-            };
-            let score = score.or(decision);
-            // What somebody else takes for something else is not made a whole vehicle.
-            let ours = by_model.filter(|it| *is_fitted && it.class == class);
-            let reported = ours.map_or(*bounding_box, |it| it.bounding_box);
-            output.detections.push(Detection { point_indices: points, bounding_box: reported, class, score });
+        if prepared.iter().any(|it| it.is_fitted || it.class.is_none() && self.by_model.is_some()) {
+            self.foreground.run(cloud, &mut StageClock::start(), &mut Vec::new());
+        }
+        let told = self.classes_of(&prepared, cloud);
+        self.fitted.clear();
+        let detections = prepared.iter().zip(&told).map(|(it, &(class, score))| {
+            let PreparedObject { points, bounding_box, is_fitted, .. } = it;
+            (is_fitted, Detection { point_indices: points, bounding_box: *bounding_box, class, score })
+        });
+        for (_, detection) in detections.clone().filter(|(is_fitted, _)| **is_fitted) {
+            self.fitted.detections.push(detection);
+        }
+        let foreground = &self.foreground;
+        self.boxes.replace(cloud, |it| foreground.ground_below_m(it), &mut self.fitted);
+        let mut fitted = self.fitted.detections.iter();
+        for (is_fitted, detection) in detections {
+            let reported = if *is_fitted { fitted.next() } else { None };
+            output.detections.push(reported.unwrap_or(detection));
         }
         Ok(())
+    }
+
+    /// The class of each object, and how surely it is a vehicle: as its detector tells, else by the model, else by size.
+    fn classes_of(
+        &mut self,
+        objects: &[PreparedObject],
+        cloud: &PointCloud,
+    ) -> Vec<(DetectedClass, Option<f32>)> {
+        let by_model = self.classes_by_model(objects, cloud);
+        let class_of = |(object_idx, object): (usize, &PreparedObject)| {
+            let PreparedObject { points, bounding_box, class, score, .. } = object;
+            let told = class
+                .map(|it| if counts_as_vehicle(it) { DetectedClass::Vehicle } else { DetectedClass::Object });
+            let by_model = by_model.as_ref().and_then(|it| it.get(object_idx).copied());
+            let (class, decision) = match (told, by_model) {
+                (Some(told), _) => (told, None),
+                (None, Some(by_model)) => by_model,
+                (None, None) => (size_gate(points.len(), bounding_box, &self.size), None),
+            };
+            (class, score.or(decision))
+        };
+        objects.iter().enumerate().map(class_of).collect()
     }
 
     fn fit(&mut self, points: &[u32], cloud: &PointCloud) -> Option<OrientedBox> {
@@ -159,22 +189,24 @@ impl ForeignVehicles {
         let heights_m = positions_m.clone().map(|it| it[2]);
         let z_range_m =
             heights_m.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
-        self.box_fit.fit(positions_m.map(|[x_m, y_m, _]| [x_m, y_m]), z_range_m)
+        self.hull_fit.fit(positions_m.map(|[x_m, y_m, _]| [x_m, y_m]), z_range_m)
     }
 
-    /// What our stages make of each object; `None` without a model, or where every class is told and every box.
-    fn classes_by_model(&mut self, objects: &[WholeObject], cloud: &PointCloud) -> Option<Vec<Judged>> {
-        if objects.iter().all(|it| it.class.is_some() && !it.is_fitted) {
+    /// What the model takes each object for, and how surely; `None` without a model, or where every class is told.
+    fn classes_by_model(
+        &mut self,
+        objects: &[PreparedObject],
+        cloud: &PointCloud,
+    ) -> Option<Vec<(DetectedClass, Option<f32>)>> {
+        if objects.iter().all(|it| it.class.is_some()) {
             return None;
         }
         let mut by_model = self.by_model.take()?;
-        let ByModel { foreground, objects: stages, output } = &mut by_model;
+        let ByModel { objects: stages, output } = &mut by_model;
         output.clear();
-        let mut clock = StageClock::start();
-        foreground.run(cloud, &mut clock, &mut output.stage_times);
         stages.clear();
         let mut has_points = Vec::new();
-        for WholeObject { points, bounding_box, .. } in objects {
+        for PreparedObject { points, bounding_box, .. } in objects {
             has_points.push(!points.is_empty());
             if points.is_empty() {
                 continue;
@@ -182,38 +214,34 @@ impl ForeignVehicles {
             // For its outline.
             self.fit(points, cloud);
             let positions = points.iter().map(|&it| (it, cloud.position_m(it as usize)));
-            stages.add(positions, *bounding_box, self.box_fit.hull_m());
+            stages.add(positions, *bounding_box, self.hull_fit.hull_m());
         }
-        stages.finish(cloud, foreground, &mut clock, output);
-        let mut judged: Vec<Judged> = output
-            .detections
-            .iter()
-            .map(|it| Judged { class: it.class, score: it.score, bounding_box: it.bounding_box })
-            .collect();
+        stages.finish(cloud, &self.foreground, &mut StageClock::start(), output);
+        let mut judged: Vec<_> = output.detections.iter().map(|it| (it.class, it.score)).collect();
         judged.reverse();
         self.by_model = Some(by_model);
         // What holds no point has no shape.
-        let of_object = |(object, has_points): (&WholeObject, bool)| {
-            let nothing =
-                Judged { class: DetectedClass::Object, score: None, bounding_box: object.bounding_box };
-            if has_points { judged.pop().unwrap_or(nothing) } else { nothing }
-        };
-        Some(objects.iter().zip(has_points).map(of_object).collect())
+        let nothing = (DetectedClass::Object, None);
+        let of_object = |has_points| if has_points { judged.pop().unwrap_or(nothing) } else { nothing };
+        Some(has_points.into_iter().map(of_object).collect())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use scans::annotation::Annotation;
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
 
+    use crate::matching::box_overlap::bev_iou;
     use crate::run::config::RunConfig;
 
     fn found(objects: Vec<FoundObject>, cloud: &PointCloud) -> Result<DetectorOutput, ObjectProblem> {
         let mut output = DetectorOutput::default();
-        let params = HierarchicalParams::shipped();
-        ForeignVehicles::by_size(&params).detections_of(objects, cloud, &mut output)?;
+        let mut params = HierarchicalParams::shipped();
+        params.boxes.whole = false;
+        ForeignVehicles::by_size(&params, None, 1.73).detections_of(objects, cloud, &mut output)?;
         Ok(output)
     }
 
@@ -283,5 +311,37 @@ mod tests {
         let n_right = n_right.count();
         assert_eq!(output.detections.len(), large.len());
         assert!(large.len() > 5 && 10 * n_right >= 8 * large.len(), "{n_right} of {}", large.len());
+    }
+
+    #[test]
+    fn clusters_get_the_boxes_of_our_detectors_by_the_class_that_is_told_and_boxes_stay() {
+        let options = OpenOptions { n_simulated_scans: Some(1), ..OpenOptions::default() };
+        let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
+        let (scan, description) = (street.read_scan(0).unwrap(), street.description());
+        let config = RunConfig::load(None).unwrap().for_sensor(&description.sensor).unwrap();
+        // A car of which little is seen.
+        let is_car = |it: &&Annotation| it.class == AnnotationClass::Car && it.point_indices.len() >= 60;
+        let cars = scan.annotations.iter().filter(is_car);
+        let car = cars.min_by_key(|it| it.point_indices.len()).unwrap();
+        let cluster = FoundObject::of_points(car.point_indices.clone());
+        let given = FoundObject { bounding_box: Some(CAR), ..cluster.clone() };
+        let pedestrian = FoundObject { class: Some(AnnotationClass::Pedestrian), ..cluster.clone() };
+        let as_car = FoundObject { class: Some(AnnotationClass::Car), ..cluster };
+        let boxes_of = |mut vehicles: ForeignVehicles| {
+            let mut output = DetectorOutput::default();
+            let objects = vec![as_car.clone(), given.clone(), pedestrian.clone()];
+            vehicles.detections_of(objects, &scan.cloud, &mut output).unwrap();
+            [0, 1, 2].map(|it| output.detections.get(it).bounding_box)
+        };
+        let (params, height_m) = (&config.hierarchical, description.sensor_height_m);
+        let model = config.vehicle_models.as_ref().unwrap().clusters();
+        let by_model = boxes_of(ForeignVehicles::by_model(params, (model, None), height_m));
+        assert_eq!(by_model, boxes_of(ForeignVehicles::by_size(params, None, height_m)));
+        let [whole, given, seen] = by_model;
+        assert_eq!(given, CAR);
+        let annotated = car.bounding_box.unwrap();
+        assert!(bev_iou(&whole, &annotated) > bev_iou(&seen, &annotated), "{whole:?}, {seen:?}");
+        let [length_m, width_m, _] = whole.length_width_height_m;
+        assert!(length_m * width_m > 1.1 * seen.length_width_height_m[0] * seen.length_width_height_m[1]);
     }
 }

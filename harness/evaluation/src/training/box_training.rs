@@ -17,9 +17,9 @@ use scans::annotation::LabeledScan;
 use scans::dataset::Dataset;
 
 use crate::matching::assign::{MatchingParams, assign};
-use crate::matching::box_overlap::{bev_iou, iou_3d};
 use crate::matching::eligibility::counts_as_vehicle;
 use crate::matching::outcome::AnnotationOutcome;
+use crate::metrics::box_errors::BoxErrors;
 use crate::realism::survey::SurveyError;
 use crate::training::boosting::{BoostingParams, Target, boost};
 
@@ -58,7 +58,7 @@ struct Looker {
 /// Makes detectors whose clusters are learned from, which report the boxes of what is seen.
 pub type NewDetectors<'a> = &'a (dyn Fn() -> Vec<Box<dyn Detector>> + Sync);
 
-/// What says which boxes are reported of which the trees learn.
+/// The trees learn from boxes of what is seen.
 pub const SEEN: BoxParams = BoxParams { outline: true, whole: false };
 
 /// The clusters of detectors, of which `new_detectors` makes some for each thread, that match an annotated vehicle with a box, in the
@@ -127,42 +127,67 @@ fn example(
     Some(VehicleExample { sequence: scan.id.sequence.clone(), seen, whole })
 }
 
-/// Trains all forests with `examples`.
+/// Why no trees can be trained.
+#[derive(Debug, thiserror::Error)]
+pub enum BoxTrainingError {
+    /// There is nothing to be told.
+    #[error("no two of the {n} vehicles differ in {what}")]
+    Alike {
+        /// How many there are whose box of what is seen is nearly right.
+        n: usize,
+        /// In what.
+        what: &'static str,
+    },
+    /// The trainer refuses them.
+    #[error(transparent)]
+    Boosting(#[from] ForustError),
+}
+
+/// Trains all forests with those of `examples` whose box of what is seen is turned by at most 12 degrees against the annotated one, and
+/// says how many these are.
 ///
 /// `on_forest` is called after each of [`N_BOX_FORESTS`].
 ///
 /// # Errors
 ///
-/// If there is no example.
-pub fn train_boxes(examples: &[&VehicleExample], on_forest: &dyn Fn()) -> Result<BoxModel, ForustError> {
+/// [`BoxTrainingError`] if none is left, or all are turned alike or face the same way.
+pub fn train_boxes(
+    examples: &[VehicleExample],
+    on_forest: &dyn Fn(),
+) -> Result<(BoxModel, usize), BoxTrainingError> {
     let differences = examples.iter().map(|it| (it, Difference::between(&it.seen, &it.whole)));
     let kept = differences.filter(|(_, it)| it.off_rad <= MOST_OFF_DEG.to_radians());
-    let (mut untold, mut told, mut differences) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut unturned, mut turned, mut differences) = (Vec::new(), Vec::new(), Vec::new());
     for (example, difference) in kept {
         let mut values: [f32; N_BOX_VALUES] = example.seen.values;
-        untold.push(values);
+        unturned.push(values);
         values[IS_TURNED] = f32::from(u8::from(difference.is_turned));
-        told.push(values);
+        turned.push(values);
         differences.push(difference);
     }
-    let [untold, told] = [&untold, &told].map(|it| it.iter().collect::<Vec<_>>());
-    let decision = |values: &[&[f32; N_BOX_VALUES]], is_so: fn(&Difference) -> bool| {
+    let [unturned, turned] = [&unturned, &turned].map(|it| it.iter().collect::<Vec<_>>());
+    let n = differences.len();
+    let decision = |values: &[&[f32; N_BOX_VALUES]], what: &'static str, is_so: fn(&Difference) -> bool| {
         let targets: Vec<f64> = differences.iter().map(|it| f64::from(u8::from(is_so(it)))).collect();
-        let forest = boost(values, &targets, Target::Yes, &DECISIONS);
+        if targets.windows(2).all(|it| it[0] == it[1]) {
+            return Err(BoxTrainingError::Alike { n, what });
+        }
+        let forest = boost(values, &targets, Target::Yes, &DECISIONS)?;
         on_forest();
-        forest
+        Ok(forest)
     };
-    let growth = |place: usize| {
+    let growth = |place: usize| -> Result<_, BoxTrainingError> {
         let targets: Vec<f64> = differences.iter().map(|it| f64::from(it.growth_m[place])).collect();
-        let forest = boost(&told, &targets, Target::Number, &GROWTH);
+        let forest = boost(&turned, &targets, Target::Number, &GROWTH)?;
         on_forest();
-        forest
+        Ok(forest)
     };
-    Ok(BoxModel {
-        turned: decision(&untold, |it| it.is_turned)?,
+    let model = BoxModel {
+        turned: decision(&unturned, "whether they are longer across what is seen", |it| it.is_turned)?,
         growth_m: [growth(0)?, growth(1)?, growth(2)?, growth(3)?, growth(4)?],
-        away: decision(&told, |it| it.is_away)?,
-    })
+        away: decision(&turned, "which end is the front", |it| it.is_away)?,
+    };
+    Ok((model, n))
 }
 
 /// How boxes do: shares of 0 to 1.
@@ -181,17 +206,54 @@ pub struct BoxShares {
 impl BoxShares {
     /// Those of `boxes`, each with the annotated one.
     pub fn of(boxes: &[(OrientedBox, OrientedBox)]) -> Self {
-        let share = |is_so: &dyn Fn(&OrientedBox, &OrientedBox) -> bool| {
-            boxes.iter().filter(|(fitted, whole)| is_so(fitted, whole)).count() as f64
-                / boxes.len().max(1) as f64
+        let errors: Vec<BoxErrors> =
+            boxes.iter().map(|(fitted, whole)| BoxErrors::of(fitted, whole)).collect();
+        let share = |is_so: &dyn Fn(&BoxErrors) -> bool| {
+            errors.iter().filter(|it| is_so(it)).count() as f64 / errors.len().max(1) as f64
         };
-        let turn = |fitted: &OrientedBox, whole: &OrientedBox| f64::from(fitted.yaw_rad - whole.yaw_rad);
-        let off_deg = |turn_rad: f64| turn_rad.sin().abs().atan2(turn_rad.cos().abs()).to_degrees();
         Self {
-            yaw: [5.0, 10.0].map(|most_deg| share(&|a, b| off_deg(turn(a, b)) <= most_deg)),
-            bev: [0.5, 0.7].map(|least| share(&|a, b| bev_iou(a, b) >= least)),
-            space: [0.5, 0.7].map(|least| share(&|a, b| iou_3d(a, b) >= least)),
-            heading: share(&|a, b| turn(a, b).cos() > 0.0),
+            yaw: [5.0, 10.0].map(|most_deg| share(&|it| it.yaw_rad.to_degrees() <= most_deg)),
+            bev: [0.5, 0.7].map(|least| share(&|it| it.bev_iou >= least)),
+            space: [0.5, 0.7].map(|least| share(&|it| it.iou_3d >= least)),
+            heading: share(&|it| it.is_front_right),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vehicle(yaw_rad: f32, length_m: f32) -> VehicleExample {
+        let seen =
+            OrientedBox { center_m: [9.0, 3.0, -1.0], length_width_height_m: [2.0, 0.8, 1.2], yaw_rad: 0.1 };
+        let whole = OrientedBox { length_width_height_m: [length_m, 1.8, 1.5], yaw_rad, ..seen };
+        VehicleExample {
+            sequence: "a".to_owned(),
+            seen: SeenVehicle::new(seen, -1.7, &[[9.0, 3.0, -1.0]]),
+            whole,
+        }
+    }
+
+    #[test]
+    fn what_is_always_the_same_cannot_be_told() {
+        let refused = |examples: &[VehicleExample]| train_boxes(examples, &|| ()).unwrap_err().to_string();
+        assert!(refused(&[]).contains("no two of the 0 vehicles"));
+        // Too far off to learn from.
+        assert!(refused(&[vehicle(0.1 + 0.5, 4.0)]).contains("no two of the 0 vehicles"));
+        let alike = [vehicle(0.1, 4.0), vehicle(0.12, 4.4)];
+        assert_eq!(
+            refused(&alike),
+            "no two of the 2 vehicles differ in whether they are longer across what is seen"
+        );
+    }
+
+    #[test]
+    fn shares_are_those_of_the_boxes() {
+        let [right, turned] = [0.1, 0.1 + std::f32::consts::PI].map(|it| vehicle(it, 4.0).whole);
+        let shares = BoxShares::of(&[(right, right), (turned, right)]);
+        let all = [1.0; 2];
+        assert_eq!(shares, BoxShares { yaw: all, bev: all, space: all, heading: 0.5 });
+        assert_eq!(BoxShares::of(&[]), BoxShares::default());
     }
 }

@@ -99,7 +99,10 @@ pub fn refuse_unread_models<'a>(
         let directory = entrants.iter().find_map(|(_, config)| config.directory_of(model));
         let is_read = entrants.iter().any(|(chosen, config)| {
             chosen.vehicle_model(config).is_some_and(|it| it.parameter() == model.parameter())
-                || model == TrainedModel::Boxes && chosen.has_whole_boxes(config)
+                // Without the models of vehicles, boxes are by the one that comes with the program.
+                || model == TrainedModel::Boxes
+                    && config.vehicle_models.is_some()
+                    && chosen.has_whole_boxes(config)
         });
         let Some(directory) = directory.filter(|_| !is_read) else { continue };
         let reads: BTreeSet<String> = entrants

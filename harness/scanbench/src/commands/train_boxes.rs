@@ -56,14 +56,13 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
         })?;
         progress.finish_and_clear();
         it.warn_of_points_left_out();
-        for found in found {
-            let is_judged = data.parted.is_held_out(&description.id, &found.sequence);
-            if is_judged { &mut judged } else { &mut taught }.push(found);
+        for vehicle in found {
+            let is_judged = data.parted.is_held_out(&description.id, &vehicle.sequence);
+            if is_judged { &mut judged } else { &mut taught }.push(vehicle);
         }
     }
     let progress = progress_over_results(N_BOX_FORESTS, 0, "forests");
-    let taught: Vec<&VehicleExample> = taught.iter().collect();
-    let model = train_trees(&taught, &|| progress.inc(1)).map_err(|error| nothing(&error))?;
+    let (model, n_taught) = train_trees(&taught, &|| progress.inc(1)).map_err(|error| nothing(&error))?;
     progress.finish_and_clear();
     let sensors = (!arguments.sensors.is_empty()).then(|| arguments.sensors.join(","));
     let made = data.provenance("train boxes", &[("--sensors", sensors)], &arguments.judging, CHOICE_SEED);
@@ -78,7 +77,7 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
     let printed = print_result(format_args!(
         "{}\n\n{}",
         drives(&data.parted),
-        text([taught.len(), judged.len()], [BoxShares::of(&seen), BoxShares::of(&whole)])
+        text([n_taught, judged.len()], [BoxShares::of(&seen), BoxShares::of(&whole)])
     ));
     let path = finished.display();
     print_diagnostic(format_args!(

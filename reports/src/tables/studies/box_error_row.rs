@@ -154,7 +154,7 @@ impl BoxErrorRow {
                 slice: line.slice.clone(),
                 error: line.error.name().to_owned(),
                 unit: line.error.unit().to_owned(),
-                fit: fit.clone(),
+                fit: (*fit).to_owned(),
                 n_pairs: line.n_pairs,
                 n_tracks: line.n_tracks,
                 value: number.map(|it| Fixed(it.value)),

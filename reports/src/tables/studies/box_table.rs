@@ -45,7 +45,7 @@ fn grid(lines: &[BoxErrorLine]) -> Grid {
     columns.extend(["pairs", "tracks"].map(Column::number));
     columns.push(Column::left("what"));
     for (fit, _) in &lines[0].fits {
-        columns.push(Column::number("").within(fit));
+        columns.push(Column::number(fit));
     }
     let mut before = None;
     let lines = lines.iter().map(|line| {
@@ -86,43 +86,39 @@ mod tests {
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&BoxTable { lines: &lines, notes: &["A note."] }), @r"
         Box errors of matched vehicles: street (simulated)
 
-                                                                hull box   PCA box
-                                                                ────   ────
-        by         slice  pairs  tracks  what
-        ───────────────────────────────────────────────────────────────────
-        all                  80      20  centre, m              0.50   1.00
-                                         length, m              0.50   1.00
-                                         width, m               0.50   1.00
-                                         yaw, deg               0.5    1.0
-                                         yaw within 5 deg, %    0.5    1.0
-                                         yaw within 10 deg, %   0.5    1.0
-                                         BEV IoU >= 0.5, %      0.5    1.0
-                                         BEV IoU >= 0.7, %      0.5    1.0
-                                         3D IoU >= 0.5, %       0.5    1.0
-                                         3D IoU >= 0.7, %       0.5    1.0
-                                         front right, %         0.5    1.0
-        occlusion  none       0       0  centre, m              –      –
-                                         yaw, deg               –      –
-                                         yaw within 10 deg, %   –      –
-                                         BEV IoU >= 0.7, %      –      –
+        by         slice  pairs  tracks  what                  hull box  PCA box
+        ────────────────────────────────────────────────────────────────────────
+        all                  80      20  centre, m                 0.50     1.00
+                                         length, m                 0.50     1.00
+                                         width, m                  0.50     1.00
+                                         yaw, deg                  0.5      1.0
+                                         yaw within 5 deg, %       0.5      1.0
+                                         yaw within 10 deg, %      0.5      1.0
+                                         BEV IoU >= 0.5, %         0.5      1.0
+                                         BEV IoU >= 0.7, %         0.5      1.0
+                                         3D IoU >= 0.5, %          0.5      1.0
+                                         3D IoU >= 0.7, %          0.5      1.0
+                                         front right, %            0.5      1.0
+        occlusion  none       0       0  centre, m                 –        –
+                                         yaw, deg                  –        –
+                                         yaw within 10 deg, %      –        –
+                                         BEV IoU >= 0.7, %         –        –
 
         Box errors of matched vehicles: drive
 
-                                                          hull box   PCA box
-                                                          ─────   ─────
-        by   slice  pairs  tracks  what
-        ───────────────────────────────────────────────────────────────
-        all             8       2  centre, m              0.50§   1.00§
-                                   length, m              0.50§   1.00§
-                                   width, m               0.50§   1.00§
-                                   yaw, deg               0.5§    1.0§
-                                   yaw within 5 deg, %    0.5§    1.0§
-                                   yaw within 10 deg, %   0.5§    1.0§
-                                   BEV IoU >= 0.5, %      0.5§    1.0§
-                                   BEV IoU >= 0.7, %      0.5§    1.0§
-                                   3D IoU >= 0.5, %       0.5§    1.0§
-                                   3D IoU >= 0.7, %       0.5§    1.0§
-                                   front right, %         0.5§    1.0§
+        by   slice  pairs  tracks  what                  hull box  PCA box
+        ──────────────────────────────────────────────────────────────────
+        all             8       2  centre, m                0.50§    1.00§
+                                   length, m                0.50§    1.00§
+                                   width, m                 0.50§    1.00§
+                                   yaw, deg                 0.5§     1.0§
+                                   yaw within 5 deg, %      0.5§     1.0§
+                                   yaw within 10 deg, %     0.5§     1.0§
+                                   BEV IoU >= 0.5, %        0.5§     1.0§
+                                   BEV IoU >= 0.7, %        0.5§     1.0§
+                                   3D IoU >= 0.5, %         0.5§     1.0§
+                                   3D IoU >= 0.7, %         0.5§     1.0§
+                                   front right, %           0.5§     1.0§
 
         box_errors.csv and the plot have 95 % intervals: cluster bootstrap, 10000 resamples of objects, each
           with all its scans: they cover other scans of the same drives, but not other drives.
@@ -132,7 +128,7 @@ mod tests {
         insta::assert_snapshot!(Markdown.text(&BoxTable { lines: &lines[11..15], notes: &["A note."] }), @r"
         **Box errors of matched vehicles: street (simulated)**
 
-        | by | slice | pairs | tracks | what | hull box:  | PCA box:  |
+        | by | slice | pairs | tracks | what | hull box | PCA box |
         | :-- | :-- | --: | --: | :-- | --: | --: |
         | occlusion | none | 0 | 0 | centre, m | – | – |
         |  |  |  |  | yaw, deg | – | – |
