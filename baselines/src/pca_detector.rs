@@ -170,7 +170,7 @@ impl PcaDetector {
             self.object_points.clear();
             self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
             let (point_indices, bounding_box) = (&self.object_points[..], *bounding_box);
-            let detection = Detection { point_indices, bounding_box, class, score };
+            let detection = Detection::new(point_indices, bounding_box, class, score);
             output.push_ranked(detection, NO_VEHICLE);
         }
     }

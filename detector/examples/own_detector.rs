@@ -47,16 +47,16 @@ impl Detector for Squares {
         clock.lap("squares", &mut output.stage_times);
         for (square, point_indices) in &self.clusters {
             let middle_m = |place: i32| (place as f32 + 0.5) * self.side_m;
-            output.detections.push(Detection {
+            output.detections.push(Detection::new(
                 point_indices,
-                bounding_box: OrientedBox {
+                OrientedBox {
                     center_m: [middle_m(square.0), middle_m(square.1), 0.0],
                     length_width_height_m: [self.side_m, self.side_m, 2.8],
                     yaw_rad: 0.0,
                 },
-                class: DetectedClass::Object,
-                score: None,
-            });
+                DetectedClass::Object,
+                None,
+            ));
         }
         clock.lap("boxes", &mut output.stage_times);
     }

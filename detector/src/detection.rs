@@ -23,6 +23,38 @@ impl DetectedClass {
     }
 }
 
+/// Which upright sides of a vehicle are seen. Left and right are those of its driver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "a box has four sides")]
+pub struct SeenSides {
+    /// That at its front end.
+    pub front: bool,
+    /// That at its rear end.
+    pub rear: bool,
+    /// The left one.
+    pub left: bool,
+    /// The right one.
+    pub right: bool,
+}
+
+/// What a detector says of a whole vehicle of which it sees a part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SeenOfVehicle {
+    /// Which sides are seen. The box reaches beyond what is seen on the others.
+    pub sides: SeenSides,
+    /// Whether it is sure which end is the front. Otherwise the yaw may be off by 180 degrees.
+    pub is_front_sure: bool,
+}
+
+/// What a detector says of a box beside where it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BoxDetails {
+    /// How sure it is that this is a vehicle and that the box is right; higher is surer, only the order matters. Never NaN.
+    pub score: Option<f32>,
+    /// What is seen of the vehicle. `None` if the box is that of what is seen.
+    pub seen: Option<SeenOfVehicle>,
+}
+
 /// One detected object, borrowed from [`Detections`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detection<'a> {
@@ -34,6 +66,25 @@ pub struct Detection<'a> {
     pub class: DetectedClass,
     /// How sure the detector is that it is a vehicle; higher is surer, only the order matters. Never NaN.
     pub score: Option<f32>,
+    /// What is said of the box.
+    pub box_details: BoxDetails,
+}
+
+impl<'a> Detection<'a> {
+    /// One of whose box nothing is said.
+    pub fn new(
+        point_indices: &'a [u32],
+        bounding_box: OrientedBox,
+        class: DetectedClass,
+        score: Option<f32>,
+    ) -> Self {
+        Self { point_indices, bounding_box, class, score, box_details: BoxDetails::default() }
+    }
+
+    /// What protocols that judge boxes rank it by: how sure the detector is of its box, or else of its class.
+    pub fn box_score(&self) -> Option<f32> {
+        self.box_details.score.or(self.score)
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +93,7 @@ struct Entry {
     bounding_box: OrientedBox,
     class: DetectedClass,
     score: Option<f32>,
+    box_details: BoxDetails,
 }
 
 /// The detections of one scan, in one reusable buffer.
@@ -51,12 +103,7 @@ struct Entry {
 ///
 /// let bounding_box =
 ///     OrientedBox { center_m: [8.0, 3.0, -1.0], length_width_height_m: [4.2, 1.8, 1.3], yaw_rad: 0.0 };
-/// let car = Detection {
-///     point_indices: &[4, 5, 9],
-///     bounding_box,
-///     class: DetectedClass::Vehicle,
-///     score: Some(1.25),
-/// };
+/// let car = Detection::new(&[4, 5, 9], bounding_box, DetectedClass::Vehicle, Some(1.25));
 /// let mut detections = Detections::default();
 /// detections.push(car);
 /// assert_eq!(detections.len(), 1);
@@ -86,13 +133,19 @@ impl Detections {
             bounding_box: detection.bounding_box,
             class: detection.class,
             score: detection.score,
+            box_details: detection.box_details,
         });
     }
 
-    /// Gives each detection the box that `new_box` returns for it.
-    pub(crate) fn replace_boxes(&mut self, mut new_box: impl FnMut(Detection<'_>) -> OrientedBox) {
+    /// Gives each detection the box that `new_box` returns for it, and what is said of that.
+    pub(crate) fn replace_boxes(
+        &mut self,
+        mut new_box: impl FnMut(Detection<'_>) -> (OrientedBox, BoxDetails),
+    ) {
         for detection_idx in 0..self.len() {
-            self.entries[detection_idx].bounding_box = new_box(self.get(detection_idx));
+            let (bounding_box, box_details) = new_box(self.get(detection_idx));
+            let entry = &mut self.entries[detection_idx];
+            (entry.bounding_box, entry.box_details) = (bounding_box, box_details);
         }
     }
 
@@ -114,6 +167,7 @@ impl Detections {
             bounding_box: entry.bounding_box,
             class: entry.class,
             score: entry.score,
+            box_details: entry.box_details,
         }
     }
 

@@ -35,16 +35,12 @@ use crate::stage_product::StageProduct;
 ///         let is_near = |x_m: f32| (0.0..self.reach_m).contains(&x_m);
 ///         self.near.extend((0..).zip(cloud.x_m()).filter(|(_, x_m)| is_near(**x_m)).map(|(idx, _)| idx));
 ///         if !self.near.is_empty() {
-///             output.detections.push(Detection {
-///                 point_indices: &self.near,
-///                 bounding_box: OrientedBox {
-///                     center_m: [0.5 * self.reach_m, 0.0, 0.0],
-///                     length_width_height_m: [self.reach_m, 2.0, 2.0],
-///                     yaw_rad: 0.0,
-///                 },
-///                 class: DetectedClass::Object,
-///                 score: None,
-///             });
+///             let bounding_box = OrientedBox {
+///                 center_m: [0.5 * self.reach_m, 0.0, 0.0],
+///                 length_width_height_m: [self.reach_m, 2.0, 2.0],
+///                 yaw_rad: 0.0,
+///             };
+///             output.detections.push(Detection::new(&self.near, bounding_box, DetectedClass::Object, None));
 ///         }
 ///         clock.lap("reach", &mut output.stage_times);
 ///     }
@@ -94,8 +90,8 @@ pub trait Detector: Send {
 pub struct DetectorOutput {
     /// The objects.
     pub detections: Detections,
-    /// What may be a vehicle though it was told none, each with a score below all detections of vehicles: for protocols that rank
-    /// detections by score, and for nothing else. Some are among `detections` as objects, others have too few points for that.
+    /// What may be a vehicle though it was told none, each with a score below all detections of vehicles (that of its box need not be):
+    /// for protocols that rank detections, and for nothing else. Some are among `detections` as objects, others have too few points for that.
     pub unlikely_vehicles: Detections,
     /// How long each stage took, in the order of the stages.
     pub stage_times: Vec<StageTime>,

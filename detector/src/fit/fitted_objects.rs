@@ -30,12 +30,7 @@ pub struct FittedObject {
 impl FittedObject {
     /// What is reported of it, where `members` are its points and those of others.
     pub fn detection<'a>(&self, members: &'a Members, class: DetectedClass) -> Detection<'a> {
-        Detection {
-            point_indices: members.point_indices(&self.members),
-            bounding_box: self.bounding_box,
-            class,
-            score: self.decision,
-        }
+        Detection::new(members.point_indices(&self.members), self.bounding_box, class, self.decision)
     }
 }
 

@@ -159,12 +159,12 @@ impl ObjectStages {
             let added = self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx);
             let own = self.fitted.members.point_indices(&object.members);
             merge_points(own, added.clone(), &mut self.point_indices);
-            let detection = Detection {
-                point_indices: &self.point_indices,
-                bounding_box: box_with_points(object.bounding_box, cloud, added),
-                class: self.class_of(object),
-                score: object.decision,
-            };
+            let detection = Detection::new(
+                &self.point_indices,
+                box_with_points(object.bounding_box, cloud, added),
+                self.class_of(object),
+                object.decision,
+            );
             output.push_ranked(detection, self.ranked_log_odds);
         }
     }

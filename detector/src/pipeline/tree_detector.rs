@@ -239,12 +239,12 @@ impl<L: Linkage> TreeDetector<L> {
                     size_gate(object.members.len(), &object.bounding_box, sizes)
                 }
             };
-            let detection = Detection {
-                point_indices: &self.point_indices,
-                bounding_box: box_with_points(object.bounding_box, cloud, added),
+            let detection = Detection::new(
+                &self.point_indices,
+                box_with_points(object.bounding_box, cloud, added),
                 class,
-                score: object.decision,
-            };
+                object.decision,
+            );
             output.push_ranked(detection, self.ranked_log_odds);
         }
     }

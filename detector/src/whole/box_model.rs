@@ -13,6 +13,7 @@ const BOX_MODEL: &str = "boxes";
 const TURNED: &str = "turned";
 const GROWTH: [&str; 5] = ["near end", "far end", "near side", "far side", "top"];
 const AWAY: &str = "away";
+const RIGHT: &str = "right";
 
 /// What is told of a whole vehicle. Those but the first see whether it is turned.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +24,8 @@ pub struct BoxModel {
     pub growth_m: [Forest<N_BOX_VALUES>; 5],
     /// The logarithm of the odds that its front is the end that is farther away.
     pub away: Forest<N_BOX_VALUES>,
+    /// The logarithm of the odds that the box that the others tell overlaps with the annotated one by at least 0.7 in space.
+    pub right: Forest<N_BOX_VALUES>,
 }
 
 impl BoxModel {
@@ -46,7 +49,7 @@ impl BoxModel {
         let [near_end, far_end, near_side, far_side, top] = GROWTH;
         let growth_m =
             [forest(near_end)?, forest(far_end)?, forest(near_side)?, forest(far_side)?, forest(top)?];
-        Ok(Self { turned: forest(TURNED)?, growth_m, away: forest(AWAY)? })
+        Ok(Self { turned: forest(TURNED)?, growth_m, away: forest(AWAY)?, right: forest(RIGHT)? })
     }
 
     /// Its file.
@@ -56,7 +59,7 @@ impl BoxModel {
         for (name, forest) in GROWTH.into_iter().zip(&self.growth_m) {
             file = file.with_forest(name, BOX_VALUES, forest);
         }
-        file.with_forest(AWAY, BOX_VALUES, &self.away)
+        file.with_forest(AWAY, BOX_VALUES, &self.away).with_forest(RIGHT, BOX_VALUES, &self.right)
     }
 }
 

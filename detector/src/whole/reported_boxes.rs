@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
-use crate::detection::{DetectedClass, Detection};
+use crate::detection::{BoxDetails, DetectedClass, Detection};
 use crate::detector::DetectorOutput;
 use crate::fit::outline_box::OutlineBox;
 use crate::oriented_box::OrientedBox;
@@ -71,11 +71,15 @@ impl ReportedBoxes {
     ) {
         for detections in [&mut output.detections, &mut output.unlikely_vehicles] {
             self.vehicles.clear();
-            detections.replace_boxes(|it| self.fit(cloud, &ground_below_m, &it));
+            detections.replace_boxes(|it| (self.fit(cloud, &ground_below_m, &it), BoxDetails::default()));
             let Self { model: Some(model), vehicles, whole, .. } = self else { continue };
             let mut whole = whole.find(model, vehicles).iter();
             detections.replace_boxes(|it| {
-                if is_made_whole(&it) { *whole.next().expect("one of each") } else { it.bounding_box }
+                if !is_made_whole(&it) {
+                    return (it.bounding_box, it.box_details);
+                }
+                let whole = whole.next().expect("one of each");
+                (whole.bounding_box, whole.details(it.score))
             });
         }
     }
@@ -133,7 +137,7 @@ mod tests {
     fn model() -> Arc<BoxModel> {
         let always = |it: f32| Forest::new(Vec::new(), it).unwrap();
         let growth_m = [0.0, 1.0, 0.0, 0.0, 0.0].map(always);
-        Arc::new(BoxModel { turned: always(-1.0), growth_m, away: always(-1.0) })
+        Arc::new(BoxModel { turned: always(-1.0), growth_m, away: always(-1.0), right: always(2.0) })
     }
 
     /// Two sides of a thing 3 m long and 1 m wide, whose lowest point is `bottom_m` above the ground.
@@ -150,8 +154,7 @@ mod tests {
     fn boxes(params: BoxParams, bottom_m: f32) -> [OrientedBox; 4] {
         let cloud = cloud(bottom_m);
         let all: Vec<u32> = (0..cloud.len() as u32).collect();
-        let detection =
-            |point_indices, class| Detection { point_indices, bounding_box: GIVEN, class, score: None };
+        let detection = |point_indices, class| Detection::new(point_indices, GIVEN, class, None);
         let mut output = DetectorOutput::default();
         output.detections.push(detection(&all, DetectedClass::Object));
         output.detections.push(detection(&[], DetectedClass::Vehicle));

@@ -1,7 +1,8 @@
 //! The box of a whole vehicle.
 
+use crate::detection::{BoxDetails, SeenOfVehicle, SeenSides};
 use crate::oriented_box::OrientedBox;
-use crate::portable_math::single;
+use crate::portable_math::{exp, ln, single};
 use crate::whole::box_model::BoxModel;
 use crate::whole::box_values::{IS_TURNED, N_BOX_VALUES, box_values};
 use crate::whole::seen_frame::SeenFrame;
@@ -12,6 +13,11 @@ const MOST_SHRINKAGE_M: f32 = 0.5;
 const MOST_SHRINKAGE: f32 = 0.25;
 /// No side of a box is shorter, in metres.
 const LEAST_SIDE_M: f32 = 0.3;
+
+/// A side is seen if it faces the sensor, and the whole reaches no farther than this beyond what is seen there, in metres.
+const MOST_BEYOND_SEEN_M: f32 = 0.25;
+/// The front is sure from these log odds on: nine of ten are right then.
+const SURE_LOG_ODDS: f32 = 2.2;
 
 /// What is asked about a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +38,27 @@ impl SeenVehicle {
         let frame = SeenFrame::of(&seen);
         let values = box_values(&seen, &frame, ground_m, positions_m);
         Self { seen, frame, ground_m, values }
+    }
+
+    /// Which sides are seen, if the whole reaches so far beyond what is seen and its front is the far or the near end.
+    fn sides(&self, is_turned: bool, growth_m: [f32; 5], is_away: bool) -> SeenSides {
+        let is_seen = |axis: usize| {
+            let growth_m = growth_m[2 * axis];
+            let faces_sensor = self.frame.from_sensor_m[axis] > self.frame.half_m[axis] + growth_m;
+            faces_sensor && growth_m <= MOST_BEYOND_SEEN_M
+        };
+        let along = usize::from(is_turned);
+        let (end_is_seen, side_is_seen) = (is_seen(along), is_seen(1 - along));
+        let [ax, ay] = self.frame.axis(along);
+        let [bx, by] = self.frame.axis(1 - along);
+        // The near side looks against its axis. Seen along the other axis it is on the right if the axes are right-handed.
+        let is_left = (ax * by - ay * bx < 0.0) == is_away;
+        SeenSides {
+            front: end_is_seen && !is_away,
+            rear: end_is_seen && is_away,
+            left: side_is_seen && is_left,
+            right: side_is_seen && !is_left,
+        }
     }
 
     /// The box that reaches so far beyond what is seen, and whose front is the far or the near end.
@@ -58,19 +85,44 @@ impl SeenVehicle {
     }
 }
 
+/// The box of a whole vehicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WholeBox {
+    /// The box. It stands on the ground, and its yaw, in (−π, π], is that of the front.
+    pub bounding_box: OrientedBox,
+    /// What is seen of the vehicle.
+    pub seen: SeenOfVehicle,
+    /// The logarithm of the odds that the box is right, if this is a vehicle.
+    pub right_log_odds: f32,
+}
+
+impl WholeBox {
+    /// What is said of the box of a vehicle with this score: the logarithm of the odds that it is one, which is not asked again without.
+    pub fn details(&self, score: Option<f32>) -> BoxDetails {
+        let score = score.map_or(self.right_log_odds, |it| both_log_odds(it, self.right_log_odds));
+        BoxDetails { score: Some(score), seen: Some(self.seen) }
+    }
+}
+
+/// The logarithm of the odds that two things hold that do not depend on each other.
+fn both_log_odds(one: f32, other: f32) -> f32 {
+    let [one, other] = [one, other].map(|it| f64::from(it.clamp(-100.0, 100.0)));
+    -ln(exp(-one) + exp(-other) + exp(-one - other)) as f32
+}
+
 /// The boxes of whole vehicles as a model tells them, with buffers for one scan after another.
 #[derive(Debug, Clone, Default)]
 pub struct WholeBoxes {
     turned: Vec<f32>,
     growths_m: [Vec<f32>; 5],
     away: Vec<f32>,
-    boxes: Vec<OrientedBox>,
+    right: Vec<f32>,
+    boxes: Vec<WholeBox>,
 }
 
 impl WholeBoxes {
-    /// The boxes of `vehicles`, one of each. They stand on the ground, and their yaws, in (−π, π], are those of the fronts. Sets
-    /// [`IS_TURNED`] in the values of `vehicles`.
-    pub fn find(&mut self, model: &BoxModel, vehicles: &mut [SeenVehicle]) -> &[OrientedBox] {
+    /// The boxes of `vehicles`, one of each. Sets [`IS_TURNED`] in the values of `vehicles`.
+    pub fn find(&mut self, model: &BoxModel, vehicles: &mut [SeenVehicle]) -> &[WholeBox] {
         model.turned.sums(vehicles.iter().map(|it| &it.values), &mut self.turned);
         for (vehicle, log_odds) in vehicles.iter_mut().zip(&self.turned) {
             vehicle.values[IS_TURNED] = f32::from(u8::from(*log_odds > 0.0));
@@ -79,11 +131,18 @@ impl WholeBoxes {
             forest.sums(vehicles.iter().map(|it| &it.values), growth_m);
         }
         model.away.sums(vehicles.iter().map(|it| &it.values), &mut self.away);
-        let Self { turned, growths_m, away, boxes } = self;
+        model.right.sums(vehicles.iter().map(|it| &it.values), &mut self.right);
+        let Self { turned, growths_m, away, right, boxes } = self;
         boxes.clear();
         boxes.extend(vehicles.iter().enumerate().map(|(place, it)| {
             let growth_m = growths_m.each_ref().map(|growth_m| growth_m[place]);
-            it.grown(turned[place] > 0.0, growth_m, away[place] > 0.0)
+            let (is_turned, is_away) = (turned[place] > 0.0, away[place] > 0.0);
+            let sides = it.sides(is_turned, growth_m, is_away);
+            WholeBox {
+                bounding_box: it.grown(is_turned, growth_m, is_away),
+                seen: SeenOfVehicle { sides, is_front_sure: away[place].abs() >= SURE_LOG_ODDS },
+                right_log_odds: right[place],
+            }
         }));
         boxes
     }
@@ -163,6 +222,30 @@ mod tests {
         }
 
         #[test]
+        fn both_hold_at_most_as_surely_as_either(one in -60.0_f32..60.0, other in -60.0_f32..60.0) {
+            let both = both_log_odds(one, other);
+            let odds = |it: f32| 1.0 / (1.0 + f64::from(-it).exp());
+            prop_assert!(both <= one.min(other) + 1e-4);
+            prop_assert!((odds(both) - odds(one) * odds(other)).abs() < 1e-5);
+        }
+
+        #[test]
+        fn sides_that_are_seen_face_the_sensor(
+            x in -30.0_f32..30.0, y in -30.0_f32..30.0, yaw_rad in -3.1_f32..3.1, is_turned: bool, is_away: bool,
+        ) {
+            let seen = OrientedBox { center_m: [x, y, -1.0], length_width_height_m: [4.0, 1.8, 1.5], yaw_rad };
+            let seen = SeenVehicle::new(seen, -1.7, &[[x, y, -1.0]]);
+            let SeenSides { front, rear, left, right } = seen.sides(is_turned, [0.0; 5], is_away);
+            let whole = seen.grown(is_turned, [0.0; 5], is_away);
+            let [length_m, width_m, _] = whole.length_width_height_m;
+            let [along_m, across_m, _] = whole.in_box_frame([0.0; 3]);
+            // Not where rounding decides.
+            prop_assume!((along_m.abs() - 0.5 * length_m).abs() > 1e-3 && (across_m.abs() - 0.5 * width_m).abs() > 1e-3);
+            let expected = [along_m > 0.5 * length_m, -along_m > 0.5 * length_m, across_m > 0.5 * width_m, -across_m > 0.5 * width_m];
+            prop_assert_eq!([front, rear, left, right], expected);
+        }
+
+        #[test]
         fn something_is_left_of_every_box(
             growth_m in prop::array::uniform5(-9.0_f32..9.0), sizes_m in prop::array::uniform3(0.0_f32..5.0),
         ) {
@@ -170,5 +253,15 @@ mod tests {
             let grown = SeenVehicle::new(seen, -1.7, &[[9.0, 2.0, -1.0]]).grown(false, growth_m, true);
             prop_assert!(grown.length_width_height_m.iter().all(|it| *it >= LEAST_SIDE_M));
         }
+    }
+
+    #[test]
+    fn a_side_beyond_which_the_whole_reaches_is_not_seen() {
+        let seen =
+            OrientedBox { center_m: [9.0, 4.0, -1.0], length_width_height_m: [3.0, 1.6, 1.5], yaw_rad: 0.0 };
+        let seen = SeenVehicle::new(seen, -1.7, &[[9.0, 4.0, -1.0]]);
+        // The rear is hidden by another vehicle.
+        let sides = seen.sides(false, [1.2, 0.0, 0.1, 0.2, 0.0], true);
+        assert_eq!(sides, SeenSides { right: true, ..SeenSides::default() });
     }
 }

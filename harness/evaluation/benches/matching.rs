@@ -125,7 +125,7 @@ fn drawn(scene: Scene) -> (LabeledScan, Detections) {
         let is_inside = |it: &u32| bounding_box.contains(cloud.position_m(*it as usize));
         let point_indices: Vec<u32> = (0..n_object_points as u32).filter(is_inside).collect();
         let (class, score) = (DetectedClass::Vehicle, Some(rng.random_range(0.0..0.1)));
-        detections.push(Detection { point_indices: &point_indices, bounding_box, class, score });
+        detections.push(Detection::new(&point_indices, bounding_box, class, score));
     }
     let scan = LabeledScan {
         id: ScanId { sequence: "drawn".to_owned(), index: 0 },

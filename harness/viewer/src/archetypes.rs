@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use detector::OrientedBox;
+use detector::detection::SeenSides;
 use detector::stage_product::{ProductLink, ProductSphere};
 use re_sdk_types::archetypes::{Boxes3D, Ellipsoids3D, LineStrips3D, Points2D, Points3D};
 use re_sdk_types::components::ClassId;
@@ -12,6 +13,8 @@ use re_sdk_types::datatypes::Rgba32;
 use rerun::external::arrow::array::{ArrayRef, FixedSizeListArray, Float32Array, UInt16Array};
 use rerun::external::arrow::datatypes::{DataType, Field};
 use rerun::{Component as _, ComponentDescriptor, ComponentIdentifier, SerializedComponentBatch};
+
+use super::box_edges::box_edges;
 
 /// Cells are drawn at least this high, so that a flat one can be seen.
 const MIN_CELL_HEIGHT_M: f32 = 0.04;
@@ -49,6 +52,19 @@ pub fn boxes(boxes: impl IntoIterator<Item = OrientedBox>) -> Boxes3D {
     Boxes3D::from_centers_and_half_sizes(centers_m, half_sizes_m)
         .with_quaternions(turns)
         .with_fill_mode(FillMode::MajorWireframe)
+}
+
+/// Outlines of upright boxes, dashed where no side is seen, and for each of their lines the place of its box in `boxes`.
+pub fn partly_seen_boxes(
+    boxes: impl IntoIterator<Item = (OrientedBox, SeenSides)>,
+) -> (LineStrips3D, Vec<usize>) {
+    let (mut lines, mut places) = (Vec::new(), Vec::new());
+    for (place, (drawn, seen)) in boxes.into_iter().enumerate() {
+        let edges = box_edges(&drawn, seen);
+        places.extend(std::iter::repeat_n(place, edges.len()));
+        lines.extend(edges);
+    }
+    (LineStrips3D::new(lines), places)
 }
 
 /// Outlines of spheres.

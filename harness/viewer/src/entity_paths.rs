@@ -148,6 +148,11 @@ pub fn outcome_layer(detector: &str, task: Task, layer: OutcomeLayer) -> EntityP
     below(DETECTORS, &[detector, "outcomes", task.name(), layer.path_part()])
 }
 
+/// The boxes of a layer, or of a class, of which it is known what sides are seen.
+pub fn partly_seen(boxes: &EntityPath) -> EntityPath {
+    product_part(boxes, "partly_seen")
+}
+
 /// The F-rates of all detectors for one task.
 pub fn f_rates(task: Task) -> EntityPath {
     below(F_RATE, &[task.name()])

@@ -13,6 +13,7 @@ mod entity_paths;
 mod recording_axis;
 mod recording;
 mod drawn_points;
+mod box_edges;
 mod archetypes;
 mod product_views;
 mod recording_file;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use detector::detection::SeenOfVehicle;
 use detector::{Detection, Detections, OrientedBox};
 use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use re_sdk_types::components::Radius;
@@ -17,6 +18,8 @@ use super::{archetypes, entity_paths, recording};
 struct LabeledBox {
     layer: OutcomeLayer,
     drawn: OrientedBox,
+    /// What is seen of it, if that is known.
+    seen: Option<SeenOfVehicle>,
     label: String,
 }
 
@@ -38,19 +41,32 @@ pub fn log_outcomes(
     let mut boxes = annotation_boxes(scan, &assignment.annotations);
     boxes.extend(detection_boxes(detections, &assignment.detections));
     for layer in OutcomeLayer::ALL {
-        let of_layer: Vec<&LabeledBox> = boxes.iter().filter(|it| it.layer == layer).collect();
-        if of_layer.is_empty() {
-            continue;
-        }
-        let drawn = archetypes::boxes(of_layer.iter().map(|it| it.drawn))
-            .with_class_ids([layer.class_id()])
-            .with_radii([Radius::new_ui_points(line_radius_px(layer))])
-            .with_labels(of_layer.iter().map(|it| it.label.as_str()))
-            // They would cover each other: they show when pointed at.
-            .with_show_labels(false);
+        let of_layer = boxes.iter().filter(|it| it.layer == layer);
+        let (partly, others): (Vec<&LabeledBox>, Vec<_>) = of_layer.partition(|it| it.seen.is_some());
         let path = entity_paths::outcome_layer(detector, assignment.task, layer);
-        recording::log(stream, path.clone(), &drawn)?;
-        logged.insert(path);
+        let radius = Radius::new_ui_points(line_radius_px(layer));
+        // Labels would cover each other: they show when pointed at.
+        if !others.is_empty() {
+            let drawn = archetypes::boxes(others.iter().map(|it| it.drawn))
+                .with_class_ids([layer.class_id()])
+                .with_radii([radius])
+                .with_labels(others.iter().map(|it| it.label.as_str()))
+                .with_show_labels(false);
+            recording::log(stream, path.clone(), &drawn)?;
+            logged.insert(path.clone());
+        }
+        if !partly.is_empty() {
+            let with_sides = partly.iter().filter_map(|it| Some((it.drawn, it.seen?.sides)));
+            let (lines, places) = archetypes::partly_seen_boxes(with_sides);
+            let drawn = lines
+                .with_class_ids([layer.class_id()])
+                .with_radii([radius])
+                .with_labels(places.iter().map(|&it| partly[it].label.as_str()))
+                .with_show_labels(false);
+            let path = entity_paths::partly_seen(&path);
+            recording::log(stream, path.clone(), &drawn)?;
+            logged.insert(path);
+        }
     }
     Ok(logged)
 }
@@ -85,7 +101,7 @@ fn annotation_boxes(scan: &LabeledScan, outcomes: &[AnnotationOutcome]) -> Vec<L
             AnnotationOutcome::Ignored(reason) => (OutcomeLayer::IgnoredAnnotation, reason.name()),
         };
         let drawn = drawn_box(annotation, &scan.cloud)?;
-        Some(LabeledBox { layer, drawn, label: format!("{}: {reason}", annotation.label()) })
+        Some(LabeledBox { layer, drawn, seen: None, label: format!("{}: {reason}", annotation.label()) })
     });
     labeled.collect()
 }
@@ -101,7 +117,7 @@ fn detection_boxes(detections: &Detections, outcomes: &[DetectionOutcome]) -> Ve
             DetectionOutcome::Unknowable => (OutcomeLayer::Unknowable, "cannot be judged"),
         };
         let label = detection_label(detection_idx, &detection, reason);
-        Some(LabeledBox { layer, drawn: detection.bounding_box, label })
+        Some(LabeledBox { layer, drawn: detection.bounding_box, seen: detection.box_details.seen, label })
     });
     labeled.collect()
 }
@@ -109,7 +125,9 @@ fn detection_boxes(detections: &Detections, outcomes: &[DetectionOutcome]) -> Ve
 fn detection_label(detection_idx: usize, detection: &Detection<'_>, reason: &str) -> String {
     let class = detection.class.name();
     let score = detection.score.map(|it| format!(" {it:.2}")).unwrap_or_default();
-    format!("detection {detection_idx}, {class}{score}: {reason}")
+    let unsure =
+        if detection.box_details.seen.is_some_and(|it| !it.is_front_sure) { ", front unsure" } else { "" };
+    format!("detection {detection_idx}, {class}{score}{unsure}: {reason}")
 }
 
 fn line_radius_px(layer: OutcomeLayer) -> f32 {

@@ -57,11 +57,15 @@ pub enum BoxError {
     Space70,
     /// The share with the front on the right side.
     Front,
+    /// The share of which it is sure which end is the front.
+    FrontSure,
+    /// Of these the share with the front on the right side.
+    SureFront,
 }
 
 impl BoxError {
     /// All, in the order of tables.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Centre,
         Self::Length,
         Self::Width,
@@ -73,6 +77,8 @@ impl BoxError {
         Self::Space50,
         Self::Space70,
         Self::Front,
+        Self::FrontSure,
+        Self::SureFront,
     ];
     /// Those that are told of every slice; of all vehicles together all are.
     pub const OF_SLICES: [Self; 4] = [Self::Centre, Self::Yaw, Self::Yaw10, Self::Bev70];
@@ -91,6 +97,8 @@ impl BoxError {
             Self::Space50 => "3D IoU >= 0.5",
             Self::Space70 => "3D IoU >= 0.7",
             Self::Front => "front right",
+            Self::FrontSure => "front sure",
+            Self::SureFront => "front right if sure",
         }
     }
 

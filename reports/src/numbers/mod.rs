@@ -21,6 +21,7 @@ pub mod rank_correlation;
 pub mod curve_pair;
 pub mod gap_curve;
 pub mod box_errors;
+pub mod box_points;
 pub mod condition_scores;
 pub mod sweep_score;
 pub mod sweep_curve;

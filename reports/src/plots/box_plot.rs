@@ -13,6 +13,8 @@ use crate::numbers::box_errors::{BoxError, BoxErrorLine};
 const SIZE_PX: (u32, u32) = (1000, 1126);
 const HEADING_PX: u32 = 166;
 const KEY_LINE_PX: i32 = 22;
+/// What the slices of the panels side by side are by.
+const DRAWN: [&str; 2] = ["occlusion", "range"];
 /// Slices are an apart; fits of one slice stand this far from each other.
 const ASIDE: f64 = 0.13;
 
@@ -39,7 +41,8 @@ fn draw(root: &Area<'_>, lines: &[BoxErrorLine], title: &str) -> Drawn {
     }
     let rows = panels.split_evenly((BoxError::OF_SLICES.len(), 1));
     for (row, error) in rows.iter().zip(BoxError::OF_SLICES) {
-        let of_error = lines.iter().filter(|it| it.error == error);
+        let is_drawn = |it: &&BoxErrorLine| it.error == error && DRAWN.contains(&it.by.as_str());
+        let of_error = lines.iter().filter(is_drawn);
         let greatest = of_error
             .clone()
             .flat_map(|it| {
@@ -50,7 +53,7 @@ fn draw(root: &Area<'_>, lines: &[BoxErrorLine], title: &str) -> Drawn {
             })
             .fold(0.0_f64, f64::max);
         let (left, right) = row.split_horizontally(SIZE_PX.0 / 2);
-        for (panel, by) in [(left, "occlusion"), (right, "range")] {
+        for (panel, by) in [left, right].into_iter().zip(DRAWN) {
             let of_panel: Vec<&BoxErrorLine> = of_error.clone().filter(|it| it.by == by).collect();
             draw_panel(&panel, &of_panel, (error, by), 1.05 * greatest.max(1e-3))?;
         }

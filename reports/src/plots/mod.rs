@@ -11,6 +11,7 @@ pub mod themed_svg;
 pub mod curve_plot;
 pub mod gap_plot;
 pub mod box_plot;
+pub mod box_points_plot;
 pub mod operating_plot;
 pub mod plan_plot;
 mod curve_panel;

@@ -21,6 +21,20 @@ pub struct BoxRow {
     height_m: Fixed<4>,
     yaw_rad: Fixed<4>,
     n_points: u64,
+    box_score: Option<Fixed<6>>,
+    seen_sides: Option<String>,
+    front_sure: Option<bool>,
+}
+
+/// What is said of a box beside where it is; nothing of one that is that of what is seen.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BoxDetailFacts {
+    /// How sure the detector is of it, higher is surer.
+    pub score: Option<f32>,
+    /// Which sides are seen, of `front`, `rear`, `left` and `right`; none is an empty list.
+    pub seen_sides: Option<Vec<&'static str>>,
+    /// Whether it is sure which end is the front.
+    pub front_sure: Option<bool>,
 }
 
 impl CsvRow for BoxRow {
@@ -36,12 +50,15 @@ impl CsvRow for BoxRow {
         "height_m",
         "yaw_rad",
         "n_points",
+        "box_score",
+        "seen_sides",
+        "front_sure",
     ];
 }
 
 impl BoxRow {
     /// The row of a detection. Its id is the number of its cluster in files, from 1.
-    pub fn new(detection: &DetectionFacts) -> Self {
+    pub fn new(detection: &DetectionFacts, details: &BoxDetailFacts) -> Self {
         let fixed = |value: f32| Fixed(value.into());
         let bounding_box = &detection.bounding_box;
         let [center_x_m, center_y_m, center_z_m] = bounding_box.center_m.map(fixed);
@@ -58,6 +75,12 @@ impl BoxRow {
             height_m,
             yaw_rad: fixed(bounding_box.yaw_rad),
             n_points: detection.n_points,
+            box_score: details.score.map(|score| Fixed(score.into())),
+            seen_sides: details
+                .seen_sides
+                .as_ref()
+                .map(|it| if it.is_empty() { "none".to_owned() } else { it.join(" ") }),
+            front_sure: details.front_sure,
         }
     }
 }
@@ -75,20 +98,29 @@ mod tests {
             length_width_height_m: [4.2, 1.8, 1.5],
             yaw_rad: 1.25,
         };
-        let detection = |id, score| {
-            BoxRow::new(&DetectionFacts {
-                id,
-                class: DetectionClass::Vehicle,
-                score,
-                n_points: 120,
-                bounding_box,
-            })
+        let detection = |id, score| DetectionFacts {
+            id,
+            class: DetectionClass::Vehicle,
+            score,
+            n_points: 120,
+            bounding_box,
         };
-        let bytes = to_csv_bytes(&[detection(0, None), detection(1, Some(0.5))]).unwrap();
+        let sides = |it: &[&'static str]| BoxDetailFacts {
+            score: Some(1.25),
+            seen_sides: Some(it.to_vec()),
+            front_sure: Some(true),
+        };
+        let rows = [
+            BoxRow::new(&detection(0, None), &BoxDetailFacts::default()),
+            BoxRow::new(&detection(1, Some(0.5)), &sides(&["rear", "left"])),
+            BoxRow::new(&detection(2, Some(0.5)), &sides(&[])),
+        ];
+        let bytes = to_csv_bytes(&rows).unwrap();
         insta::assert_snapshot!(String::from_utf8(bytes).unwrap(), @r"
-        id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points
-        1,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120
-        2,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120
+        id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points,box_score,seen_sides,front_sure
+        1,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,,,
+        2,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,1.250000,rear left,true
+        3,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,1.250000,none,true
         ");
     }
 }

@@ -203,12 +203,7 @@ mod tests {
             points_left_out: Vec::new(),
         };
         let class = DetectedClass::Object;
-        let detection = |bounding_box: &OrientedBox| Detection {
-            point_indices: &[],
-            bounding_box: *bounding_box,
-            class,
-            score: None,
-        };
+        let detection = |bounding_box: &OrientedBox| Detection::new(&[], *bounding_box, class, None);
         (scan, detections.iter().map(detection).collect())
     }
 

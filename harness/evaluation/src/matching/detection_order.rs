@@ -46,15 +46,13 @@ mod tests {
     use detector::{DetectedClass, OrientedBox};
 
     fn ranks(all: &[(Option<f32>, &[u32], f32)]) -> Vec<usize> {
-        let detection = |&(score, point_indices, x_m): &(Option<f32>, _, f32)| Detection {
-            point_indices,
-            bounding_box: OrientedBox {
-                center_m: [x_m, 0.0, 0.0],
-                length_width_height_m: [1.0; 3],
-                yaw_rad: 0.0,
-            },
-            class: DetectedClass::Object,
-            score,
+        let detection = |&(score, point_indices, x_m): &(Option<f32>, _, f32)| {
+            Detection::new(
+                point_indices,
+                OrientedBox { center_m: [x_m, 0.0, 0.0], length_width_height_m: [1.0; 3], yaw_rad: 0.0 },
+                DetectedClass::Object,
+                score,
+            )
         };
         detection_ranks(&all.iter().map(detection).collect())
     }

@@ -354,7 +354,7 @@ mod tests {
         for (class, range) in detections {
             let point_indices: Vec<u32> = range.clone().collect();
             let (bounding_box, score) = (boxed(range), Some(-0.25));
-            all.push(Detection { point_indices: &point_indices, bounding_box, class: *class, score });
+            all.push(Detection::new(&point_indices, bounding_box, *class, score));
         }
         let mut surfaces = vec![SurfaceClass::Short; N_POINTS as usize];
         let mut clusters = vec![None; N_POINTS as usize];

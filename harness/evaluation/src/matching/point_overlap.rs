@@ -166,7 +166,7 @@ mod tests {
         for points in detections {
             let point_indices: Vec<u32> = points.iter().copied().collect();
             let class = DetectedClass::Object;
-            all.push(Detection { point_indices: &point_indices, bounding_box, class, score: None });
+            all.push(Detection::new(&point_indices, bounding_box, class, None));
         }
         PointOverlap::count(&scan, &all)
     }

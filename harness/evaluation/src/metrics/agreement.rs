@@ -77,11 +77,8 @@ mod tests {
 
     fn detections(clusters: &[(&[u32], DetectedClass)]) -> Detections {
         let bounding_box = OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
-        let detection = |&(point_indices, class): &(&'static [u32], DetectedClass)| Detection {
-            point_indices,
-            bounding_box,
-            class,
-            score: None,
+        let detection = |&(point_indices, class): &(&'static [u32], DetectedClass)| {
+            Detection::new(point_indices, bounding_box, class, None)
         };
         let clusters: Vec<(&'static [u32], DetectedClass)> =
             clusters.iter().map(|(it, class)| (&*it.to_vec().leak(), *class)).collect();

@@ -108,12 +108,7 @@ mod tests {
             let bounding_box =
                 OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
             let point_indices = points_of(detections, letter);
-            found.push(Detection {
-                point_indices: &point_indices,
-                bounding_box,
-                class: DetectedClass::Object,
-                score: None,
-            });
+            found.push(Detection::new(&point_indices, bounding_box, DetectedClass::Object, None));
         }
         let matching =
             MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };

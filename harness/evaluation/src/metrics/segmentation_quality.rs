@@ -136,7 +136,7 @@ mod tests {
         for letter in letters_of(detections) {
             let point_indices = points_of(detections, letter);
             let class = DetectedClass::Vehicle;
-            found.push(Detection { point_indices: &point_indices, bounding_box: UNIT, class, score: None });
+            found.push(Detection::new(&point_indices, UNIT, class, None));
         }
         let params =
             MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };

@@ -62,7 +62,7 @@ impl<'a> OfficialScanView<'a> {
     }
 
     /// What was found, from where ranges are measured: `official` where results were read that have it, or else the vehicles in `output`,
-    /// the unlikely ones, too, as cars: these protocols rank by score. What has no score has 1.
+    /// the unlikely ones, too, as cars: these protocols rank by the score of the box. What has no score has 1.
     pub fn found(&self, output: &DetectorOutput, official: &[OfficialObject]) -> Vec<OfficialObject> {
         let with_score = |it: OfficialObject, score: Option<f64>| OfficialObject {
             score: Some(score.unwrap_or(SCORE_OF_NONE.into())),
@@ -75,7 +75,7 @@ impl<'a> OfficialScanView<'a> {
         let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
         let vehicles = vehicles.chain(output.unlikely_vehicles.iter()).map(|it| {
             let object = in_frame(AnnotationClass::Car, &it.bounding_box, &file_from_sensor);
-            with_score(object, it.score.map(f64::from))
+            with_score(object, it.box_score().map(f64::from))
         });
         vehicles.collect()
     }

@@ -7,6 +7,7 @@ use detector::{Detection, Detector, DetectorOutput, OrientedBox};
 use rayon::prelude::*;
 use reports::numbers::blocks::{BlockCount, BlockKind, Blocks, DriveSecond, FEWEST_DRIVES};
 use reports::numbers::box_errors::{BoxError, BoxErrorLine};
+use reports::numbers::box_points::{BoxPoints, FramedPoints};
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
@@ -57,6 +58,33 @@ pub struct BoxPair {
     pub n_points: usize,
     /// The errors of the fits, as [`FITS`] has them.
     pub errors: [BoxErrors; N_FITS],
+    /// Whether the detector is sure which end is the front, if it says so.
+    pub is_front_sure: Option<bool>,
+    /// The points in the frames of [`FRAMES`].
+    pub framed: [FramedCluster; FRAMES.len()],
+}
+
+/// The boxes in whose frames points are shown.
+pub const FRAMES: [&str; 3] = ["annotated box", "hull box", "reported box"];
+
+/// The points of a cluster in the frame of a box.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FramedCluster {
+    /// Length and width of the box, in metres.
+    pub length_width_m: [f32; 2],
+    /// The points along the length and across, from the centre, in metres.
+    pub places_m: Vec<[f32; 2]>,
+}
+
+impl FramedCluster {
+    fn new(frame: &OrientedBox, positions_m: &[[f32; 3]]) -> Self {
+        let [length_m, width_m, _] = frame.length_width_height_m;
+        let place_m = |&position_m: &[f32; 3]| {
+            let [along_m, across_m, _] = frame.in_box_frame(position_m);
+            [along_m, across_m]
+        };
+        Self { length_width_m: [length_m, width_m], places_m: positions_m.iter().map(place_m).collect() }
+    }
 }
 
 /// All pairs of the scans `scan_indices` of `dataset`, in their order: clusters that `listed` finds with `config`, matched
@@ -112,12 +140,8 @@ fn box_pair(
     let annotated = annotation.bounding_box.filter(|_| counts_as_vehicle(annotation.class))?;
     let positions_m: Vec<[f32; 3]> =
         detection.point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
-    let errors_of = |fit: ObjectBox| -> Option<BoxErrors> {
-        let fitted: OrientedBox = fit.around(&positions_m)?;
-        Some(BoxErrors::of(&fitted, &annotated))
-    };
-    let [hull, pca, closeness, outline] = ObjectBox::ALL.map(errors_of);
-    let reported = BoxErrors::of(&detection.bounding_box, &annotated);
+    let [hull, pca, closeness, outline] = ObjectBox::ALL.map(|it| it.around(&positions_m));
+    let fitted = [hull?, pca?, closeness?, outline?, detection.bounding_box];
     Some(BoxPair {
         scan: scan.id.clone(),
         second: second.clone(),
@@ -126,8 +150,30 @@ fn box_pair(
         occlusion: annotation.occlusion,
         range_m: annotated.range_m().into(),
         n_points: positions_m.len(),
-        errors: [hull?, pca?, closeness?, outline?, reported],
+        errors: fitted.map(|it| BoxErrors::of(&it, &annotated)),
+        is_front_sure: detection.box_details.seen.map(|it| it.is_front_sure),
+        framed: [annotated, fitted[0], fitted[N_FITS - 1]].map(|it| FramedCluster::new(&it, &positions_m)),
     })
+}
+
+/// Fewer vehicles of a class than this make no picture.
+const FEWEST_SHOWN: usize = 10;
+
+/// Where the points of each class of `pairs` lie, class by class and within a class as [`FRAMES`] has them. A class of few vehicles is left out.
+pub fn box_points(pairs: &[(&str, BoxPair)]) -> Vec<Vec<BoxPoints>> {
+    let classes: BTreeSet<AnnotationClass> = pairs.iter().map(|it| it.1.class).collect();
+    let of_class = classes.into_iter().map(|class| {
+        let of_frame = |frame_idx: usize| {
+            let here = pairs.iter().filter(|it| it.1.class == class).map(|it| &it.1.framed[frame_idx]);
+            let vehicles = here.map(|FramedCluster { length_width_m, places_m }| FramedPoints {
+                length_width_m: *length_width_m,
+                places_m,
+            });
+            BoxPoints::of(class, FRAMES[frame_idx], vehicles)
+        };
+        (0..FRAMES.len()).map(of_frame).collect::<Vec<_>>()
+    });
+    of_class.filter(|it| it[0].n_vehicles >= FEWEST_SHOWN).collect()
 }
 
 /// What pairs are sliced by, the slice, and its pairs with the ids of their data sets.
@@ -169,8 +215,10 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
         let (block_of_pair, count) = blocks(pairs, kind);
         let line = |error: BoxError| {
             let number = |fit_idx: usize| {
-                let errors = pairs.iter().map(|it| absolute(&it.1.errors[fit_idx], error));
-                let of_blocks: Vec<(f64, usize)> = errors.zip(block_of_pair.iter().copied()).collect();
+                let errors = pairs.iter().map(|it| absolute(&it.1, fit_idx, error));
+                let of_blocks =
+                    errors.zip(&block_of_pair).filter_map(|(error, block)| Some((error?, *block)));
+                let of_blocks: Vec<(f64, usize)> = of_blocks.collect();
                 let within = if error.is_share() { mean_within } else { median_within };
                 within(&of_blocks, count, RESAMPLING_SEED)
             };
@@ -205,11 +253,14 @@ fn blocks(pairs: &[&(&str, BoxPair)], kind: BlockKind) -> (Vec<usize>, BlockCoun
     (of_pairs, BlockCount::of_dataset(numbers.len() as u64, kind))
 }
 
-/// What `error` is of a box; 100 or 0 where it is a share.
-fn absolute(errors: &BoxErrors, error: BoxError) -> f64 {
+/// What `error` is of a box of `pair`; 100 or 0 where it is a share. `None` where there is none.
+fn absolute(pair: &BoxPair, fit_idx: usize, error: BoxError) -> Option<f64> {
+    let errors = &pair.errors[fit_idx];
+    // Of the reported box alone.
+    let is_front_sure = pair.is_front_sure.filter(|_| fit_idx + 1 == N_FITS);
     let yaw_deg = errors.yaw_rad.to_degrees();
     let percent = |is_so: bool| if is_so { 100.0 } else { 0.0 };
-    match error {
+    Some(match error {
         BoxError::Centre => errors.centre_m,
         BoxError::Length => errors.length_m.abs(),
         BoxError::Width => errors.width_m.abs(),
@@ -221,7 +272,9 @@ fn absolute(errors: &BoxErrors, error: BoxError) -> f64 {
         BoxError::Space50 => percent(errors.iou_3d >= 0.5),
         BoxError::Space70 => percent(errors.iou_3d >= 0.7),
         BoxError::Front => percent(errors.is_front_right),
-    }
+        BoxError::FrontSure => percent(is_front_sure?),
+        BoxError::SureFront => percent(is_front_sure.filter(|it| *it).map(|_| errors.is_front_right)?),
+    })
 }
 
 #[cfg(test)]
@@ -252,6 +305,8 @@ mod tests {
                 range_m,
                 n_points: 30,
                 errors: [errors(1.0), errors(-2.0), errors(1.0), errors(1.0), errors(1.0)],
+                is_front_sure: track.map(|it| it == 1),
+                framed: Default::default(),
             },
         )
     }
@@ -290,6 +345,19 @@ mod tests {
         assert_eq!(of(None), Some(BlockCount::of_dataset(12, BlockKind::Scans)));
         // All in one block: there is no other to compare with.
         assert_eq!(of(Some("crossing")), None);
+    }
+
+    #[test]
+    fn a_sure_front_is_that_of_the_reported_box_and_right_or_not() {
+        let pairs = [1, 1, 2].map(|track| pair("a", Some(track), 10.0, 1.0));
+        let lines = box_error_lines(&pairs, "street", true);
+        let of = |error: BoxError| {
+            let line = lines.iter().find(|it| it.error == error).unwrap();
+            [0, N_FITS - 1].map(|fit_idx| line.fits[fit_idx].1.map(|it| it.value.round()))
+        };
+        assert_eq!(of(BoxError::Front), [Some(100.0); 2]);
+        assert_eq!(of(BoxError::FrontSure), [None, Some(67.0)]);
+        assert_eq!(of(BoxError::SureFront), [None, Some(100.0)]);
     }
 
     #[test]

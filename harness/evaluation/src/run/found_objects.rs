@@ -147,7 +147,7 @@ impl ForeignVehicles {
         self.fitted.clear();
         let detections = prepared.iter().zip(&told).map(|(it, &(class, score))| {
             let PreparedObject { points, bounding_box, is_fitted, .. } = it;
-            (is_fitted, Detection { point_indices: points, bounding_box: *bounding_box, class, score })
+            (is_fitted, Detection::new(points, *bounding_box, class, score))
         });
         for (_, detection) in detections.clone().filter(|(is_fitted, _)| **is_fitted) {
             self.fitted.detections.push(detection);
@@ -155,9 +155,13 @@ impl ForeignVehicles {
         let foreground = &self.foreground;
         self.boxes.replace(cloud, |it| foreground.ground_below_m(it), &mut self.fitted);
         let mut fitted = self.fitted.detections.iter();
-        for (is_fitted, detection) in detections {
-            let reported = if *is_fitted { fitted.next() } else { None };
-            output.detections.push(reported.unwrap_or(detection));
+        for ((is_fitted, detection), object) in detections.zip(&prepared) {
+            let mut reported = if *is_fitted { fitted.next() } else { None }.unwrap_or(detection);
+            if object.score.is_some() {
+                // Scores of other people's detectors are no log odds that ours could be put together with.
+                reported.box_details.score = None;
+            }
+            output.detections.push(reported);
         }
         Ok(())
     }

@@ -277,16 +277,12 @@ mod tests {
         let mut output = DetectorOutput::default();
         for (points, x_m) in detections {
             let point_indices: Vec<u32> = points.clone().collect();
-            output.detections.push(Detection {
-                point_indices: &point_indices,
-                bounding_box: OrientedBox {
-                    center_m: [*x_m, 0.0, 0.0],
-                    length_width_height_m: [1.0; 3],
-                    yaw_rad: 0.0,
-                },
-                class: DetectedClass::Object,
-                score: None,
-            });
+            output.detections.push(Detection::new(
+                &point_indices,
+                OrientedBox { center_m: [*x_m, 0.0, 0.0], length_width_height_m: [1.0; 3], yaw_rad: 0.0 },
+                DetectedClass::Object,
+                None,
+            ));
         }
         let params =
             MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };

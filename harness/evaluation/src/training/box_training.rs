@@ -1,14 +1,16 @@
 //! The trees that make the boxes of vehicles whole, trained.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use detector::classify::forest::Forest;
 use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::whole::box_model::BoxModel;
 use detector::whole::box_values::{IS_TURNED, N_BOX_VALUES};
 use detector::whole::reported_boxes::BoxParams;
-use detector::whole::whole_box::{Difference, SeenVehicle};
+use detector::whole::whole_box::{Difference, SeenVehicle, WholeBox, WholeBoxes};
 use detector::{Detector, DetectorOutput, OrientedBox};
 use forust_ml::errors::ForustError;
 use rayon::prelude::*;
@@ -22,6 +24,7 @@ use crate::matching::outcome::AnnotationOutcome;
 use crate::metrics::box_errors::BoxErrors;
 use crate::realism::survey::SurveyError;
 use crate::training::boosting::{BoostingParams, Target, boost};
+use crate::training::calibration::{CalibrationBin, calibration};
 
 /// Chosen on held-out drives of the training streets.
 const GROWTH: BoostingParams =
@@ -35,8 +38,10 @@ const MOST_OFF_DEG: f32 = 12.0;
 /// The detectors whose clusters are learned from: a cluster over cells and one over points end differently.
 pub const LEARNED_FROM: [&str; 2] = ["hierarchical", "kd-tree"];
 
-/// Forests that [`train_boxes`] trains.
-pub const N_BOX_FORESTS: usize = 7;
+/// Forests that [`train_boxes`] trains: of all vehicles, of each half of them, and the one that learns from boxes of the other half.
+pub const N_BOX_FORESTS: usize = 3 * 7 + 1;
+/// A box that overlaps so much with the annotated one in space is right, as KITTI has it for cars.
+pub const RIGHT_IOU: f64 = 0.7;
 
 /// A cluster that matches an annotated vehicle.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,15 +149,56 @@ pub enum BoxTrainingError {
 }
 
 /// Trains all forests with those of `examples` whose box of what is seen is turned by at most 12 degrees against the annotated one, and
-/// says how many these are.
+/// says how many these are. What tells right boxes learns from all, each with the box that forests of other drives give it.
 ///
 /// `on_forest` is called after each of [`N_BOX_FORESTS`].
 ///
 /// # Errors
 ///
-/// [`BoxTrainingError`] if none is left, or all are turned alike or face the same way.
+/// [`BoxTrainingError`] if none is left, or all are turned alike, face the same way or are right.
 pub fn train_boxes(
     examples: &[VehicleExample],
+    on_forest: &dyn Fn(),
+) -> Result<(BoxModel, usize), BoxTrainingError> {
+    let all: Vec<&VehicleExample> = examples.iter().collect();
+    let (model, n_taught) = train_growth(&all, on_forest)?;
+    let drives: BTreeSet<&str> = examples.iter().map(|it| it.sequence.as_str()).collect();
+    let half_of: BTreeMap<&str, usize> = drives.into_iter().zip([0, 1].into_iter().cycle()).collect();
+    let mut values = Vec::with_capacity(examples.len());
+    let mut are_right = Vec::with_capacity(examples.len());
+    for half in 0..2 {
+        let is_here = |it: &&VehicleExample| half_of[it.sequence.as_str()] == half;
+        let (here, elsewhere): (Vec<_>, Vec<_>) = all.iter().copied().partition(is_here);
+        let (of_others, _) = train_growth(&elsewhere, on_forest)?;
+        let mut vehicles: Vec<SeenVehicle> = here.iter().map(|it| it.seen).collect();
+        let mut boxes = WholeBoxes::default();
+        let found = boxes.find(&of_others, &mut vehicles);
+        let is_right = |(found, it): (&WholeBox, &&VehicleExample)| {
+            f64::from(u8::from(BoxErrors::of(&found.bounding_box, &it.whole).iou_3d >= RIGHT_IOU))
+        };
+        are_right.extend(found.iter().zip(&here).map(is_right));
+        values.extend(vehicles.iter().map(|it| it.values));
+    }
+    let right = decision(&values, &are_right, "whether their boxes are right")?;
+    on_forest();
+    Ok((BoxModel { right, ..model }, n_taught))
+}
+
+/// The forest that tells where `targets` are 1 and not 0.
+fn decision(
+    values: &[[f32; N_BOX_VALUES]],
+    targets: &[f64],
+    what: &'static str,
+) -> Result<Forest<N_BOX_VALUES>, BoxTrainingError> {
+    if targets.windows(2).all(|it| it[0] == it[1]) {
+        return Err(BoxTrainingError::Alike { n: targets.len(), what });
+    }
+    Ok(boost(&values.iter().collect::<Vec<_>>(), targets, Target::Yes, &DECISIONS)?)
+}
+
+/// All forests but the one that tells right boxes, which calls none right.
+fn train_growth(
+    examples: &[&VehicleExample],
     on_forest: &dyn Fn(),
 ) -> Result<(BoxModel, usize), BoxTrainingError> {
     let differences = examples.iter().map(|it| (it, Difference::between(&it.seen, &it.whole)));
@@ -165,29 +211,25 @@ pub fn train_boxes(
         turned.push(values);
         differences.push(difference);
     }
-    let [unturned, turned] = [&unturned, &turned].map(|it| it.iter().collect::<Vec<_>>());
-    let n = differences.len();
-    let decision = |values: &[&[f32; N_BOX_VALUES]], what: &'static str, is_so: fn(&Difference) -> bool| {
+    let told = |values: &[_], what: &'static str, is_so: fn(&Difference) -> bool| {
         let targets: Vec<f64> = differences.iter().map(|it| f64::from(u8::from(is_so(it)))).collect();
-        if targets.windows(2).all(|it| it[0] == it[1]) {
-            return Err(BoxTrainingError::Alike { n, what });
-        }
-        let forest = boost(values, &targets, Target::Yes, &DECISIONS)?;
+        let forest = decision(values, &targets, what)?;
         on_forest();
-        Ok(forest)
+        Ok::<_, BoxTrainingError>(forest)
     };
     let growth = |place: usize| -> Result<_, BoxTrainingError> {
         let targets: Vec<f64> = differences.iter().map(|it| f64::from(it.growth_m[place])).collect();
-        let forest = boost(&turned, &targets, Target::Number, &GROWTH)?;
+        let forest = boost(&turned.iter().collect::<Vec<_>>(), &targets, Target::Number, &GROWTH)?;
         on_forest();
         Ok(forest)
     };
     let model = BoxModel {
-        turned: decision(&unturned, "whether they are longer across what is seen", |it| it.is_turned)?,
+        turned: told(&unturned, "whether they are longer across what is seen", |it| it.is_turned)?,
         growth_m: [growth(0)?, growth(1)?, growth(2)?, growth(3)?, growth(4)?],
-        away: decision(&turned, "which end is the front", |it| it.is_away)?,
+        away: told(&turned, "which end is the front", |it| it.is_away)?,
+        right: Forest::new(Vec::new(), f32::MIN).expect("a sum alone is a forest"),
     };
-    Ok((model, n))
+    Ok((model, differences.len()))
 }
 
 /// How boxes do: shares of 0 to 1.
@@ -216,6 +258,55 @@ impl BoxShares {
             bev: [0.5, 0.7].map(|least| share(&|it| it.bev_iou >= least)),
             space: [0.5, 0.7].map(|least| share(&|it| it.iou_3d >= least)),
             heading: share(&|it| it.is_front_right),
+        }
+    }
+}
+
+/// What is said of which end is the front.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SureFronts {
+    /// The share of vehicles of which it is sure, 0 to 1.
+    pub share: f64,
+    /// Of these the share on the right side.
+    pub right: f64,
+}
+
+/// How the boxes of a model do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoxJudgement {
+    /// The boxes of what is seen.
+    pub seen: BoxShares,
+    /// Those of whole vehicles.
+    pub whole: BoxShares,
+    /// Their fronts.
+    pub sure_fronts: SureFronts,
+    /// How likely a right box is expected to be, and how many are.
+    pub right_boxes: Vec<CalibrationBin>,
+}
+
+impl BoxJudgement {
+    /// On `judged`, which `model` has not seen.
+    pub fn of(model: &BoxModel, judged: &[VehicleExample]) -> Self {
+        let seen: Vec<_> = judged.iter().map(|it| (it.seen.seen, it.whole)).collect();
+        let mut vehicles: Vec<SeenVehicle> = judged.iter().map(|it| it.seen).collect();
+        let mut boxes = WholeBoxes::default();
+        let found = boxes.find(model, &mut vehicles);
+        let whole: Vec<_> =
+            found.iter().map(|it| it.bounding_box).zip(judged.iter().map(|it| it.whole)).collect();
+        let errors = whole.iter().map(|(fitted, whole)| BoxErrors::of(fitted, whole));
+        let (mut n_sure, mut n_sure_right, mut expected) = (0, 0, Vec::new());
+        for (found, errors) in found.iter().zip(errors) {
+            n_sure += usize::from(found.seen.is_front_sure);
+            n_sure_right += usize::from(found.seen.is_front_sure && errors.is_front_right);
+            let probability = 1.0 / (1.0 + f64::from(-found.right_log_odds).exp());
+            expected.push((probability, f64::from(u8::from(errors.iou_3d >= RIGHT_IOU))));
+        }
+        let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
+        Self {
+            seen: BoxShares::of(&seen),
+            whole: BoxShares::of(&whole),
+            sure_fronts: SureFronts { share: share(n_sure, found.len()), right: share(n_sure_right, n_sure) },
+            right_boxes: calibration(expected.into_iter()),
         }
     }
 }

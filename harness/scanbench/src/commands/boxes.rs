@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use evaluation::metrics::box_errors::BoxErrors;
-use evaluation::run::box_study::{BoxPair, FITS, box_error_lines, box_pairs};
+use evaluation::run::box_study::{BoxPair, FITS, box_error_lines, box_pairs, box_points};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ListedDetector;
 use evaluation::run::entrant::Entrant;
@@ -12,10 +12,11 @@ use jiff::Timestamp;
 use reports::files::csv_rows::CsvRowWriter;
 use reports::numbers::box_errors::BoxErrorLine;
 use reports::plots::box_plot::box_plot;
+use reports::plots::box_points_plot::box_points_plot;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 use reports::tables::formats::format::Format as _;
-use reports::tables::studies::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
+use reports::tables::studies::box_error_row::{BoxErrorRow, BoxPointsRow, FittedBoxRow, MatchedVehicle};
 use reports::tables::studies::box_table::BoxTable;
 
 use crate::cli::BoxesArgs;
@@ -39,7 +40,7 @@ const NOTES: [&str; 2] = [
      hierarchical detector that match an annotated car, van, truck or bus; all boxes are fitted to the same points. \
      centre: distance seen from above; yaw: modulo 180 degrees, so at most 90; front right: within 90 degrees of the annotated heading. \
      reported box: that of the detector, whole where it takes the cluster for a vehicle; the others are of what is seen, \
-     and which end is the front they do not tell.",
+     and which end is the front they do not tell. front sure: of the reported boxes that are whole.",
     "Annotated boxes contain the whole vehicle, also the sides that the sensor does not see. A box around the visible \
      points is therefore shorter or narrower, even if it is right.",
 ];
@@ -77,9 +78,12 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     });
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     write_pairs(&directory, &groups)?;
+    write_points(&directory, &groups)?;
     for (group, lines) in groups.iter().zip(&lines) {
-        let title =
-            format!("Box errors of matched vehicles, {}: medians and 95 % intervals", group.file_stem());
+        let title = format!(
+            "Boxes of matched vehicles, {}: median errors and shares, with 95 % intervals",
+            group.file_stem()
+        );
         write_figure(&directory, &format!("boxes_{}", group.file_stem()), &box_plot(lines, &title))?;
     }
     let lines = lines.concat();
@@ -154,9 +158,30 @@ fn write_pairs(directory: &RunDirectory, groups: &[Group<'_>]) -> Result<(), Fai
                 let BoxErrors { centre_m, length_m, width_m, yaw_rad, is_front_right, bev_iou, iou_3d } =
                     *errors;
                 let errors = [centre_m, length_m, width_m, yaw_rad.to_degrees(), bev_iou, iou_3d];
-                rows.write(&FittedBoxRow::new(vehicle, fit, errors, is_front_right))?;
+                let is_front_sure = pair.is_front_sure.filter(|_| *fit == FITS[FITS.len() - 1]);
+                rows.write(&FittedBoxRow::new(vehicle, fit, errors, is_front_right, is_front_sure))?;
             }
         }
+    }
+    rows.finish()?;
+    Ok(())
+}
+
+/// Where points lie in their boxes, as rows and as a picture of each group.
+fn write_points(directory: &RunDirectory, groups: &[Group<'_>]) -> Result<(), Failure> {
+    let mut rows = CsvRowWriter::new(directory.begin_file("box_points.csv")?)?;
+    for group in groups {
+        let points = box_points(&group.pairs);
+        for of_frame in points.iter().flatten() {
+            for row in BoxPointsRow::of(&group.name, group.is_simulated, of_frame) {
+                rows.write(&row)?;
+            }
+        }
+        let stem = group.file_stem();
+        let title = format!(
+            "Points of matched vehicles in the frames of boxes, {stem}: each shade is half as full as the next darker one"
+        );
+        write_figure(directory, &format!("box_points_{stem}"), &box_points_plot(&points, &title))?;
     }
     rows.finish()?;
     Ok(())

@@ -8,9 +8,8 @@ use evaluation::run::entrant::Entrant;
 use evaluation::run::single_scan::{SingleScan, detect_repeatedly};
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::latencies::Latencies;
-use reports::rows::box_row::BoxRow;
 use reports::rows::cluster_of_point;
-use scans::conversion::results::detection_rows::{clusters_of_points, detection_facts};
+use scans::conversion::results::detection_rows::{box_rows, clusters_of_points};
 use scans::dataset::positioned_points::values_of_file;
 
 use crate::cli::DetectArgs;
@@ -106,8 +105,7 @@ impl Destinations {
             contents.push((destination.clone(), content));
         }
         if let Some(destination) = &self.boxes {
-            let rows = detections.iter().enumerate().map(|(idx, it)| BoxRow::new(&detection_facts(idx, &it)));
-            contents.push((destination.clone(), to_csv_bytes(&rows.collect::<Vec<_>>())?));
+            contents.push((destination.clone(), to_csv_bytes(&box_rows(detections))?));
         }
         Ok(contents)
     }

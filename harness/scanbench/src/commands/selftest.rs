@@ -157,15 +157,13 @@ fn check_dataset(opened: &OpenedDataset, policy: DamagePolicy) -> Result<Vec<Che
 /// The annotations of `scan` that hold a point, as a perfect detector would report them.
 fn echo<'a>(scan: &'a LabeledScan) -> Detections {
     let seen = scan.annotations.iter().filter(|annotation| !annotation.point_indices.is_empty());
-    let detection = |annotation: &'a Annotation| Detection {
-        point_indices: &annotation.point_indices,
-        bounding_box: annotation.bounding_box.unwrap_or_else(|| box_of_points(scan, annotation)),
-        class: if counts_as_vehicle(annotation.class) {
-            DetectedClass::Vehicle
-        } else {
-            DetectedClass::Object
-        },
-        score: None,
+    let detection = |annotation: &'a Annotation| {
+        Detection::new(
+            &annotation.point_indices,
+            annotation.bounding_box.unwrap_or_else(|| box_of_points(scan, annotation)),
+            if counts_as_vehicle(annotation.class) { DetectedClass::Vehicle } else { DetectedClass::Object },
+            None,
+        )
     };
     seen.map(detection).collect()
 }

@@ -1,11 +1,10 @@
 //! `scanbench train boxes`.
 
-use detector::whole::whole_box::{SeenVehicle, WholeBoxes};
 use evaluation::run::config::{BOXES_FILE, RunConfig};
 use evaluation::run::detector_list::{DETECTORS, ListedDetector};
 use evaluation::training::CHOICE_SEED;
 use evaluation::training::box_training::{
-    BoxShares, LEARNED_FROM, N_BOX_FORESTS, SEEN, VehicleExample, collect_vehicles,
+    BoxJudgement, LEARNED_FROM, N_BOX_FORESTS, RIGHT_IOU, SEEN, VehicleExample, collect_vehicles,
     train_boxes as train_trees,
 };
 use jiff::Timestamp;
@@ -69,15 +68,11 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
     directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
     directory.write_file(BOXES_FILE, &model.to_file(made).to_bytes())?;
     let finished = directory.finish()?;
-    let seen: Vec<_> = judged.iter().map(|it| (it.seen.seen, it.whole)).collect();
-    let mut vehicles: Vec<SeenVehicle> = judged.iter().map(|it| it.seen).collect();
-    let mut boxes = WholeBoxes::default();
-    let found = boxes.find(&model, &mut vehicles).iter().copied();
-    let whole: Vec<_> = found.zip(judged.iter().map(|it| it.whole)).collect();
+    let judgement = BoxJudgement::of(&model, &judged);
     let printed = print_result(format_args!(
         "{}\n\n{}",
         drives(&data.parted),
-        text([n_taught, judged.len()], [BoxShares::of(&seen), BoxShares::of(&whole)])
+        text([n_taught, judged.len()], &judgement)
     ));
     let path = finished.display();
     print_diagnostic(format_args!(
@@ -87,7 +82,8 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
 }
 
 /// How boxes do on vehicles of drives that the model has not seen, for people.
-fn text([n_taught, n_judged]: [usize; 2], [seen, whole]: [BoxShares; 2]) -> String {
+fn text([n_taught, n_judged]: [usize; 2], judgement: &BoxJudgement) -> String {
+    let BoxJudgement { seen, whole, sure_fronts, right_boxes } = judgement;
     let mut lines = vec![
         format!("Trained on {n_taught} vehicles; of {n_judged} held-out ones, in %:"),
         format!("{:<24}{:>12}{:>12}", "", "as seen", "whole"),
@@ -102,6 +98,15 @@ fn text([n_taught, n_judged]: [usize; 2], [seen, whole]: [BoxShares; 2]) -> Stri
         line(&format!("IoU from above >= {least}"), seen.bev[place], whole.bev[place]);
         line(&format!("IoU in space >= {least}"), seen.space[place], whole.space[place]);
     }
-    lines.push(format!("{:<24}{:>12}{:>12.1}", "front on the right side", "–", 100.0 * whole.heading));
+    let mut of_whole = |what: &str, share: f64| {
+        lines.push(format!("{what:<24}{:>12}{:>12.1}", "–", 100.0 * share));
+    };
+    of_whole("front right", whole.heading);
+    of_whole("front sure", sure_fronts.share);
+    of_whole("of these right", sure_fronts.right);
+    lines.push(format!("\nIoU in space >= {RIGHT_IOU}\n{:>10}{:>10}{:>10}", "expected", "observed", "boxes"));
+    lines.extend(
+        right_boxes.iter().map(|it| format!("{:>10.3}{:>10.3}{:>10}", it.expected, it.observed, it.n)),
+    );
     lines.join("\n")
 }

@@ -4,7 +4,14 @@ use crate::program::Workplace;
 
 const BOXES: [&str; 6] = ["boxes", "street-narrow", "--simulated-scans", "3", "-o", "boxes"];
 /// But for the manifest, which has a date.
-const FILES: [&str; 4] = ["boxes.csv", "box_errors.csv", "box_errors.md", "boxes_simulated.svg"];
+const FILES: [&str; 6] = [
+    "boxes.csv",
+    "box_errors.csv",
+    "box_errors.md",
+    "box_points.csv",
+    "boxes_simulated.svg",
+    "box_points_simulated.svg",
+];
 
 #[test]
 fn every_pair_has_all_boxes_and_every_number_its_denominators() {
@@ -31,7 +38,18 @@ fn every_pair_has_all_boxes_and_every_number_its_denominators() {
     let n_in_ranges: usize =
         of_ranges.map(|it| it.split(',').nth(7).expect("a column").parse::<usize>().expect("a count")).sum();
     assert_eq!(n_in_ranges, rows.len() / 5);
-    assert!(workplace.read("boxes/boxes_simulated.svg").contains("matched vehicles, simulated: medians"));
+    assert!(
+        workplace.read("boxes/boxes_simulated.svg").contains("matched vehicles, simulated: median errors")
+    );
+    // All points of the vehicles of a class lie somewhere, once in each frame.
+    let points = workplace.read("boxes/box_points.csv");
+    for frame in ["annotated box", "hull box", "reported box"] {
+        let of_frame = points.lines().filter(|it| it.contains(&format!(",car,{frame},")));
+        let shares =
+            of_frame.map(|it| it.rsplit(',').next().expect("a column").parse::<f64>().expect("a share"));
+        let sum: f64 = shares.sum();
+        assert!((sum - 1.0).abs() < 1e-2, "{frame}: {sum}");
+    }
     let manifest: serde_json::Value =
         serde_json::from_str(&workplace.read("boxes/manifest.json")).expect("JSON");
     assert_eq!(manifest["detectors"][0]["name"], "hierarchical");

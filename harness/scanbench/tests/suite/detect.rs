@@ -72,7 +72,8 @@ fn both_forms_of_the_clusters_say_the_same_and_the_boxes_count_them() {
     }
     let boxes = workplace.read("boxes.csv");
     let mut lines = boxes.lines();
-    let head = "id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points";
+    let head = "id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points,\
+                box_score,seen_sides,front_sure";
     assert_eq!(lines.next(), Some(head));
     let counted = lines.map(|line| {
         let cells: Vec<&str> = line.split(',').collect();
@@ -86,6 +87,25 @@ fn both_forms_of_the_clusters_say_the_same_and_the_boxes_count_them() {
     assert!(csv.stdout.contains("\nwhole "), "{csv:#?}");
     assert_eq!((csv.stderr, binary.stderr), (String::new(), String::new()));
     assert_eq!(workplace.top_names(), ["boxes.csv", "clusters.csv", "clusters.u32", "street"]);
+}
+
+#[test]
+fn a_whole_box_says_which_of_its_sides_are_seen_and_one_of_what_is_seen_does_not() {
+    let workplace = drive();
+    let by_size =
+        ["detect", SCAN, "--boxes", "-", "-P", "vehicle_model.enabled=false", "--sensor", "hdl-64e-s2"];
+    let last_cells = |options: &[&str]| -> Vec<Vec<String>> {
+        let boxes = workplace.succeed(&[&by_size[..], options].concat()).stdout;
+        boxes.lines().skip(1).map(|it| it.split(',').skip(11).map(str::to_owned).collect()).collect()
+    };
+    let whole = last_cells(&[]);
+    assert_eq!(whole.len(), 2);
+    for cells in &whole {
+        assert!(cells[0].parse::<f32>().is_ok(), "{whole:?}");
+        assert!(["rear", "front", "left", "right"].iter().any(|it| cells[1].contains(it)), "{whole:?}");
+        assert!(["true", "false"].contains(&cells[2].as_str()), "{whole:?}");
+    }
+    assert_eq!(last_cells(&["-P", "boxes.whole=false"]), [["", "", ""], ["", "", ""]]);
 }
 
 #[test]

@@ -320,6 +320,7 @@ fn boxes_are_trained_to_the_byte_and_run() {
     ];
     let ended = workplace.succeed(&[&train[..], &["-o", "model"]].concat());
     assert!(ended.stdout.contains("held-out ones, in %:\n"), "{ended:#?}");
+    assert!(ended.stdout.contains("IoU in space >= 0.7\n  expected  observed     boxes\n"), "{ended:#?}");
     let model = workplace.read_bytes("model/boxes.model");
     let made = ModelFile::of_any_kind(&model).expect("it is a model").made().clone();
     assert_eq!(made.command, format!("scanbench {}", train.join(" ")));

@@ -92,7 +92,7 @@ fn check_round_trip(output: ResultOutput, dataset: &dyn Dataset, folder: &std::p
         for (number, annotation) in (0_u8..).zip(&scan.annotations) {
             let (bounding_box, score) = (annotation.bounding_box.unwrap(), Some(f32::from(number) / 8.0));
             let (class, point_indices) = (DetectedClass::Vehicle, &annotation.point_indices[..]);
-            detections.push(Detection { point_indices, bounding_box, class, score });
+            detections.push(Detection::new(point_indices, bounding_box, class, score));
             boxes.push(ForeignBox { bounding_box, class: Some(AnnotationClass::Car), score });
         }
         let frame = dataset.foreign_frame(scan_idx).unwrap();

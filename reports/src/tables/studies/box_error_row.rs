@@ -1,4 +1,4 @@
-//! `boxes.csv`, one row for every matched vehicle and fit, and `box_errors.csv`, one for every median.
+//! `boxes.csv`, one row for every matched vehicle and fit, `box_errors.csv`, one for every median, and `box_points.csv`, one for every cell.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,6 +6,7 @@ use crate::files::csv_rows::CsvRow;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::blocks::BlockCount;
 use crate::numbers::box_errors::BoxErrorLine;
+use crate::numbers::box_points::{BoxPoints, CELL_M};
 use crate::vocabulary::class::{AnnotationClass, Occlusion};
 
 /// A box fitted to the cluster of a matched vehicle.
@@ -25,6 +26,7 @@ pub struct FittedBoxRow {
     width_error_m: Fixed<4>,
     yaw_error_deg: Fixed<3>,
     front_right: bool,
+    front_sure: Option<bool>,
     bev_iou: Fixed<4>,
     iou_3d: Fixed<4>,
 }
@@ -45,6 +47,7 @@ impl CsvRow for FittedBoxRow {
         "width_error_m",
         "yaw_error_deg",
         "front_right",
+        "front_sure",
         "bev_iou",
         "iou_3d",
     ];
@@ -73,12 +76,13 @@ pub struct MatchedVehicle<'a> {
 
 impl FittedBoxRow {
     /// The row of `fit`, which is off by so much: centre, length (fitted less annotated) and width in metres, yaw in degrees; its
-    /// intersections over union from above and in space; and whether its front is on the right side.
+    /// intersections over union from above and in space; whether its front is on the right side, and whether the detector is sure of that.
     pub fn new(
         vehicle: MatchedVehicle<'_>,
         fit: &str,
         [centre, length, width, yaw, bev_iou, iou_3d]: [f64; 6],
         is_front_right: bool,
+        is_front_sure: Option<bool>,
     ) -> Self {
         Self {
             data: vehicle.data.to_owned(),
@@ -95,9 +99,51 @@ impl FittedBoxRow {
             width_error_m: Fixed(width),
             yaw_error_deg: Fixed(yaw),
             front_right: is_front_right,
+            front_sure: is_front_sure,
             bev_iou: Fixed(bev_iou),
             iou_3d: Fixed(iou_3d),
         }
+    }
+}
+
+/// A cell in the frame of the boxes of a class.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BoxPointsRow {
+    data: String,
+    simulated: bool,
+    class: AnnotationClass,
+    frame: String,
+    vehicles: usize,
+    along_m: Fixed<2>,
+    across_m: Fixed<2>,
+    share: Fixed<6>,
+}
+
+impl CsvRow for BoxPointsRow {
+    const COLUMNS: &'static [&'static str] =
+        &["data", "simulated", "class", "frame", "vehicles", "along_m", "across_m", "share"];
+}
+
+impl BoxPointsRow {
+    /// The rows of `points`: where each cell begins, along the length to the front and across to the left of the centre, and its share.
+    pub fn of<'a>(
+        data: &'a str,
+        is_simulated: bool,
+        points: &'a BoxPoints,
+    ) -> impl Iterator<Item = Self> + 'a {
+        points.shares.iter().map(move |(cell, share)| {
+            let [along_m, across_m] = cell.map(|it| Fixed(f64::from(it) * CELL_M));
+            Self {
+                data: data.to_owned(),
+                simulated: is_simulated,
+                class: points.class,
+                frame: points.frame.to_owned(),
+                vehicles: points.n_vehicles,
+                along_m,
+                across_m,
+                share: Fixed(*share),
+            }
+        })
     }
 }
 

@@ -86,46 +86,50 @@ mod tests {
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&BoxTable { lines: &lines, notes: &["A note."] }), @r"
         Box errors of matched vehicles: street (simulated)
 
-        by         slice  pairs  tracks  what                  hull box  PCA box
-        ────────────────────────────────────────────────────────────────────────
-        all                  80      20  centre, m                 0.50     1.00
-                                         length, m                 0.50     1.00
-                                         width, m                  0.50     1.00
-                                         yaw, deg                  0.5      1.0
-                                         yaw within 5 deg, %       0.5      1.0
-                                         yaw within 10 deg, %      0.5      1.0
-                                         BEV IoU >= 0.5, %         0.5      1.0
-                                         BEV IoU >= 0.7, %         0.5      1.0
-                                         3D IoU >= 0.5, %          0.5      1.0
-                                         3D IoU >= 0.7, %          0.5      1.0
-                                         front right, %            0.5      1.0
-        occlusion  none       0       0  centre, m                 –        –
-                                         yaw, deg                  –        –
-                                         yaw within 10 deg, %      –        –
-                                         BEV IoU >= 0.7, %         –        –
+        by         slice  pairs  tracks  what                    hull box  PCA box
+        ──────────────────────────────────────────────────────────────────────────
+        all                  80      20  centre, m                   0.50     1.00
+                                         length, m                   0.50     1.00
+                                         width, m                    0.50     1.00
+                                         yaw, deg                    0.5      1.0
+                                         yaw within 5 deg, %         0.5      1.0
+                                         yaw within 10 deg, %        0.5      1.0
+                                         BEV IoU >= 0.5, %           0.5      1.0
+                                         BEV IoU >= 0.7, %           0.5      1.0
+                                         3D IoU >= 0.5, %            0.5      1.0
+                                         3D IoU >= 0.7, %            0.5      1.0
+                                         front right, %              0.5      1.0
+                                         front sure, %               0.5      1.0
+                                         front right if sure, %      0.5      1.0
+        occlusion  none       0       0  centre, m                   –        –
+                                         yaw, deg                    –        –
+                                         yaw within 10 deg, %        –        –
+                                         BEV IoU >= 0.7, %           –        –
 
         Box errors of matched vehicles: drive
 
-        by   slice  pairs  tracks  what                  hull box  PCA box
-        ──────────────────────────────────────────────────────────────────
-        all             8       2  centre, m                0.50§    1.00§
-                                   length, m                0.50§    1.00§
-                                   width, m                 0.50§    1.00§
-                                   yaw, deg                 0.5§     1.0§
-                                   yaw within 5 deg, %      0.5§     1.0§
-                                   yaw within 10 deg, %     0.5§     1.0§
-                                   BEV IoU >= 0.5, %        0.5§     1.0§
-                                   BEV IoU >= 0.7, %        0.5§     1.0§
-                                   3D IoU >= 0.5, %         0.5§     1.0§
-                                   3D IoU >= 0.7, %         0.5§     1.0§
-                                   front right, %           0.5§     1.0§
+        by   slice  pairs  tracks  what                    hull box  PCA box
+        ────────────────────────────────────────────────────────────────────
+        all             8       2  centre, m                  0.50§    1.00§
+                                   length, m                  0.50§    1.00§
+                                   width, m                   0.50§    1.00§
+                                   yaw, deg                   0.5§     1.0§
+                                   yaw within 5 deg, %        0.5§     1.0§
+                                   yaw within 10 deg, %       0.5§     1.0§
+                                   BEV IoU >= 0.5, %          0.5§     1.0§
+                                   BEV IoU >= 0.7, %          0.5§     1.0§
+                                   3D IoU >= 0.5, %           0.5§     1.0§
+                                   3D IoU >= 0.7, %           0.5§     1.0§
+                                   front right, %             0.5§     1.0§
+                                   front sure, %              0.5§     1.0§
+                                   front right if sure, %     0.5§     1.0§
 
         box_errors.csv and the plot have 95 % intervals: cluster bootstrap, 10000 resamples of objects, each
           with all its scans: they cover other scans of the same drives, but not other drives.
         A note.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");
-        insta::assert_snapshot!(Markdown.text(&BoxTable { lines: &lines[11..15], notes: &["A note."] }), @r"
+        insta::assert_snapshot!(Markdown.text(&BoxTable { lines: &lines[13..17], notes: &["A note."] }), @r"
         **Box errors of matched vehicles: street (simulated)**
 
         | by | slice | pairs | tracks | what | hull box | PCA box |

@@ -248,7 +248,7 @@ mod tests {
         for (class, range) in detections {
             let point_indices: Vec<u32> = range.clone().collect();
             let bounding_box = center(range);
-            all.push(Detection { point_indices: &point_indices, bounding_box, class: *class, score: None });
+            all.push(Detection::new(&point_indices, bounding_box, *class, None));
         }
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
         let id = ScanId { sequence: "drawn".into(), index: 0 };
@@ -370,7 +370,7 @@ mod tests {
         /// Adds a detection without a point, of a unit box this far ahead.
         fn with_empty(mut self, x_m: f32) -> Self {
             let bounding_box = OrientedBox { center_m: [x_m, 0.0, 50.0], ..UNIT };
-            self.detections.push(Detection { point_indices: &[], bounding_box, class: Vehicle, score: None });
+            self.detections.push(Detection::new(&[], bounding_box, Vehicle, None));
             self
         }
     }

@@ -28,7 +28,7 @@ struct Drawn {
 fn detections_of(drawn: &[Drawn]) -> Detections {
     let mut all = Detections::default();
     for Drawn { point_indices, bounding_box, class, score } in drawn {
-        all.push(Detection { point_indices, bounding_box: *bounding_box, class: *class, score: *score });
+        all.push(Detection::new(point_indices, *bounding_box, *class, *score));
     }
     all
 }

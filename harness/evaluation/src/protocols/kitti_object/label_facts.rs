@@ -68,7 +68,7 @@ impl Camera<'_> {
             height_width_length_m,
             rotation_y_rad,
         };
-        KittiDetection { object, score: it.score.map_or(SCORE_OF_NONE, f64::from) }
+        KittiDetection { object, score: it.box_score().map_or(SCORE_OF_NONE, f64::from) }
     }
 }
 

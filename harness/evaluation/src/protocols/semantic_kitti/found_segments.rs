@@ -29,11 +29,8 @@ mod tests {
     #[test]
     fn a_point_of_several_detections_belongs_to_the_surest() {
         let bounding_box = OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
-        let detection = |point_indices, score| Detection {
-            point_indices,
-            bounding_box,
-            class: DetectedClass::Object,
-            score: Some(score),
+        let detection = |point_indices, score| {
+            Detection::new(point_indices, bounding_box, DetectedClass::Object, Some(score))
         };
         let (sure, unsure) = (detection(&[1, 2], 0.9), detection(&[0, 1], 0.1));
         let of = |all: [Detection<'_>; 2]| found_segments(&all.into_iter().collect(), 4);

@@ -48,7 +48,7 @@ fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (Detections, Vec<ForeignBox>)
     let boxed = scan.annotations.iter().filter_map(|it| Some((it, it.bounding_box?)));
     for (number, (annotation, bounding_box)) in (0_u8..).zip(boxed) {
         let (class, score) = (DetectedClass::Vehicle, Some(f32::from(number) / 8.0));
-        detections.push(Detection { point_indices: &annotation.point_indices, bounding_box, class, score });
+        detections.push(Detection::new(&annotation.point_indices, bounding_box, class, score));
         boxes.push(ForeignBox { bounding_box, class: Some(AnnotationClass::Car), score });
     }
     (detections, boxes)

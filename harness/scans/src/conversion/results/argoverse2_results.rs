@@ -1,7 +1,7 @@
 //! A table of detections of Argoverse 2: `detections.feather`, boxes in the frame of the car.
 //!
-//! Vehicles are `REGULAR_VEHICLE`: detectors do not tell them from trucks. Other objects have no class there and are left out. A detection without a score
-//! has 1.
+//! Vehicles are `REGULAR_VEHICLE`: detectors do not tell them from trucks. Other objects have no class there and are left out. The score is
+//! that of the box. A detection without one has 1.
 
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ impl ResultWriter for Argoverse2Results {
             let car_from_box = car_from_sensor * pose_of_box(&detection.bounding_box);
             let (at, turn) = (car_from_box.translation.vector, car_from_box.rotation);
             let [length_m, width_m, height_m] = detection.bounding_box.length_width_height_m.map(f64::from);
-            let score = f64::from(detection.score.unwrap_or(SCORE_OF_NONE));
+            let score = f64::from(detection.box_score().unwrap_or(SCORE_OF_NONE));
             let row = [at.x, at.y, at.z, length_m, width_m, height_m, turn.w, turn.i, turn.j, turn.k, score];
             self.logs.push(log_id.clone());
             self.times_ns.push(*timestamp_ns);

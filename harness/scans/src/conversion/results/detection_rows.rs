@@ -1,6 +1,8 @@
 //! Detections as rows, as `scanbench detect` writes them.
 
-use detector::{DetectedClass, Detection, Detections, OrientedBox};
+use detector::detection::SeenSides;
+use detector::{BoxDetails, DetectedClass, Detection, Detections, OrientedBox};
+use reports::rows::box_row::{BoxDetailFacts, BoxRow};
 use reports::rows::match_outcome::{BoxFacts, DetectionFacts};
 use reports::vocabulary::class::DetectionClass;
 
@@ -18,6 +20,26 @@ pub fn detection_facts(place: usize, detection: &Detection<'_>) -> DetectionFact
         score: detection.score,
         n_points: detection.point_indices.len() as u64,
         bounding_box: box_facts(&detection.bounding_box),
+    }
+}
+
+/// The rows of the boxes of a scan, in order.
+pub fn box_rows(detections: &Detections) -> Vec<BoxRow> {
+    let row = |(place, it): (usize, Detection<'_>)| {
+        BoxRow::new(&detection_facts(place, &it), &box_detail_facts(&it.box_details))
+    };
+    detections.iter().enumerate().map(row).collect()
+}
+
+fn box_detail_facts(details: &BoxDetails) -> BoxDetailFacts {
+    let sides = |it: SeenSides| {
+        let named = [(it.front, "front"), (it.rear, "rear"), (it.left, "left"), (it.right, "right")];
+        named.into_iter().filter(|(is_seen, _)| *is_seen).map(|(_, name)| name).collect()
+    };
+    BoxDetailFacts {
+        score: details.score,
+        seen_sides: details.seen.map(|it| sides(it.sides)),
+        front_sure: details.seen.map(|it| it.is_front_sure),
     }
 }
 

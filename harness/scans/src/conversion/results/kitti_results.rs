@@ -1,7 +1,7 @@
 //! KITTI's text files of results, in `data` as its evaluators look for them.
 //!
 //! Vehicles are `Car`, everything else is `Misc`, which the evaluators pass over. Boxes that the camera does not see have no rectangle in the image (-1), and
-//! the evaluators pass over these as well. A detection without a score has 1.
+//! the evaluators pass over these as well. The score is that of the box. A detection without one has 1.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -60,7 +60,7 @@ impl ResultWriter for KittiResults {
                 "{} -1 -1 {alpha_rad:.6} {left_px:.2} {top_px:.2} {right_px:.2} {bottom_px:.2} {height_m} {width_m} {length_m} \
                  {x:.6} {y:.6} {z:.6} {rotation_y_rad:.7} {}",
                 class_of(&detection),
-                detection.score.unwrap_or(SCORE_OF_NONE)
+                detection.box_score().unwrap_or(SCORE_OF_NONE)
             );
         }
         Ok(match self.layout {

@@ -1,6 +1,6 @@
 //! A submission of nuScenes: `results_nusc.json`, boxes in the frame of the world.
 //!
-//! Vehicles are `car`: detectors do not tell them from trucks. Other objects have no class there and are left out. A detection without a score has 1.
+//! Vehicles are `car`: detectors do not tell them from trucks. Other objects have no class there and are left out. The score is that of the box. A detection without one has 1.
 //! Velocities are 0 and attributes empty.
 
 use detector::{DetectedClass, Detections};
@@ -50,7 +50,7 @@ impl ResultWriter for NuScenesResults {
                 "rotation": [turn.w, turn.i, turn.j, turn.k],
                 "velocity": [0.0, 0.0],
                 "detection_name": "car",
-                "detection_score": detection.score.unwrap_or(SCORE_OF_NONE),
+                "detection_score": detection.box_score().unwrap_or(SCORE_OF_NONE),
                 "attribute_name": "",
             }));
         }

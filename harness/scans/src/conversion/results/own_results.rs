@@ -3,10 +3,9 @@
 use detector::Detections;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::to_csv_bytes;
-use reports::rows::box_row::BoxRow;
 use reports::rows::cluster_of_point;
 
-use super::detection_rows::{clusters_of_points, detection_facts};
+use super::detection_rows::{box_rows, clusters_of_points};
 use super::{ResultFile, ResultWriter};
 use crate::annotation::LabeledScan;
 use crate::conversion::ConversionError;
@@ -29,8 +28,7 @@ impl ResultWriter for OwnResults {
         let clusters = clusters_of_points(detections, scan.cloud.len());
         let clusters = values_of_file(&clusters, &scan.points_left_out).into_iter().map(Option::flatten);
         let clusters: Vec<Option<u32>> = clusters.collect();
-        let rows = detections.iter().enumerate().map(|(place, it)| BoxRow::new(&detection_facts(place, &it)));
-        let boxes = to_csv_bytes(&rows.collect::<Vec<_>>())
+        let boxes = to_csv_bytes(&box_rows(detections))
             .map_err(|source| ArchiveError::Csv { path: name("csv").into(), source })?;
         let mut files = vec![ResultFile { name: name("csv"), content: boxes }];
         // A point has one number: what shares points is told by its boxes alone.

@@ -6,10 +6,11 @@ use std::io::BufReader;
 use std::path::Path;
 use std::time::Duration;
 
+use detector::detection::{SeenOfVehicle, SeenSides};
 use detector::detector::StageTime;
 use detector::stage_product::{LinkFate, ObjectCell, ProductCell, ProductLink, ProductSphere, Shape};
 use detector::surface_class::SurfaceClass;
-use detector::{DetectedClass, Detection, Detections, DetectorOutput, OrientedBox, StageProduct};
+use detector::{BoxDetails, DetectedClass, Detection, Detections, DetectorOutput, OrientedBox, StageProduct};
 use evaluation::matching::mistake::{Mistake, MistakeKind};
 use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use evaluation::metrics::counts::FalseDetections;
@@ -56,14 +57,14 @@ pub fn scan(index: u32) -> LabeledScan {
 }
 
 pub fn output() -> DetectorOutput {
-    let detection = |point_indices, x_m| Detection {
-        point_indices,
-        bounding_box: unit_box(x_m),
-        class: DetectedClass::Vehicle,
-        score: Some(0.5),
-    };
+    let detection =
+        |point_indices, x_m| Detection::new(point_indices, unit_box(x_m), DetectedClass::Vehicle, Some(0.5));
+    let sides = SeenSides { rear: true, ..SeenSides::default() };
+    let seen = Some(SeenOfVehicle { sides, is_front_sure: false });
+    let partly_seen =
+        Detection { box_details: BoxDetails { seen, ..BoxDetails::default() }, ..detection(&[4], 4.0) };
     DetectorOutput {
-        detections: [detection(&[0, 1], 0.0), detection(&[4], 4.0)].into_iter().collect(),
+        detections: [detection(&[0, 1], 0.0), partly_seen].into_iter().collect(),
         stage_times: vec![
             StageTime { stage: "grid", duration: Duration::from_millis(2) },
             StageTime { stage: "boxes", duration: Duration::from_millis(1) },

@@ -64,7 +64,8 @@ fn outcomes_that_a_scan_no_longer_has_are_cleared() {
         ("/world/sensor/detectors/grid/outcomes/objects/matched Boxes3D:half_sizes", 2),
         ("/world/sensor/detectors/grid/outcomes/objects/matched Clear:is_recursive", 1),
         ("/world/sensor/detectors/grid/outcomes/objects/missed Boxes3D:half_sizes", 2),
-        ("/world/sensor/detectors/grid/outcomes/objects/false Boxes3D:half_sizes", 2),
+        // Of the one that is false it is known what is seen.
+        ("/world/sensor/detectors/grid/outcomes/objects/false/partly_seen LineStrips3D:strips", 2),
         ("/world/sensor/detectors/grid/outcomes/vehicles/missed Clear:is_recursive", 1),
     ]);
 }
