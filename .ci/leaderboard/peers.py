@@ -120,7 +120,8 @@ def write_tables(folder):
             if (timed / "report.json").is_file():
                 tables["times"] = lines_of(timed)["times"]
             for table, lines in tables.items():
-                if name != "streets" and table == "detectors":
+                # Once is enough; and times of one machine are those of the streets.
+                if name != "streets" and table in ("detectors", "times"):
                     continue
                 block = re.compile(rf"(<!-- made by \.ci/peers: {name} {table} -->\n).*?(\n<!-- end of what \.ci/peers made -->)", re.DOTALL)
                 if not block.search(text):

@@ -60,7 +60,7 @@ def quality(numbers, detectors, task):
 
 
 def times(numbers, detectors):
-    lines = table("detector", "ms (median)", "× hierarchical", "CPU ms (mean)", "× hierarchical", "of that the door, ms", "failed scans")
+    lines = table("detector", "ms (median)", "× hierarchical", "CPU ms (mean)", "× hierarchical", "process overhead, ms", "failed scans")
     of = {name: {it: value(numbers, it, "objects", name) for it in detectors} for name in ["latency_p50_ms", "cpu_mean_ms", "door_p50_ms", "failed_scans"]}
     for it in detectors:
         cells = []

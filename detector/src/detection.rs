@@ -40,7 +40,7 @@ pub struct SeenSides {
 /// What a detector says of a whole vehicle of which it sees a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SeenOfVehicle {
-    /// Which sides are seen. The box reaches beyond what is seen on the others.
+    /// Which sides are seen: those that face the sensor, and at which the box ends about where the points do.
     pub sides: SeenSides,
     /// Whether it is sure which end is the front. Otherwise the yaw may be off by 180 degrees.
     pub is_front_sure: bool,
@@ -125,7 +125,7 @@ impl Detections {
 
     /// Appends a detection.
     pub fn push(&mut self, detection: Detection<'_>) {
-        debug_assert!(detection.score.is_none_or(|score| !score.is_nan()));
+        debug_assert!([detection.score, detection.box_details.score].iter().flatten().all(|it| !it.is_nan()));
         let start = self.point_indices.len();
         self.point_indices.extend_from_slice(detection.point_indices);
         self.entries.push(Entry {
@@ -144,6 +144,7 @@ impl Detections {
     ) {
         for detection_idx in 0..self.len() {
             let (bounding_box, box_details) = new_box(self.get(detection_idx));
+            debug_assert!(box_details.score.is_none_or(|it| !it.is_nan()));
             let entry = &mut self.entries[detection_idx];
             (entry.bounding_box, entry.box_details) = (bounding_box, box_details);
         }

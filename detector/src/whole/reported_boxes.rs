@@ -150,11 +150,11 @@ mod tests {
     const GIVEN: OrientedBox =
         OrientedBox { center_m: [1.0; 3], length_width_height_m: [9.0, 8.0, 7.0], yaw_rad: 0.7 };
 
-    /// The boxes of an object, of a vehicle without points, and of a vehicle, and of one that is unlikely.
-    fn boxes(params: BoxParams, bottom_m: f32) -> [OrientedBox; 4] {
+    /// An object, a vehicle without points, a vehicle, and one that is unlikely. Vehicles have the score 1.
+    fn reported(params: BoxParams, bottom_m: f32) -> DetectorOutput {
         let cloud = cloud(bottom_m);
         let all: Vec<u32> = (0..cloud.len() as u32).collect();
-        let detection = |point_indices, class| Detection::new(point_indices, GIVEN, class, None);
+        let detection = |point_indices, class| Detection::new(point_indices, GIVEN, class, Some(1.0));
         let mut output = DetectorOutput::default();
         output.detections.push(detection(&all, DetectedClass::Object));
         output.detections.push(detection(&[], DetectedClass::Vehicle));
@@ -162,6 +162,12 @@ mod tests {
         output.unlikely_vehicles.push(detection(&all, DetectedClass::Vehicle));
         let mut reported = ReportedBoxes::new(params).with_model(Some(model()));
         reported.replace(&cloud, |_| GROUND_M, &mut output);
+        output
+    }
+
+    /// Their boxes.
+    fn boxes(params: BoxParams, bottom_m: f32) -> [OrientedBox; 4] {
+        let output = reported(params, bottom_m);
         let [object, empty, vehicle] = [0, 1, 2].map(|it| output.detections.get(it).bounding_box);
         [object, empty, vehicle, output.unlikely_vehicles.get(0).bounding_box]
     }
@@ -181,6 +187,24 @@ mod tests {
         assert_eq!((empty, unlikely), (GIVEN, vehicle));
         check(vehicle, [4.0, 1.0, 1.4], 0.0);
         assert!((vehicle.center_m[0] - 8.0).abs() < 1e-3 && vehicle.yaw_rad.cos() < -0.999, "{vehicle:?}");
+    }
+
+    #[test]
+    fn whole_boxes_are_ranked_by_vehicle_and_box_and_others_as_before() {
+        let output = reported(BoxParams { outline: true, whole: true }, 0.4);
+        let details = |it: usize| output.detections.get(it).box_details;
+        assert_eq!([details(0), details(1)], [BoxDetails::default(); 2]);
+        assert_eq!(details(2), output.unlikely_vehicles.get(0).box_details);
+        // One of a vehicle with odds of e to a right box with odds of e².
+        let probability = |log_odds: f32| 1.0 / (1.0 + f64::from(-log_odds).exp());
+        let found = probability(output.detections.get(2).box_score().unwrap());
+        assert!((found - probability(1.0) * probability(2.0)).abs() < 1e-5);
+        // Its front is the near end, and the far ones are not seen; it is told so with little certainty.
+        let seen = details(2).seen.unwrap();
+        assert!(seen.sides.front && !seen.sides.rear && !seen.is_front_sure);
+        assert!(seen.sides.left != seen.sides.right);
+        let of_what_is_seen = reported(BoxParams { outline: true, whole: false }, 0.4);
+        assert_eq!(of_what_is_seen.detections.get(2).box_score(), Some(1.0));
     }
 
     #[test]

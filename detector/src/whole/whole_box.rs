@@ -16,7 +16,7 @@ const LEAST_SIDE_M: f32 = 0.3;
 
 /// A side is seen if it faces the sensor, and the whole reaches no farther than this beyond what is seen there, in metres.
 const MOST_BEYOND_SEEN_M: f32 = 0.25;
-/// The front is sure from these log odds on: nine of ten are right then.
+/// The front is sure from these log odds on: a probability of 0.9.
 const SURE_LOG_ODDS: f32 = 2.2;
 
 /// What is asked about a vehicle.
@@ -40,8 +40,17 @@ impl SeenVehicle {
         Self { seen, frame, ground_m, values }
     }
 
+    /// How far the whole reaches beyond what is seen, without giving up too much of that.
+    fn limited_m(&self, growth_m: [f32; 5]) -> [f32; 5] {
+        let least_m = |axis: usize| -MOST_SHRINKAGE_M.min(MOST_SHRINKAGE * 2.0 * self.frame.half_m[axis]);
+        let [near_u_m, far_u_m, near_v_m, far_v_m, top_m] = growth_m;
+        let [along_m, across_m] = [least_m(0), least_m(1)];
+        [near_u_m.max(along_m), far_u_m.max(along_m), near_v_m.max(across_m), far_v_m.max(across_m), top_m]
+    }
+
     /// Which sides are seen, if the whole reaches so far beyond what is seen and its front is the far or the near end.
     fn sides(&self, is_turned: bool, growth_m: [f32; 5], is_away: bool) -> SeenSides {
+        let growth_m = self.limited_m(growth_m);
         let is_seen = |axis: usize| {
             let growth_m = growth_m[2 * axis];
             let faces_sensor = self.frame.from_sensor_m[axis] > self.frame.half_m[axis] + growth_m;
@@ -63,13 +72,10 @@ impl SeenVehicle {
 
     /// The box that reaches so far beyond what is seen, and whose front is the far or the near end.
     fn grown(&self, is_turned: bool, growth_m: [f32; 5], is_away: bool) -> OrientedBox {
-        let [near_u_m, far_u_m, near_v_m, far_v_m, top_m] = growth_m;
-        let range_m = |axis: usize, [near_m, far_m]: [f32; 2]| {
-            let half_m = self.frame.half_m[axis];
-            let least_m = -MOST_SHRINKAGE_M.min(MOST_SHRINKAGE * 2.0 * half_m);
-            [-half_m - near_m.max(least_m), half_m + far_m.max(least_m)]
-        };
-        let ranges_m = [range_m(0, [near_u_m, far_u_m]), range_m(1, [near_v_m, far_v_m])];
+        let [near_u_m, far_u_m, near_v_m, far_v_m, top_m] = self.limited_m(growth_m);
+        let [half_u_m, half_v_m] = self.frame.half_m;
+        let ranges_m =
+            [[-half_u_m - near_u_m, half_u_m + far_u_m], [-half_v_m - near_v_m, half_v_m + far_v_m]];
         let center_m = self.frame.in_scan_m(ranges_m.map(|[low, high]| 0.5 * (low + high)));
         let [along_u_m, along_v_m] = ranges_m.map(|[low, high]| (high - low).max(LEAST_SIDE_M));
         let [length_m, width_m] = if is_turned { [along_v_m, along_u_m] } else { [along_u_m, along_v_m] };
@@ -97,7 +103,8 @@ pub struct WholeBox {
 }
 
 impl WholeBox {
-    /// What is said of the box of a vehicle with this score: the logarithm of the odds that it is one, which is not asked again without.
+    /// What is said of the box. `score` is the logarithm of the odds that it is a vehicle; without one it is taken for one, and the score is
+    /// that of the box alone.
     pub fn details(&self, score: Option<f32>) -> BoxDetails {
         let score = score.map_or(self.right_log_odds, |it| both_log_odds(it, self.right_log_odds));
         BoxDetails { score: Some(score), seen: Some(self.seen) }
@@ -224,19 +231,20 @@ mod tests {
         #[test]
         fn both_hold_at_most_as_surely_as_either(one in -60.0_f32..60.0, other in -60.0_f32..60.0) {
             let both = both_log_odds(one, other);
-            let odds = |it: f32| 1.0 / (1.0 + f64::from(-it).exp());
+            let probability = |it: f32| 1.0 / (1.0 + f64::from(-it).exp());
             prop_assert!(both <= one.min(other) + 1e-4);
-            prop_assert!((odds(both) - odds(one) * odds(other)).abs() < 1e-5);
+            prop_assert!((probability(both) - probability(one) * probability(other)).abs() < 1e-5);
         }
 
         #[test]
         fn sides_that_are_seen_face_the_sensor(
             x in -30.0_f32..30.0, y in -30.0_f32..30.0, yaw_rad in -3.1_f32..3.1, is_turned: bool, is_away: bool,
+            growth_m in prop::array::uniform5(-1.0_f32..0.25),
         ) {
             let seen = OrientedBox { center_m: [x, y, -1.0], length_width_height_m: [4.0, 1.8, 1.5], yaw_rad };
             let seen = SeenVehicle::new(seen, -1.7, &[[x, y, -1.0]]);
-            let SeenSides { front, rear, left, right } = seen.sides(is_turned, [0.0; 5], is_away);
-            let whole = seen.grown(is_turned, [0.0; 5], is_away);
+            let SeenSides { front, rear, left, right } = seen.sides(is_turned, growth_m, is_away);
+            let whole = seen.grown(is_turned, growth_m, is_away);
             let [length_m, width_m, _] = whole.length_width_height_m;
             let [along_m, across_m, _] = whole.in_box_frame([0.0; 3]);
             // Not where rounding decides.

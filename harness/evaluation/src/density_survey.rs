@@ -1,40 +1,18 @@
 //! What a weight over range is learned from: the density of the rings around the sensor, scan by scan.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use detector::grid::density_curve::{DensityCurve, LEAST_POINTS};
 use detector::grid::ring_density::{FIRST_RING_M, N_RINGS, RingCounts, ring_middle_m};
-use rayon::prelude::*;
 use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
-use scans::dataset::Dataset;
 
-use crate::realism::survey::SurveyError;
+use crate::scan_pass::{ScanPass, ScanPassError};
 
-/// Counts the points in the rings of the scans `scan_indices` of `dataset`, several at once, in their order.
-///
-/// `on_scan` is called after every scan, from several threads.
+/// Counts the points in the rings of the scans of `pass`, in their order.
 ///
 /// # Errors
 ///
-/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
-pub fn count_rings(
-    dataset: &dyn Dataset,
-    scan_indices: &[usize],
-    interrupted: &AtomicBool,
-    on_scan: impl Fn() + Sync,
-) -> Result<Vec<RingCounts>, SurveyError> {
-    let count = |&scan_idx: &usize| {
-        if interrupted.load(Ordering::Relaxed) {
-            let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
-            return Err(SurveyError::Interrupted { dataset, n_scans });
-        }
-        let counts = RingCounts::of(&dataset.read_scan(scan_idx)?.cloud);
-        on_scan();
-        Ok(counts)
-    };
-    // Collected before it is looked through for errors, so that the first in order is reported.
-    let counted: Vec<_> = scan_indices.par_iter().map(count).collect();
-    counted.into_iter().collect()
+/// As [`ScanPass::over`] says.
+pub fn count_rings(pass: ScanPass<'_>) -> Result<Vec<RingCounts>, ScanPassError> {
+    pass.over(|| (), |(), it| RingCounts::of(&it.scan.cloud))
 }
 
 /// The density by range and the weight by range, measured on the left, fitted on the right.

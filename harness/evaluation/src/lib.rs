@@ -4,6 +4,7 @@
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
 
 pub mod journal;
+pub mod scan_pass;
 pub mod matching;
 pub mod metrics;
 pub mod object_box;

@@ -148,7 +148,7 @@ pub fn outcome_layer(detector: &str, task: Task, layer: OutcomeLayer) -> EntityP
     below(DETECTORS, &[detector, "outcomes", task.name(), layer.path_part()])
 }
 
-/// The boxes of a layer, or of a class, of which it is known what sides are seen.
+/// The boxes of a layer of outcomes of which it is known what sides are seen.
 pub fn partly_seen(boxes: &EntityPath) -> EntityPath {
     product_part(boxes, "partly_seen")
 }

@@ -133,9 +133,8 @@ fn detection_label(detection_idx: usize, detection: &Detection<'_>, reason: &str
 fn line_radius_px(layer: OutcomeLayer) -> f32 {
     match layer {
         OutcomeLayer::Matched | OutcomeLayer::Missed | OutcomeLayer::False => 1.6,
-        OutcomeLayer::Found
-        | OutcomeLayer::IgnoredAnnotation
-        | OutcomeLayer::IgnoredDetection
-        | OutcomeLayer::Unknowable => 0.7,
+        OutcomeLayer::IgnoredAnnotation | OutcomeLayer::IgnoredDetection | OutcomeLayer::Unknowable => 0.7,
+        // So thin that it does not fill the gaps between the dashes of the detection that found it.
+        OutcomeLayer::Found => 0.35,
     }
 }

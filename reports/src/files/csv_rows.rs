@@ -16,6 +16,26 @@ pub trait CsvRow: Serialize + DeserializeOwned {
     const COLUMNS: &'static [&'static str];
 }
 
+/// Declares a struct whose fields are the columns of a row, in order: its own, or that of the type named before, which is written as it.
+macro_rules! row {
+    ($(#[$of_struct:meta])* $visible:vis struct $name:ident { $($fields:tt)* }) => {
+        row! { for $name: $(#[$of_struct])* $visible struct $name { $($fields)* } }
+    };
+    (for $row:ty: $(#[$of_struct:meta])* $visible:vis struct $name:ident {
+        $($(#[$of_field:meta])* $seen:vis $field:ident: $kind:ty,)*
+    }) => {
+        $(#[$of_struct])*
+        $visible struct $name {
+            $($(#[$of_field])* $seen $field: $kind,)*
+        }
+
+        impl $crate::files::csv_rows::CsvRow for $row {
+            const COLUMNS: &'static [&'static str] = &[$(stringify!($field)),*];
+        }
+    };
+}
+pub(crate) use row;
+
 /// Writes rows to a file that appears once it is complete.
 #[derive(Debug)]
 #[must_use = "rows that are not finished are thrown away"]

@@ -28,7 +28,7 @@ pub struct BoxErrorLine {
     pub n_pairs: u64,
     /// Tracks that these belong to.
     pub n_tracks: u64,
-    /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs.
+    /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs, and of boxes that do not tell it.
     pub fits: Vec<(&'static str, Option<NumberWithin>)>,
 }
 

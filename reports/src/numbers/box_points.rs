@@ -49,7 +49,9 @@ impl BoxPoints {
             }
         }
         let of_all = 1.0 / f64::from(n_vehicles.max(1));
-        shares.values_mut().for_each(|it| *it *= of_all);
+        for share in shares.values_mut() {
+            *share *= of_all;
+        }
         Self {
             class,
             frame,

@@ -2,33 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 
-/// One threshold, with what the rates are made of.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct OperatingRow {
-    threshold: Fixed<6>,
-    n_vehicles: usize,
-    n_others: usize,
-    n_true: usize,
-    n_false: usize,
-    recall: Option<Fixed<6>>,
-    false_positive_rate: Option<Fixed<6>>,
-    precision: Option<Fixed<6>>,
-}
-
-impl CsvRow for OperatingRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "threshold",
-        "n_vehicles",
-        "n_others",
-        "n_true",
-        "n_false",
-        "recall",
-        "false_positive_rate",
-        "precision",
-    ];
+row! {
+    /// One threshold, with what the rates are made of.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct OperatingRow {
+        threshold: Fixed<6>,
+        n_vehicles: usize,
+        n_others: usize,
+        n_true: usize,
+        n_false: usize,
+        recall: Option<Fixed<6>>,
+        false_positive_rate: Option<Fixed<6>>,
+        precision: Option<Fixed<6>>,
+    }
 }
 
 impl OperatingRow {

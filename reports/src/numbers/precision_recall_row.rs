@@ -2,28 +2,25 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::average_precision::OperatingPoint;
 use crate::vocabulary::task::Task;
 
-/// One detector on one data set in one task, from one score on.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PrecisionRecallRow {
-    dataset: String,
-    task: Task,
-    detector: String,
-    min_score: Fixed<6>,
-    no: u64,
-    tp: u64,
-    fo: u64,
-    precision: Fixed<6>,
-    recall: Option<Fixed<6>>,
-}
-
-impl CsvRow for PrecisionRecallRow {
-    const COLUMNS: &'static [&'static str] =
-        &["dataset", "task", "detector", "min_score", "no", "tp", "fo", "precision", "recall"];
+row! {
+    /// One detector on one data set in one task, from one score on.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct PrecisionRecallRow {
+        dataset: String,
+        task: Task,
+        detector: String,
+        min_score: Fixed<6>,
+        no: u64,
+        tp: u64,
+        fo: u64,
+        precision: Fixed<6>,
+        recall: Option<Fixed<6>>,
+    }
 }
 
 impl PrecisionRecallRow {

@@ -2,34 +2,31 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::numbers::run_report::MetricRow;
 use crate::vocabulary::task::Task;
 
-/// A time on one kind of processor.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ProcessorTimeRow {
-    /// The processor's own name.
-    pub processor: String,
-    /// Id of the data set.
-    pub dataset: String,
-    /// The task.
-    pub task: Task,
-    /// Name of the detector.
-    pub detector: String,
-    /// Id of the metric.
-    pub metric: String,
-    /// Its value; `None` where it is undefined.
-    pub value: Option<f64>,
-    /// Its unit.
-    pub unit: String,
-    /// Number of timed scans.
-    pub n: u64,
-}
-
-impl CsvRow for ProcessorTimeRow {
-    const COLUMNS: &'static [&'static str] =
-        &["processor", "dataset", "task", "detector", "metric", "value", "unit", "n"];
+row! {
+    /// A time on one kind of processor.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct ProcessorTimeRow {
+        /// The processor's own name.
+        pub processor: String,
+        /// Id of the data set.
+        pub dataset: String,
+        /// The task.
+        pub task: Task,
+        /// Name of the detector.
+        pub detector: String,
+        /// Id of the metric.
+        pub metric: String,
+        /// Its value; `None` where it is undefined.
+        pub value: Option<f64>,
+        /// Its unit.
+        pub unit: String,
+        /// Number of timed scans.
+        pub n: u64,
+    }
 }
 
 impl ProcessorTimeRow {

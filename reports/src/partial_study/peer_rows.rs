@@ -6,23 +6,21 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::files::archive::ArchiveError;
-use crate::files::csv_rows::{CsvRow, read_rows};
+use crate::files::csv_rows::{read_rows, row};
 use crate::rows::partial_row::{Answer, PartialRow, Told};
 use crate::vocabulary::partial_class::PartialClass;
 
-/// A row of the table that another program leaves.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct PeerRow {
-    object: String,
-    class: String,
-    from: String,
-    step: u32,
-    n_points: usize,
-    told: String,
-}
-
-impl CsvRow for PeerRow {
-    const COLUMNS: &'static [&'static str] = &["object", "class", "from", "step", "n_points", "told"];
+row! {
+    /// A row of the table that another program leaves.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    struct PeerRow {
+        object: String,
+        class: String,
+        from: String,
+        step: u32,
+        n_points: usize,
+        told: String,
+    }
 }
 
 /// Why a table of another program cannot stand beside ours.

@@ -2,28 +2,30 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::rows::match_outcome::DetectionFacts;
 use crate::vocabulary::class::DetectionClass;
 
-/// One detection with its box, in the sensor frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct BoxRow {
-    id: u64,
-    class: DetectionClass,
-    score: Option<Fixed<6>>,
-    center_x_m: Fixed<4>,
-    center_y_m: Fixed<4>,
-    center_z_m: Fixed<4>,
-    length_m: Fixed<4>,
-    width_m: Fixed<4>,
-    height_m: Fixed<4>,
-    yaw_rad: Fixed<4>,
-    n_points: u64,
-    box_score: Option<Fixed<6>>,
-    seen_sides: Option<String>,
-    front_sure: Option<bool>,
+row! {
+    /// One detection with its box, in the sensor frame.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct BoxRow {
+        id: u64,
+        class: DetectionClass,
+        score: Option<Fixed<6>>,
+        center_x_m: Fixed<4>,
+        center_y_m: Fixed<4>,
+        center_z_m: Fixed<4>,
+        length_m: Fixed<4>,
+        width_m: Fixed<4>,
+        height_m: Fixed<4>,
+        yaw_rad: Fixed<4>,
+        n_points: u64,
+        box_score: Option<Fixed<6>>,
+        seen_sides: Option<String>,
+        front_sure: Option<bool>,
+    }
 }
 
 /// What is said of a box beside where it is; nothing of one that is that of what is seen.
@@ -35,25 +37,6 @@ pub struct BoxDetailFacts {
     pub seen_sides: Option<Vec<&'static str>>,
     /// Whether it is sure which end is the front.
     pub front_sure: Option<bool>,
-}
-
-impl CsvRow for BoxRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "id",
-        "class",
-        "score",
-        "center_x_m",
-        "center_y_m",
-        "center_z_m",
-        "length_m",
-        "width_m",
-        "height_m",
-        "yaw_rad",
-        "n_points",
-        "box_score",
-        "seen_sides",
-        "front_sure",
-    ];
 }
 
 impl BoxRow {

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::exact_number::Exact;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::class::AnnotationClass;
@@ -99,67 +99,38 @@ impl KittiBox {
     }
 }
 
-impl CsvRow for KittiObjectRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "dataset",
-        "sequence",
-        "scan",
-        "detector",
-        "kind",
-        "annotation",
-        "detection",
-        "class",
-        "left_px",
-        "top_px",
-        "right_px",
-        "bottom_px",
-        "alpha_rad",
-        "bottom_center_x_m",
-        "bottom_center_y_m",
-        "bottom_center_z_m",
-        "height_m",
-        "width_m",
-        "length_m",
-        "rotation_y_rad",
-        "occlusion",
-        "truncation",
-        "score",
-        "overlap_image",
-        "overlap_birds_eye",
-        "overlap_volume",
-        "dont_care_share",
-    ];
-}
-
-#[derive(Default, Serialize, Deserialize)]
-struct KittiObjectRecord {
-    dataset: String,
-    sequence: String,
-    scan: u32,
-    detector: String,
-    kind: Kind,
-    annotation: Option<u32>,
-    detection: Option<u32>,
-    class: Option<AnnotationClass>,
-    left_px: Option<Exact>,
-    top_px: Option<Exact>,
-    right_px: Option<Exact>,
-    bottom_px: Option<Exact>,
-    alpha_rad: Option<Exact>,
-    bottom_center_x_m: Option<Exact>,
-    bottom_center_y_m: Option<Exact>,
-    bottom_center_z_m: Option<Exact>,
-    height_m: Option<Exact>,
-    width_m: Option<Exact>,
-    length_m: Option<Exact>,
-    rotation_y_rad: Option<Exact>,
-    occlusion: Option<i64>,
-    truncation: Option<Exact>,
-    score: Option<Exact>,
-    overlap_image: Option<Exact>,
-    overlap_birds_eye: Option<Exact>,
-    overlap_volume: Option<Exact>,
-    dont_care_share: Option<Exact>,
+row! {
+    for KittiObjectRow:
+    #[derive(Default, Serialize, Deserialize)]
+    struct KittiObjectRecord {
+        dataset: String,
+        sequence: String,
+        scan: u32,
+        detector: String,
+        kind: Kind,
+        annotation: Option<u32>,
+        detection: Option<u32>,
+        class: Option<AnnotationClass>,
+        left_px: Option<Exact>,
+        top_px: Option<Exact>,
+        right_px: Option<Exact>,
+        bottom_px: Option<Exact>,
+        alpha_rad: Option<Exact>,
+        bottom_center_x_m: Option<Exact>,
+        bottom_center_y_m: Option<Exact>,
+        bottom_center_z_m: Option<Exact>,
+        height_m: Option<Exact>,
+        width_m: Option<Exact>,
+        length_m: Option<Exact>,
+        rotation_y_rad: Option<Exact>,
+        occlusion: Option<i64>,
+        truncation: Option<Exact>,
+        score: Option<Exact>,
+        overlap_image: Option<Exact>,
+        overlap_birds_eye: Option<Exact>,
+        overlap_volume: Option<Exact>,
+        dont_care_share: Option<Exact>,
+    }
 }
 
 #[derive(Clone, Copy, Default, PartialEq, Serialize, Deserialize)]

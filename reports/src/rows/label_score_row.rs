@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::exact_number::Exact;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::ground_definition::GroundDefinition;
@@ -98,29 +98,6 @@ impl LabelScore {
     }
 }
 
-impl CsvRow for LabelScoreRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "dataset",
-        "sequence",
-        "scan",
-        "detector",
-        "kind",
-        "class",
-        "instance",
-        "n_points",
-        "association",
-        "iou",
-        "n_matched",
-        "n_missed",
-        "n_false",
-        "n_others",
-        "n_objects",
-        "ose_nats",
-        "n_segments",
-        "use_nats",
-    ];
-}
-
 #[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum KindName {
@@ -130,28 +107,31 @@ enum KindName {
     Ground,
 }
 
-/// `class` is the number of the class of an instance, the name of that of things, or that of a definition of ground. `iou` is of the match of an
-/// instance, or the sum of those of things; `n_matched` is of things or points.
-#[derive(Serialize, Deserialize)]
-struct ScoreRecord {
-    dataset: String,
-    sequence: String,
-    scan: u32,
-    detector: String,
-    kind: KindName,
-    class: Option<String>,
-    instance: Option<u16>,
-    n_points: Option<u64>,
-    association: Option<Exact>,
-    iou: Option<Exact>,
-    n_matched: Option<u64>,
-    n_missed: Option<u64>,
-    n_false: Option<u64>,
-    n_others: Option<u64>,
-    n_objects: Option<u64>,
-    ose_nats: Option<Exact>,
-    n_segments: Option<u64>,
-    use_nats: Option<Exact>,
+row! {
+    for LabelScoreRow:
+    /// `class` is the number of the class of an instance, the name of that of things, or that of a definition of ground. `iou` is of the match of an
+    /// instance, or the sum of those of things; `n_matched` is of things or points.
+    #[derive(Serialize, Deserialize)]
+    struct ScoreRecord {
+        dataset: String,
+        sequence: String,
+        scan: u32,
+        detector: String,
+        kind: KindName,
+        class: Option<String>,
+        instance: Option<u16>,
+        n_points: Option<u64>,
+        association: Option<Exact>,
+        iou: Option<Exact>,
+        n_matched: Option<u64>,
+        n_missed: Option<u64>,
+        n_false: Option<u64>,
+        n_others: Option<u64>,
+        n_objects: Option<u64>,
+        ose_nats: Option<Exact>,
+        n_segments: Option<u64>,
+        use_nats: Option<Exact>,
+    }
 }
 
 impl ScoreRecord {
@@ -269,7 +249,7 @@ impl TryFrom<ScoreRecord> for LabelScoreRow {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::files::csv_rows::{read_rows, to_csv_bytes};
+    use crate::files::csv_rows::{CsvRow, read_rows, to_csv_bytes};
 
     /// A row of the detector `grid` on a scan of drive 08.
     pub(crate) fn row(scan: u32, score: LabelScore) -> LabelScoreRow {

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
 use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
@@ -42,81 +42,45 @@ impl MatchRow {
     }
 }
 
-impl CsvRow for MatchRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "dataset",
-        "sequence",
-        "scan",
-        "detector",
-        "task",
-        "criterion",
-        "kind",
-        "outcome",
-        "reason",
-        "cost",
-        "annotation_id",
-        "annotation_track",
-        "annotation_class",
-        "annotation_occlusion",
-        "annotation_n_points",
-        "annotation_n_points_outside",
-        "annotation_center_x_m",
-        "annotation_center_y_m",
-        "annotation_center_z_m",
-        "annotation_length_m",
-        "annotation_width_m",
-        "annotation_height_m",
-        "annotation_yaw_rad",
-        "detection_id",
-        "detection_class",
-        "detection_score",
-        "detection_n_points",
-        "detection_center_x_m",
-        "detection_center_y_m",
-        "detection_center_z_m",
-        "detection_length_m",
-        "detection_width_m",
-        "detection_height_m",
-        "detection_yaw_rad",
-    ];
-}
-
-#[derive(Serialize, Deserialize)]
-struct MatchRecord {
-    dataset: String,
-    sequence: String,
-    scan: u32,
-    detector: String,
-    task: Task,
-    criterion: CriterionKind,
-    kind: Kind,
-    outcome: Outcome,
-    reason: Option<String>,
-    cost: Option<Fixed<6>>,
-    annotation_id: Option<u64>,
-    annotation_track: Option<u32>,
-    annotation_class: Option<AnnotationClass>,
-    annotation_occlusion: Option<Occlusion>,
-    annotation_n_points: Option<u64>,
-    annotation_n_points_outside: Option<u64>,
-    annotation_center_x_m: Option<Fixed<4>>,
-    annotation_center_y_m: Option<Fixed<4>>,
-    annotation_center_z_m: Option<Fixed<4>>,
-    annotation_length_m: Option<Fixed<4>>,
-    annotation_width_m: Option<Fixed<4>>,
-    annotation_height_m: Option<Fixed<4>>,
-    annotation_yaw_rad: Option<Fixed<4>>,
-    detection_id: Option<u64>,
-    detection_class: Option<DetectionClass>,
-    detection_score: Option<Fixed<6>>,
-    detection_n_points: Option<u64>,
-    detection_center_x_m: Option<Fixed<4>>,
-    detection_center_y_m: Option<Fixed<4>>,
-    detection_center_z_m: Option<Fixed<4>>,
-    detection_length_m: Option<Fixed<4>>,
-    detection_width_m: Option<Fixed<4>>,
-    detection_height_m: Option<Fixed<4>>,
-    detection_yaw_rad: Option<Fixed<4>>,
+row! {
+    for MatchRow:
+    #[derive(Serialize, Deserialize)]
+    struct MatchRecord {
+        dataset: String,
+        sequence: String,
+        scan: u32,
+        detector: String,
+        task: Task,
+        criterion: CriterionKind,
+        kind: Kind,
+        outcome: Outcome,
+        reason: Option<String>,
+        cost: Option<Fixed<6>>,
+        annotation_id: Option<u64>,
+        annotation_track: Option<u32>,
+        annotation_class: Option<AnnotationClass>,
+        annotation_occlusion: Option<Occlusion>,
+        annotation_n_points: Option<u64>,
+        annotation_n_points_outside: Option<u64>,
+        annotation_center_x_m: Option<Fixed<4>>,
+        annotation_center_y_m: Option<Fixed<4>>,
+        annotation_center_z_m: Option<Fixed<4>>,
+        annotation_length_m: Option<Fixed<4>>,
+        annotation_width_m: Option<Fixed<4>>,
+        annotation_height_m: Option<Fixed<4>>,
+        annotation_yaw_rad: Option<Fixed<4>>,
+        detection_id: Option<u64>,
+        detection_class: Option<DetectionClass>,
+        detection_score: Option<Fixed<6>>,
+        detection_n_points: Option<u64>,
+        detection_center_x_m: Option<Fixed<4>>,
+        detection_center_y_m: Option<Fixed<4>>,
+        detection_center_z_m: Option<Fixed<4>>,
+        detection_length_m: Option<Fixed<4>>,
+        detection_width_m: Option<Fixed<4>>,
+        detection_height_m: Option<Fixed<4>>,
+        detection_yaw_rad: Option<Fixed<4>>,
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::vocabulary::partial_class::PartialClass;
 
@@ -88,54 +88,31 @@ pub struct Answer {
     pub chances: OfClasses,
 }
 
-/// A row of `partial.csv`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PartialRow {
-    pub(crate) data: String,
-    pub(crate) object: String,
-    pub(crate) direction: String,
-    pub(crate) step: u32,
-    pub(crate) method: String,
-    pub(crate) trained_on: String,
-    pub(crate) true_class: PartialClass,
-    pub(crate) told: Told,
-    n_points: usize,
-    share_of_points: Fixed<4>,
-    error_tree: Option<Fixed<5>>,
-    error_car: Option<Fixed<5>>,
-    error_pole: Option<Fixed<5>>,
-    error_pedestrian: Option<Fixed<5>>,
-    error_other: Option<Fixed<5>>,
-    chance_tree: Option<Fixed<5>>,
-    chance_car: Option<Fixed<5>>,
-    chance_pole: Option<Fixed<5>>,
-    chance_pedestrian: Option<Fixed<5>>,
-    chance_other: Option<Fixed<5>>,
-}
-
-impl CsvRow for PartialRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "data",
-        "object",
-        "direction",
-        "step",
-        "method",
-        "trained_on",
-        "true_class",
-        "told",
-        "n_points",
-        "share_of_points",
-        "error_tree",
-        "error_car",
-        "error_pole",
-        "error_pedestrian",
-        "error_other",
-        "chance_tree",
-        "chance_car",
-        "chance_pole",
-        "chance_pedestrian",
-        "chance_other",
-    ];
+row! {
+    /// A row of `partial.csv`.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct PartialRow {
+        pub(crate) data: String,
+        pub(crate) object: String,
+        pub(crate) direction: String,
+        pub(crate) step: u32,
+        pub(crate) method: String,
+        pub(crate) trained_on: String,
+        pub(crate) true_class: PartialClass,
+        pub(crate) told: Told,
+        n_points: usize,
+        share_of_points: Fixed<4>,
+        error_tree: Option<Fixed<5>>,
+        error_car: Option<Fixed<5>>,
+        error_pole: Option<Fixed<5>>,
+        error_pedestrian: Option<Fixed<5>>,
+        error_other: Option<Fixed<5>>,
+        chance_tree: Option<Fixed<5>>,
+        chance_car: Option<Fixed<5>>,
+        chance_pole: Option<Fixed<5>>,
+        chance_pedestrian: Option<Fixed<5>>,
+        chance_other: Option<Fixed<5>>,
+    }
 }
 
 impl PartialRow {

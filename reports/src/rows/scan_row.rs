@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::rows::counts::Counts;
 use crate::vocabulary::task::Task;
@@ -136,73 +136,41 @@ impl ScanRow {
     }
 }
 
-impl CsvRow for ScanRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "dataset",
-        "sequence",
-        "scan",
-        "time_s",
-        "detector",
-        "task",
-        "status",
-        "reason",
-        "n_points",
-        "checksum",
-        "latency_ms",
-        "least_latency_ms",
-        "reference_ms",
-        "cpu_ms",
-        "door_ms",
-        "no",
-        "tp",
-        "mo",
-        "fo",
-        "ignored_annotations",
-        "ignored_detections",
-        "unknowable_detections",
-        "split",
-        "holding",
-        "joining",
-        "touching",
-        "ose_nats",
-        "use_nats",
-        "dropped_too_small",
-        "dropped_too_large",
-    ];
-}
-
-#[derive(Serialize, Deserialize)]
-struct ScanRecord {
-    dataset: String,
-    sequence: String,
-    scan: u32,
-    time_s: Option<Fixed<3>>,
-    detector: String,
-    task: Task,
-    status: Status,
-    reason: Option<String>,
-    n_points: Option<u64>,
-    checksum: Option<String>,
-    latency_ms: Option<Fixed<3>>,
-    least_latency_ms: Option<Fixed<3>>,
-    reference_ms: Option<Fixed<4>>,
-    cpu_ms: Option<Fixed<3>>,
-    door_ms: Option<Fixed<3>>,
-    no: Option<u64>,
-    tp: Option<u64>,
-    mo: Option<u64>,
-    fo: Option<u64>,
-    ignored_annotations: Option<u64>,
-    ignored_detections: Option<u64>,
-    unknowable_detections: Option<u64>,
-    split: Option<u64>,
-    holding: Option<u64>,
-    joining: Option<u64>,
-    touching: Option<u64>,
-    ose_nats: Option<Fixed<6>>,
-    use_nats: Option<Fixed<6>>,
-    dropped_too_small: Option<u64>,
-    dropped_too_large: Option<u64>,
+row! {
+    for ScanRow:
+    #[derive(Serialize, Deserialize)]
+    struct ScanRecord {
+        dataset: String,
+        sequence: String,
+        scan: u32,
+        time_s: Option<Fixed<3>>,
+        detector: String,
+        task: Task,
+        status: Status,
+        reason: Option<String>,
+        n_points: Option<u64>,
+        checksum: Option<String>,
+        latency_ms: Option<Fixed<3>>,
+        least_latency_ms: Option<Fixed<3>>,
+        reference_ms: Option<Fixed<4>>,
+        cpu_ms: Option<Fixed<3>>,
+        door_ms: Option<Fixed<3>>,
+        no: Option<u64>,
+        tp: Option<u64>,
+        mo: Option<u64>,
+        fo: Option<u64>,
+        ignored_annotations: Option<u64>,
+        ignored_detections: Option<u64>,
+        unknowable_detections: Option<u64>,
+        split: Option<u64>,
+        holding: Option<u64>,
+        joining: Option<u64>,
+        touching: Option<u64>,
+        ose_nats: Option<Fixed<6>>,
+        use_nats: Option<Fixed<6>>,
+        dropped_too_small: Option<u64>,
+        dropped_too_large: Option<u64>,
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -328,7 +296,7 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
 mod tests {
     use super::*;
     use crate::files::archive::ArchiveError;
-    use crate::files::csv_rows::{CsvRowWriter, read_rows};
+    use crate::files::csv_rows::{CsvRow, CsvRowWriter, read_rows};
     use crate::files::whole_file::WholeFile;
 
     fn row(scan: u32, outcome: ScanOutcome) -> ScanRow {

@@ -2,25 +2,27 @@
 
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 
-/// How long one stage of a detector took on one scan.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StageRow {
-    /// Id of the data set.
-    pub dataset: String,
-    /// The drive the scan belongs to.
-    pub sequence: String,
-    /// Number of the scan within the drive.
-    pub scan: u32,
-    /// Name of the detector.
-    pub detector: String,
-    /// Name of the stage.
-    pub stage: String,
-    /// Its time in milliseconds, of the first repetition.
-    #[serde(serialize_with = "with_four_decimals")]
-    pub time_ms: f64,
+row! {
+    /// How long one stage of a detector took on one scan.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct StageRow {
+        /// Id of the data set.
+        pub dataset: String,
+        /// The drive the scan belongs to.
+        pub sequence: String,
+        /// Number of the scan within the drive.
+        pub scan: u32,
+        /// Name of the detector.
+        pub detector: String,
+        /// Name of the stage.
+        pub stage: String,
+        /// Its time in milliseconds, of the first repetition.
+        #[serde(serialize_with = "with_four_decimals")]
+        pub time_ms: f64,
+    }
 }
 
 impl StageRow {
@@ -28,10 +30,6 @@ impl StageRow {
     pub fn as_written(self) -> Self {
         Self { time_ms: Fixed::<4>::rounded(self.time_ms).0, ..self }
     }
-}
-
-impl CsvRow for StageRow {
-    const COLUMNS: &'static [&'static str] = &["dataset", "sequence", "scan", "detector", "stage", "time_ms"];
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 
 /// Where an object of [`JudgedObjects`] was seen, and what it is.
@@ -76,16 +76,14 @@ impl JudgedObjects {
     }
 }
 
-/// What one value is worth to a model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ImportanceRow {
-    feature: String,
-    roc_area_loss: Option<Fixed<5>>,
-    n_objects: usize,
-}
-
-impl CsvRow for ImportanceRow {
-    const COLUMNS: &'static [&'static str] = &["feature", "roc_area_loss", "n_objects"];
+row! {
+    /// What one value is worth to a model.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct ImportanceRow {
+        feature: String,
+        roc_area_loss: Option<Fixed<5>>,
+        n_objects: usize,
+    }
 }
 
 impl ImportanceRow {
@@ -96,18 +94,16 @@ impl ImportanceRow {
     }
 }
 
-/// Whether what a forest expects comes about: a row of `calibration.csv`, for held-out groups of which much the same was
-/// expected.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CalibrationRow {
-    what: String,
-    expected: Fixed<4>,
-    observed: Fixed<4>,
-    n_groups: usize,
-}
-
-impl CsvRow for CalibrationRow {
-    const COLUMNS: &'static [&'static str] = &["what", "expected", "observed", "n_groups"];
+row! {
+    /// Whether what a forest expects comes about: a row of `calibration.csv`, for held-out groups of which much the same was
+    /// expected.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct CalibrationRow {
+        what: String,
+        expected: Fixed<4>,
+        observed: Fixed<4>,
+        n_groups: usize,
+    }
 }
 
 impl CalibrationRow {

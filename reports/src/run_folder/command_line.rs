@@ -26,14 +26,14 @@ pub fn command_of_whole_run(argv: &[String], output: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut arguments = argv.iter();
     while let Some(argument) = arguments.next() {
-        if argument == "--shard" || argument == "--shards" {
+        if argument == "--shard" {
             arguments.next();
         } else if matches!(output_option(argument), OutputOption::ValueFollows) {
             arguments.next();
             words.extend([argument.clone(), output.to_owned()]);
         } else if let Some(option) = ["--output=", "-o"].into_iter().find(|it| argument.starts_with(it)) {
             words.push(format!("{option}{output}"));
-        } else if !["--shard=", "--shards="].iter().any(|it| argument.starts_with(it)) {
+        } else if !argument.starts_with("--shard=") {
             words.push(argument.clone());
         }
     }
@@ -88,7 +88,7 @@ mod tests {
         for (of_shard, of_run) in [
             ("run my/data --shard 3/8 -o shards -d pca", "run my/data -o whole -d pca"),
             ("run --shard=3/8 --output=shards --overwrite", "run --output=whole --overwrite"),
-            ("run --shard auto --shards 8 -oshards", "run -owhole"),
+            ("run --shard 3/8 -oshards", "run -owhole"),
         ] {
             let argv: Vec<String> = of_shard.split(' ').map(str::to_owned).collect();
             assert_eq!(command_of_whole_run(&argv, "whole").join(" "), of_run);

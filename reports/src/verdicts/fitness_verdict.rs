@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::rank_correlation::rank_correlation;
 use crate::numbers::sweep_curve::{SweepCurve, highest};
@@ -13,71 +13,49 @@ use crate::vocabulary::task::Task;
 /// What stands in the place of a reading for the cell size that the detector has where it is not swept.
 pub const CONFIGURED: &str = "as configured";
 
-/// One reading on one curve: a row of `cell_fitness.csv`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FitnessVerdict {
-    /// The data set.
-    pub(crate) dataset: String,
-    /// Where the scans come from.
-    pub(crate) origin: Origin,
-    /// The sensor.
-    pub(crate) sensor: String,
-    /// The detector.
-    pub(crate) detector: String,
-    /// What else is swept, as `name = value`.
-    pub(crate) others: String,
-    /// The task.
-    pub(crate) task: Task,
-    /// Annotations that count.
-    pub(crate) no: u64,
-    /// Which rate is meant by the following.
-    pub(crate) rate: String,
-    /// Cell sizes that were tried.
-    pub(crate) n_points: u64,
-    /// The best of them, in metres.
-    pub(crate) best_cell_size_m: Option<Fixed<3>>,
-    /// The rate there.
-    pub(crate) best_rate: Option<Fixed<6>>,
-    /// The reading.
-    pub(crate) reading: String,
-    /// Cell sizes at which it has a value, within its range if it has one.
-    pub(crate) n_defined: u64,
-    /// Cell sizes at which it is undefined, and pairs of neighbouring ones with a pole between them.
-    pub(crate) n_poles: u64,
-    /// The cell size it recommends, in metres.
-    pub(crate) recommended_cell_size_m: Option<Fixed<3>>,
-    /// Whether that is the smallest or the greatest that was tried, so that it may recommend any other beyond.
-    pub(crate) recommends_an_end: Option<bool>,
-    /// The rate there.
-    pub(crate) rate_there: Option<Fixed<6>>,
-    /// What is lost against the best cell size.
-    pub(crate) loss: Option<Fixed<6>>,
-    /// Spearman's rank correlation of reading and rate over the cell sizes.
-    pub(crate) rank_correlation: Option<Fixed<4>>,
-}
-
-impl CsvRow for FitnessVerdict {
-    const COLUMNS: &'static [&'static str] = &[
-        "dataset",
-        "origin",
-        "sensor",
-        "detector",
-        "others",
-        "task",
-        "no",
-        "rate",
-        "n_points",
-        "best_cell_size_m",
-        "best_rate",
-        "reading",
-        "n_defined",
-        "n_poles",
-        "recommended_cell_size_m",
-        "recommends_an_end",
-        "rate_there",
-        "loss",
-        "rank_correlation",
-    ];
+row! {
+    /// One reading on one curve: a row of `cell_fitness.csv`.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct FitnessVerdict {
+        /// The data set.
+        pub(crate) dataset: String,
+        /// Where the scans come from.
+        pub(crate) origin: Origin,
+        /// The sensor.
+        pub(crate) sensor: String,
+        /// The detector.
+        pub(crate) detector: String,
+        /// What else is swept, as `name = value`.
+        pub(crate) others: String,
+        /// The task.
+        pub(crate) task: Task,
+        /// Annotations that count.
+        pub(crate) no: u64,
+        /// Which rate is meant by the following.
+        pub(crate) rate: String,
+        /// Cell sizes that were tried.
+        pub(crate) n_points: u64,
+        /// The best of them, in metres.
+        pub(crate) best_cell_size_m: Option<Fixed<3>>,
+        /// The rate there.
+        pub(crate) best_rate: Option<Fixed<6>>,
+        /// The reading.
+        pub(crate) reading: String,
+        /// Cell sizes at which it has a value, within its range if it has one.
+        pub(crate) n_defined: u64,
+        /// Cell sizes at which it is undefined, and pairs of neighbouring ones with a pole between them.
+        pub(crate) n_poles: u64,
+        /// The cell size it recommends, in metres.
+        pub(crate) recommended_cell_size_m: Option<Fixed<3>>,
+        /// Whether that is the smallest or the greatest that was tried, so that it may recommend any other beyond.
+        pub(crate) recommends_an_end: Option<bool>,
+        /// The rate there.
+        pub(crate) rate_there: Option<Fixed<6>>,
+        /// What is lost against the best cell size.
+        pub(crate) loss: Option<Fixed<6>>,
+        /// Spearman's rank correlation of reading and rate over the cell sizes.
+        pub(crate) rank_correlation: Option<Fixed<4>>,
+    }
 }
 
 /// Every reading on every curve over cell sizes.

@@ -140,7 +140,7 @@ mod tests {
     use crate::protocols::argoverse2::Argoverse2;
     use crate::protocols::nuscenes::Nuscenes;
     use crate::protocols::official_objects::OfficialScanView;
-    use detector::{DetectorOutput, OrientedBox, PointCloud};
+    use detector::{BoxDetails, DetectedClass, Detection, DetectorOutput, OrientedBox, PointCloud};
     use proptest::prelude::*;
     use reports::rows::scan_name::ScanName;
     use reports::vocabulary::class::AnnotationClass;
@@ -196,6 +196,20 @@ mod tests {
         let rows = rows_of::<Argoverse2>(&scan, &vec![echoed[0].clone(); 103]);
         let n_of = |state| rows.iter().filter(|it| it.ranked_box.state == state).count();
         assert_eq!((n_of(BoxState::Counts), n_of(BoxState::BeyondNumber), n_found(&rows)), (101, 3, 1));
+    }
+
+    #[test]
+    fn vehicles_are_ranked_by_their_boxes() {
+        let scan = scan(&[[5.0, 0.0]]);
+        let bounding_box = scan.annotations[0].bounding_box.unwrap();
+        let mut output = DetectorOutput::default();
+        for box_score in [Some(-2.0), None] {
+            let box_details = BoxDetails { score: box_score, ..BoxDetails::default() };
+            let vehicle = Detection::new(&[0], bounding_box, DetectedClass::Vehicle, Some(1.0));
+            output.detections.push(Detection { box_details, ..vehicle });
+        }
+        let found = OfficialScanView::of_annotations(&scan).found(&output, &[]);
+        assert_eq!(found.iter().map(|it| it.score).collect::<Vec<_>>(), [Some(-2.0), Some(1.0)]);
     }
 
     proptest! {

@@ -1,18 +1,14 @@
 //! What figures of the papers show of scans, before anything is detected in them.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use detector::describe::box_frame_points::BoxFramePoints;
 use detector::describe::corner_spheres::CornerSpheres;
 use detector::grid::cell_fitness::CellTally;
 use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use detector::grid::ring_density::RingCounts;
-use rayon::prelude::*;
 use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::{Annotation, LabeledScan};
-use scans::dataset::Dataset;
 
-use crate::realism::survey::SurveyError;
+use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 
 /// The cell sizes of HG Fig. 6, in metres, and as many more.
 pub const CELL_SIZES_M: [f32; 19] =
@@ -32,38 +28,27 @@ pub struct ObservedScan {
     pub spheres_m: Vec<[f32; 2]>,
 }
 
-/// Looks at the scans `scan_indices` of `dataset`, several at once, and returns what they show in their order. The grids have those of
-/// `grid` but their cell size; cells that span more than `ground_extent_m` stand.
-///
-/// `on_scan` is called after every scan, from several threads.
+/// Looks at the scans of `pass`, and returns what they show in their order. The grids have those of `grid` but their cell size; cells that
+/// span more than `ground_extent_m` stand.
 ///
 /// # Errors
 ///
-/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+/// As [`ScanPass::over`] says.
 pub fn observe(
-    (dataset, scan_indices): (&dyn Dataset, &[usize]),
-    (grid, ground_extent_m): (&GridParams, f32),
-    interrupted: &AtomicBool,
-    on_scan: impl Fn() + Sync,
-) -> Result<Vec<ObservedScan>, SurveyError> {
-    let observed = |&scan_idx: &usize| {
-        if interrupted.load(Ordering::Relaxed) {
-            let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
-            return Err(SurveyError::Interrupted { dataset, n_scans });
-        }
-        let scan = dataset.read_scan(scan_idx)?;
+    pass: ScanPass<'_>,
+    grid: &GridParams,
+    ground_extent_m: f32,
+) -> Result<Vec<ObservedScan>, ScanPassError> {
+    let observed = |(): &mut (), PassedScan { scan, .. }: PassedScan<'_>| {
         let cells = CELL_SIZES_M.map(|cell_size_m| {
             let mut grid = HierarchicalGrid::new(GridParams { cell_size_m, xi: 1, ..grid.clone() });
             grid.fill(&scan.cloud);
             CellTally::of(&grid, ground_extent_m)
         });
-        let spheres_m = scan.annotations.iter().filter_map(|it| spheres_of(&scan, it)).collect();
-        on_scan();
-        Ok(ObservedScan { cells: cells.to_vec(), rings: RingCounts::of(&scan.cloud), spheres_m })
+        let spheres_m = scan.annotations.iter().filter_map(|it| spheres_of(scan, it)).collect();
+        ObservedScan { cells: cells.to_vec(), rings: RingCounts::of(&scan.cloud), spheres_m }
     };
-    // Collected before it is looked through for errors, so that the first in order is reported.
-    let of_scans: Vec<_> = scan_indices.par_iter().map(observed).collect();
-    of_scans.into_iter().collect()
+    pass.over(|| (), observed)
 }
 
 /// The mean radii at the front and at the back of its annotated box; `None` of what is no car, or of which little is seen.

@@ -13,9 +13,9 @@ use scans::dataset::scan_times::scan_times;
 use super::open_values::OpenValue;
 use crate::metrics::counts::Counts;
 use crate::process::problem::DetectorFailure;
-use crate::realism::survey::SurveyError;
 use crate::run::config::{ConfigError, RunConfig};
 use crate::run::detector_list::ChosenDetector;
+use crate::scan_pass::ScanPassError;
 use crate::sweep::programs::Programs;
 use crate::sweep::scan_at_point::{LookedAt, look_at_points};
 use crate::sweep::sweep_plan::{SweepPlan, SweepPoint};
@@ -26,7 +26,7 @@ use crate::sweep::swept_values::SweptValues;
 pub enum SettingsError {
     /// A scan could not be read, or the user asked for it.
     #[error(transparent)]
-    Survey(#[from] SurveyError),
+    Scans(#[from] ScanPassError),
     /// A detector failed.
     #[error(transparent)]
     Detector(#[from] DetectorFailure),
@@ -101,7 +101,7 @@ pub fn count(
     let times = scan_times(dataset);
     let point_idxs: Vec<usize> = (0..plan.points.len()).collect();
     let look = |&scan_idx: &usize| {
-        let scan = dataset.read_scan(scan_idx).map_err(SurveyError::from)?;
+        let scan = dataset.read_scan(scan_idx).map_err(ScanPassError::from)?;
         let looked_at = LookedAt { scan: &scan, time_s: times[scan_idx].time_s, official: None };
         let mut found = Vec::new();
         look_at_points(
@@ -112,7 +112,7 @@ pub fn count(
             |_, detectors, _| {
                 if interrupted.load(Ordering::Relaxed) {
                     let (dataset, n_scans) = (description.id.clone(), scan_indices.len());
-                    return Err(SettingsError::from(SurveyError::Interrupted { dataset, n_scans }));
+                    return Err(SettingsError::from(ScanPassError::Interrupted { dataset, n_scans }));
                 }
                 let of_detector =
                     |counts: Vec<Counts>| counts.try_into().expect("there is one for each task");

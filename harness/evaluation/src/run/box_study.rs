@@ -1,7 +1,6 @@
 //! Boxes of different fits around the same clusters, beside the annotated ones.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use detector::{Detection, Detector, DetectorOutput, OrientedBox};
 use rayon::prelude::*;
@@ -11,7 +10,6 @@ use reports::numbers::box_points::{BoxPoints, FramedPoints};
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
-use scans::dataset::Dataset;
 use scans::dataset::scan_times::scan_times;
 
 use crate::matching::assign::assign;
@@ -20,9 +18,9 @@ use crate::matching::outcome::AnnotationOutcome;
 use crate::metrics::box_errors::BoxErrors;
 use crate::metrics::median_interval::{mean_within, median_within};
 use crate::object_box::ObjectBox;
-use crate::realism::survey::SurveyError;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
+use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 
 /// Number of boxes around the same points.
 pub const N_FITS: usize = ObjectBox::ALL.len() + 1;
@@ -64,7 +62,7 @@ pub struct BoxPair {
     pub framed: [FramedCluster; FRAMES.len()],
 }
 
-/// The boxes in whose frames points are shown.
+/// The boxes in whose frames points are shown. The hull box does not tell its front: it is the end that is nearer to the annotated one.
 pub const FRAMES: [&str; 3] = ["annotated box", "hull box", "reported box"];
 
 /// The points of a cluster in the frame of a box.
@@ -87,47 +85,33 @@ impl FramedCluster {
     }
 }
 
-/// All pairs of the scans `scan_indices` of `dataset`, in their order: clusters that `listed` finds with `config`, matched
-/// as objects, so that it does not matter what the detector takes them for.
-///
-/// `on_scan` is called after every scan, from several threads.
+/// All pairs of the scans of `pass`, in their order: clusters that `listed` finds with `config`, matched as objects, so that it does not
+/// matter what the detector takes them for.
 ///
 /// # Errors
 ///
-/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+/// As [`ScanPass::over`] says.
 pub fn box_pairs(
-    dataset: &dyn Dataset,
-    scan_indices: &[usize],
-    (listed, config): (&ListedDetector, &RunConfig),
-    interrupted: &AtomicBool,
-    on_scan: impl Fn() + Sync,
-) -> Result<Vec<BoxPair>, SurveyError> {
-    let description = dataset.description();
-    let times = scan_times(dataset);
+    pass: ScanPass<'_>,
+    listed: &ListedDetector,
+    config: &RunConfig,
+) -> Result<Vec<BoxPair>, ScanPassError> {
+    let description = pass.dataset.description();
+    let times = scan_times(pass.dataset);
     let new_detector = || listed.build(config, description.sensor_height_m);
-    let of_scan = |detector: &mut Box<dyn Detector>, &scan_idx: &usize| {
-        if interrupted.load(Ordering::Relaxed) {
-            let (dataset, n_scans) = (description.id.clone(), scan_indices.len());
-            return Err(SurveyError::Interrupted { dataset, n_scans });
-        }
-        let scan = dataset.read_scan(scan_idx)?;
+    let of_scan = |detector: &mut Box<dyn Detector>, PassedScan { scan_idx, scan }: PassedScan<'_>| {
         let mut output = DetectorOutput::default();
         detector.detect(&scan.cloud, &mut output);
         let detections = &output.detections;
-        let assignment = assign(&scan, detections, Task::Objects, &description.annotated, &config.matching);
+        let assignment = assign(scan, detections, Task::Objects, &description.annotated, &config.matching);
         let second = &times[scan_idx].second;
         let pairs = assignment.annotations.iter().enumerate().filter_map(|(annotation_idx, outcome)| {
             let AnnotationOutcome::Matched { detection_idx, .. } = *outcome else { return None };
-            box_pair((&scan, second), annotation_idx, detections.get(detection_idx))
+            box_pair((scan, second), annotation_idx, detections.get(detection_idx))
         });
-        let pairs: Vec<BoxPair> = pairs.collect();
-        on_scan();
-        Ok(pairs)
+        pairs.collect::<Vec<BoxPair>>()
     };
-    // Collected before it is looked through for errors, so that the first in order is reported.
-    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_detector, of_scan).collect();
-    let of_scans: Vec<Vec<BoxPair>> = of_scans.into_iter().collect::<Result<_, _>>()?;
-    Ok(of_scans.into_iter().flatten().collect())
+    Ok(pass.over(new_detector, of_scan)?.into_iter().flatten().collect())
 }
 
 /// `None` if the annotation is no vehicle, or has no box.
@@ -152,17 +136,15 @@ fn box_pair(
         n_points: positions_m.len(),
         errors: fitted.map(|it| BoxErrors::of(&it, &annotated)),
         is_front_sure: detection.box_details.seen.map(|it| it.is_front_sure),
-        framed: [annotated, fitted[0], fitted[N_FITS - 1]].map(|it| FramedCluster::new(&it, &positions_m)),
+        framed: [annotated, turned_to(fitted[0], &annotated), fitted[N_FITS - 1]]
+            .map(|it| FramedCluster::new(&it, &positions_m)),
     })
 }
 
-/// Fewer vehicles of a class than this make no picture.
-const FEWEST_SHOWN: usize = 10;
-
-/// Where the points of each class of `pairs` lie, class by class and within a class as [`FRAMES`] has them. A class of few vehicles is left out.
+/// Where the points of each class of `pairs` lie, class by class and within a class as [`FRAMES`] has them.
 pub fn box_points(pairs: &[(&str, BoxPair)]) -> Vec<Vec<BoxPoints>> {
     let classes: BTreeSet<AnnotationClass> = pairs.iter().map(|it| it.1.class).collect();
-    let of_class = classes.into_iter().map(|class| {
+    let of_class = |class: AnnotationClass| {
         let of_frame = |frame_idx: usize| {
             let here = pairs.iter().filter(|it| it.1.class == class).map(|it| &it.1.framed[frame_idx]);
             let vehicles = here.map(|FramedCluster { length_width_m, places_m }| FramedPoints {
@@ -171,9 +153,15 @@ pub fn box_points(pairs: &[(&str, BoxPair)]) -> Vec<Vec<BoxPoints>> {
             });
             BoxPoints::of(class, FRAMES[frame_idx], vehicles)
         };
-        (0..FRAMES.len()).map(of_frame).collect::<Vec<_>>()
-    });
-    of_class.filter(|it| it[0].n_vehicles >= FEWEST_SHOWN).collect()
+        (0..FRAMES.len()).map(of_frame).collect()
+    };
+    classes.into_iter().map(of_class).collect()
+}
+
+/// The same box, with the end for its front that is nearer to the front of `other`.
+fn turned_to(it: OrientedBox, other: &OrientedBox) -> OrientedBox {
+    let is_against = (it.yaw_rad - other.yaw_rad).cos() < 0.0;
+    if is_against { OrientedBox { yaw_rad: it.yaw_rad + std::f32::consts::PI, ..it } } else { it }
 }
 
 /// What pairs are sliced by, the slice, and its pairs with the ids of their data sets.
@@ -211,9 +199,12 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
         _ => BlockKind::Tracks,
     };
     let lines_of = |(by, slice, pairs): &PairSlice<'_>| -> Vec<BoxErrorLine> {
-        let n_tracks = blocks(pairs, BlockKind::Tracks).1.n_blocks;
-        let (block_of_pair, count) = blocks(pairs, kind);
         let line = |error: BoxError| {
+            // All, but where the detector does not say it of each.
+            let pairs: Vec<&(&str, BoxPair)> =
+                pairs.iter().copied().filter(|it| absolute(&it.1, N_FITS - 1, error).is_some()).collect();
+            let n_tracks = blocks(&pairs, BlockKind::Tracks).1.n_blocks;
+            let (block_of_pair, count) = blocks(&pairs, kind);
             let number = |fit_idx: usize| {
                 let errors = pairs.iter().map(|it| absolute(&it.1, fit_idx, error));
                 let of_blocks =
@@ -349,15 +340,32 @@ mod tests {
 
     #[test]
     fn a_sure_front_is_that_of_the_reported_box_and_right_or_not() {
-        let pairs = [1, 1, 2].map(|track| pair("a", Some(track), 10.0, 1.0));
+        let mut pairs = [1, 1, 2].map(|track| pair("a", Some(track), 10.0, 1.0));
+        pairs[0].1.errors[N_FITS - 1].is_front_right = false;
         let lines = box_error_lines(&pairs, "street", true);
         let of = |error: BoxError| {
             let line = lines.iter().find(|it| it.error == error).unwrap();
             [0, N_FITS - 1].map(|fit_idx| line.fits[fit_idx].1.map(|it| it.value.round()))
         };
-        assert_eq!(of(BoxError::Front), [Some(100.0); 2]);
+        assert_eq!(of(BoxError::Front), [Some(100.0), Some(67.0)]);
         assert_eq!(of(BoxError::FrontSure), [None, Some(67.0)]);
-        assert_eq!(of(BoxError::SureFront), [None, Some(100.0)]);
+        assert_eq!(of(BoxError::SureFront), [None, Some(50.0)]);
+        let counts = |error: BoxError| {
+            let line = lines.iter().find(|it| it.error == error).unwrap();
+            (line.n_pairs, line.n_tracks)
+        };
+        assert_eq!((counts(BoxError::FrontSure), counts(BoxError::SureFront)), ((3, 2), (2, 1)));
+    }
+
+    #[test]
+    fn a_box_is_turned_to_the_front_of_another() {
+        let at =
+            |yaw_rad| OrientedBox { center_m: [0.0; 3], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad };
+        for (yaw_rad, expected_rad) in
+            [(0.2, 0.2), (3.0, 3.0 + std::f32::consts::PI), (-3.1, -3.1 + std::f32::consts::PI)]
+        {
+            assert_eq!(turned_to(at(yaw_rad), &at(0.1)).yaw_rad, expected_rad);
+        }
     }
 
     #[test]

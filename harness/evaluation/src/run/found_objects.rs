@@ -341,6 +341,14 @@ mod tests {
         let model = config.vehicle_models.as_ref().unwrap().clusters();
         let by_model = boxes_of(ForeignVehicles::by_model(params, (model, None), height_m));
         assert_eq!(by_model, boxes_of(ForeignVehicles::by_size(params, None, height_m)));
+        let scored = FoundObject { score: Some(0.3), ..as_car.clone() };
+        let mut output = DetectorOutput::default();
+        let mut vehicles = ForeignVehicles::by_size(params, None, height_m);
+        vehicles.detections_of(vec![as_car.clone(), scored], &scan.cloud, &mut output).unwrap();
+        let [ours, theirs] = [0, 1].map(|it| output.detections.get(it));
+        // What a detector says of it ranks it.
+        assert_eq!((theirs.box_score(), ours.box_details.seen), (Some(0.3), theirs.box_details.seen));
+        assert!(ours.score.is_none() && ours.box_score().is_some() && theirs.box_details.seen.is_some());
         let [whole, given, seen] = by_model;
         assert_eq!(given, CAR);
         let annotated = car.bounding_box.unwrap();

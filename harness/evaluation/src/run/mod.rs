@@ -24,4 +24,3 @@ pub mod gap_picture;
 pub mod robustness;
 pub mod box_study;
 pub mod ablation;
-pub mod survival;

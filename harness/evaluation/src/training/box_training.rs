@@ -1,7 +1,6 @@
 //! The trees that make the boxes of vehicles whole, trained.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use detector::classify::forest::Forest;
 use detector::detector::StageClock;
@@ -13,16 +12,14 @@ use detector::whole::reported_boxes::BoxParams;
 use detector::whole::whole_box::{Difference, SeenVehicle, WholeBox, WholeBoxes};
 use detector::{Detector, DetectorOutput, OrientedBox};
 use forust_ml::errors::ForustError;
-use rayon::prelude::*;
 use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
-use scans::dataset::Dataset;
 
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::eligibility::counts_as_vehicle;
 use crate::matching::outcome::AnnotationOutcome;
 use crate::metrics::box_errors::BoxErrors;
-use crate::realism::survey::SurveyError;
+use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 use crate::training::boosting::{BoostingParams, Target, boost};
 use crate::training::calibration::{CalibrationBin, calibration};
 
@@ -67,53 +64,40 @@ pub type NewDetectors<'a> = &'a (dyn Fn() -> Vec<Box<dyn Detector>> + Sync);
 pub const SEEN: BoxParams = BoxParams { outline: true, whole: false };
 
 /// The clusters of detectors, of which `new_detectors` makes some for each thread, that match an annotated vehicle with a box, in the
-/// scans `scan_indices` of `dataset`, scan by scan. The ground is found with `params`.
-///
-/// `on_scan` is called after every scan, from several threads.
+/// scans of `pass`, scan by scan. The ground is found with `params`.
 ///
 /// # Errors
 ///
-/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+/// As [`ScanPass::over`] says.
 pub fn collect_vehicles(
-    dataset: &dyn Dataset,
-    scan_indices: &[usize],
+    pass: ScanPass<'_>,
     new_detectors: NewDetectors<'_>,
-    (params, matching): (&HierarchicalParams, &MatchingParams),
-    interrupted: &AtomicBool,
-    on_scan: impl Fn() + Sync,
-) -> Result<Vec<VehicleExample>, SurveyError> {
-    let description = dataset.description();
+    params: &HierarchicalParams,
+    matching: &MatchingParams,
+) -> Result<Vec<VehicleExample>, ScanPassError> {
+    let description = pass.dataset.description();
     let new_looker = || Looker {
         foreground: ForegroundStages::new(params.clone(), description.sensor_height_m),
         detectors: new_detectors(),
     };
-    let look = |looker: &mut Looker, &scan_idx: &usize| {
-        if interrupted.load(Ordering::Relaxed) {
-            let (dataset, n_scans) = (description.id.clone(), scan_indices.len());
-            return Err(SurveyError::Interrupted { dataset, n_scans });
-        }
-        let scan = dataset.read_scan(scan_idx)?;
+    let look = |looker: &mut Looker, PassedScan { scan, .. }: PassedScan<'_>| {
         looker.foreground.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
         let mut found = Vec::new();
         for detector in &mut looker.detectors {
             let mut output = DetectorOutput::default();
             detector.detect(&scan.cloud, &mut output);
             let detections = &output.detections;
-            let assignment = assign(&scan, detections, Task::Objects, &description.annotated, matching);
+            let assignment = assign(scan, detections, Task::Objects, &description.annotated, matching);
             found.extend(assignment.annotations.iter().enumerate().filter_map(
                 |(annotation_idx, outcome)| {
                     let AnnotationOutcome::Matched { detection_idx, .. } = *outcome else { return None };
-                    example((&scan, &output, &looker.foreground), annotation_idx, detection_idx)
+                    example((scan, &output, &looker.foreground), annotation_idx, detection_idx)
                 },
             ));
         }
-        on_scan();
-        Ok(found)
+        found
     };
-    // Collected before it is looked through for errors, so that the first in order is reported.
-    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_looker, look).collect();
-    let of_scans: Vec<Vec<VehicleExample>> = of_scans.into_iter().collect::<Result<_, _>>()?;
-    Ok(of_scans.into_iter().flatten().collect())
+    Ok(pass.over(new_looker, look)?.into_iter().flatten().collect())
 }
 
 /// `None` if the annotation is no vehicle, or has no box.
@@ -138,10 +122,16 @@ pub enum BoxTrainingError {
     /// There is nothing to be told.
     #[error("no two of the {n} vehicles differ in {what}")]
     Alike {
-        /// How many there are whose box of what is seen is nearly right.
+        /// How many there are to learn it from.
         n: usize,
         /// In what.
         what: &'static str,
+    },
+    /// Whether boxes are right is learned from boxes that models of other drives give.
+    #[error("all {n} vehicles are of one drive; whether boxes are right is learned from two or more")]
+    OneDrive {
+        /// How many there are.
+        n: usize,
     },
     /// The trainer refuses them.
     #[error(transparent)]
@@ -155,7 +145,7 @@ pub enum BoxTrainingError {
 ///
 /// # Errors
 ///
-/// [`BoxTrainingError`] if none is left, or all are turned alike, face the same way or are right.
+/// [`BoxTrainingError`] if none is left, if all are of one drive, or if all are turned alike, face the same way or are right.
 pub fn train_boxes(
     examples: &[VehicleExample],
     on_forest: &dyn Fn(),
@@ -163,6 +153,9 @@ pub fn train_boxes(
     let all: Vec<&VehicleExample> = examples.iter().collect();
     let (model, n_taught) = train_growth(&all, on_forest)?;
     let drives: BTreeSet<&str> = examples.iter().map(|it| it.sequence.as_str()).collect();
+    if drives.len() < 2 {
+        return Err(BoxTrainingError::OneDrive { n: examples.len() });
+    }
     let half_of: BTreeMap<&str, usize> = drives.into_iter().zip([0, 1].into_iter().cycle()).collect();
     let mut values = Vec::with_capacity(examples.len());
     let mut are_right = Vec::with_capacity(examples.len());
@@ -267,8 +260,8 @@ impl BoxShares {
 pub struct SureFronts {
     /// The share of vehicles of which it is sure, 0 to 1.
     pub share: f64,
-    /// Of these the share on the right side.
-    pub right: f64,
+    /// Of these the share on the right side; `None` if there are none.
+    pub right: Option<f64>,
 }
 
 /// How the boxes of a model do.
@@ -301,11 +294,14 @@ impl BoxJudgement {
             let probability = 1.0 / (1.0 + f64::from(-found.right_log_odds).exp());
             expected.push((probability, f64::from(u8::from(errors.iou_3d >= RIGHT_IOU))));
         }
-        let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
+        let share = |n: usize, of: usize| (of > 0).then(|| n as f64 / of as f64);
         Self {
             seen: BoxShares::of(&seen),
             whole: BoxShares::of(&whole),
-            sure_fronts: SureFronts { share: share(n_sure, found.len()), right: share(n_sure_right, n_sure) },
+            sure_fronts: SureFronts {
+                share: share(n_sure, found.len()).unwrap_or_default(),
+                right: share(n_sure_right, n_sure),
+            },
             right_boxes: calibration(expected.into_iter()),
         }
     }
@@ -337,6 +333,14 @@ mod tests {
             refused(&alike),
             "no two of the 2 vehicles differ in whether they are longer across what is seen"
         );
+    }
+
+    #[test]
+    fn of_one_drive_nobody_can_tell_what_is_right() {
+        let turned = std::f32::consts::FRAC_PI_2;
+        let examples = [vehicle(0.1, 4.0), vehicle(0.1 + turned, 4.4), vehicle(0.1 + 2.0 * turned, 4.2)];
+        let error = train_boxes(&examples, &|| ()).unwrap_err();
+        assert!(matches!(error, BoxTrainingError::OneDrive { n: 3 }), "{error}");
     }
 
     #[test]

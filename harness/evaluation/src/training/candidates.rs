@@ -1,7 +1,5 @@
 //! The objects that a vehicle model is trained on and judged by.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use detector::describe::surroundings::{ObjectRaster, Surroundings};
 use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
@@ -9,12 +7,10 @@ use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use scans::annotation::LabeledScan;
-use scans::dataset::Dataset;
 
 use crate::object_box::ObjectBox;
-use crate::realism::survey::SurveyError;
+use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 use crate::training::candidate_kind::CandidateKind;
 use crate::training::vehicle_labels::VehicleLabels;
 
@@ -56,55 +52,43 @@ pub struct CandidateSource<'a> {
 /// What every thread looks at its scans with.
 type State = (Box<dyn Detector>, ForegroundStages, ObjectRaster);
 
-/// What `kept` makes of the candidates of the scans `scan_indices` of `dataset`, in their order: what the detector of `source` finds in
-/// them, and regions cut out of it.
+/// What `kept` makes of the candidates of the scans of `pass`, in their order: what the detector of `source` finds in them, and regions cut
+/// out of it.
 ///
-/// `kept` and `on_scan` are called for every scan, from several threads.
+/// `kept` is called for every scan, from several threads.
 ///
 /// # Errors
 ///
-/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+/// As [`ScanPass::over`] says.
 ///
 /// Paper: VM section 6, training set; background regions are cut out as there.
 pub fn collect_candidates<T: Send>(
-    dataset: &dyn Dataset,
-    scan_indices: &[usize],
+    pass: ScanPass<'_>,
     source: &CandidateSource<'_>,
-    interrupted: &AtomicBool,
-    kept: impl Fn(Vec<Candidate>) -> Vec<T> + Sync,
-    on_scan: impl Fn() + Sync,
-) -> Result<Vec<T>, SurveyError> {
-    let sensor_height_m = dataset.description().sensor_height_m;
+    kept: impl Fn(Vec<Candidate>) -> Vec<T> + Sync + Send,
+) -> Result<Vec<T>, ScanPassError> {
+    let sensor_height_m = pass.dataset.description().sensor_height_m;
     let new_state = || {
         let ground = ForegroundStages::new(source.ground.clone(), sensor_height_m);
         ((source.new_detector)(), ground, ObjectRaster::new(source.ground.grid.extent_m))
     };
-    let of_scan = |(detector, ground, raster): &mut State, &scan_idx: &usize| {
-        if interrupted.load(Ordering::Relaxed) {
-            let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
-            return Err(SurveyError::Interrupted { dataset, n_scans });
-        }
-        let scan = dataset.read_scan(scan_idx)?;
+    let of_scan = |(detector, ground, raster): &mut State, PassedScan { scan_idx, scan }: PassedScan<'_>| {
         let mut output = DetectorOutput::default();
         detector.detect(&scan.cloud, &mut output);
         ground.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
         // A stream for every scan, so that the order in which they are looked at does not matter.
         let mut rng = ChaCha8Rng::seed_from_u64(source.seed);
         rng.set_stream(scan_idx as u64);
-        let mut found = clusters(&scan, &output, source);
-        found.extend(cut_regions(&scan, &output, source, &mut rng));
+        let mut found = clusters(scan, &output, source);
+        found.extend(cut_regions(scan, &output, source, &mut rng));
         let on_objects = output.detections.iter().flat_map(|it| it.point_indices.iter());
         raster.fill(on_objects.map(|&it| scan.cloud.position_m(it as usize)));
         for Candidate { bounding_box, surroundings, .. } in &mut found {
             *surroundings = raster.around(bounding_box, ground.ground_below_m(bounding_box));
         }
-        on_scan();
-        Ok(kept(found))
+        kept(found)
     };
-    // Collected before it is looked through for errors, so that the first in order is reported.
-    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_state, of_scan).collect();
-    let of_scans: Vec<Vec<T>> = of_scans.into_iter().collect::<Result<_, _>>()?;
-    Ok(of_scans.into_iter().flatten().collect())
+    Ok(pass.over(new_state, of_scan)?.into_iter().flatten().collect())
 }
 
 fn clusters(scan: &LabeledScan, output: &DetectorOutput, source: &CandidateSource<'_>) -> Vec<Candidate> {

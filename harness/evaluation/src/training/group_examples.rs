@@ -1,7 +1,5 @@
 //! The groups that forests are trained on and judged by.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use detector::classify::grouping_model::{N_VEHICLE_VALUES, vehicle_values};
 use detector::classify::object_looks::{LookBuffers, ObjectLooks};
 use detector::describe::prototype_library::PrototypeLibrary;
@@ -11,12 +9,10 @@ use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::group::linkage::Linkage;
 use detector::group::node_values::{JOINED_AT, LEVEL, N_NODE_VALUES};
 use detector::pipeline::grouping_stages::GroupingStages;
-use rayon::prelude::*;
 use scans::annotation::{LabeledScan, PointRegion};
-use scans::dataset::Dataset;
 
 use crate::matching::eligibility::{counts_as_vehicle, may_be_vehicle};
-use crate::realism::survey::SurveyError;
+use crate::scan_pass::{ScanPass, ScanPassError};
 
 /// A group shows an annotated object if their points have this intersection over union.
 pub const LEAST_IOU: f32 = 0.5;
@@ -85,39 +81,23 @@ struct Looker<L> {
     box_fit: ConvexHullBox,
 }
 
-/// The groups of the scans `scan_indices` of `dataset` that a detector of the stages that `new_grouping` makes would look at, scan by
-/// scan; side profiles are compared with those of `library`.
-///
-/// `on_scan` is called after every scan, from several threads.
+/// The groups of the scans of `pass` that a detector of the stages that `new_grouping` makes would look at, scan by scan; side profiles are
+/// compared with those of `library`.
 ///
 /// # Errors
 ///
-/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+/// As [`ScanPass::over`] says.
 pub fn collect_groups<L: Linkage>(
-    dataset: &dyn Dataset,
-    scan_indices: &[usize],
-    (new_grouping, library): (&(dyn Fn() -> GroupingStages<L> + Sync), &PrototypeLibrary),
-    interrupted: &AtomicBool,
-    on_scan: impl Fn() + Sync,
-) -> Result<Vec<ScanGroups>, SurveyError> {
-    let description = dataset.description();
+    pass: ScanPass<'_>,
+    new_grouping: &(dyn Fn() -> GroupingStages<L> + Sync),
+    library: &PrototypeLibrary,
+) -> Result<Vec<ScanGroups>, ScanPassError> {
     let new_looker = || Looker {
         grouping: new_grouping(),
         describer: VehicleDescriber::new(library.clone()),
         box_fit: ConvexHullBox::default(),
     };
-    let look = |looker: &mut Looker<L>, &scan_idx: &usize| {
-        if interrupted.load(Ordering::Relaxed) {
-            let (dataset, n_scans) = (description.id.clone(), scan_indices.len());
-            return Err(SurveyError::Interrupted { dataset, n_scans });
-        }
-        let groups = groups_of(&dataset.read_scan(scan_idx)?, looker);
-        on_scan();
-        Ok(groups)
-    };
-    // Collected before it is looked through for errors, so that the first in order is reported.
-    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_looker, look).collect();
-    of_scans.into_iter().collect()
+    pass.over(new_looker, |looker, it| groups_of(it.scan, looker))
 }
 
 fn groups_of<L: Linkage>(scan: &LabeledScan, looker: &mut Looker<L>) -> ScanGroups {
@@ -174,7 +154,7 @@ fn groups_of<L: Linkage>(scan: &LabeledScan, looker: &mut Looker<L>) -> ScanGrou
 }
 
 /// The annotations that each point of a scan lies on, ascending.
-pub fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
+fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
     let mut annotations = vec![Vec::new(); scan.cloud.len()];
     for (annotation, annotation_idx) in scan.annotations.iter().zip(0..) {
         for &point_idx in &annotation.point_indices {
@@ -185,7 +165,7 @@ pub fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
 }
 
 /// The points of each dense cell of the latest scan that `grouping` saw, ascending.
-pub fn points_of_dense_cells<L: Linkage>(grouping: &GroupingStages<L>) -> Vec<Vec<u32>> {
+fn points_of_dense_cells<L: Linkage>(grouping: &GroupingStages<L>) -> Vec<Vec<u32>> {
     let mut points = vec![Vec::new(); grouping.dense().heaps().len()];
     let point_indices = grouping.candidates().point_indices();
     for (&point_idx, &dense_idx) in point_indices.iter().zip(grouping.dense().dense_of_point()) {

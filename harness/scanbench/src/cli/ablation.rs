@@ -34,11 +34,8 @@ pub struct AblationArgs {
     ///
     /// DIR has folders such as without-walls, one-round: what `train groupings -P hierarchical.walls.enabled=false`,
     /// `-P hierarchical.grouping.rounds=1` wrote.
-    #[arg(long, value_name = "DIR", conflicts_with = "oracle", help_heading = DETECTORS)]
+    #[arg(long, value_name = "DIR", help_heading = DETECTORS)]
     pub models: Option<PathBuf>,
-    /// Count the annotated objects that survive each step of the method, instead of leaving its parts out
-    #[arg(long, conflicts_with_all = ["shard", "blocks"])]
-    pub oracle: bool,
     /// Where the table is written.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -52,11 +49,8 @@ Examples:
   scanbench ablation
   scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
   scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
-  scanbench ablation streets --oracle
   scanbench ablation streets --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards/*
 
 Runs the whole method and one variant without each part. Writes ablation.csv,
 ablation.md and the files of a run whose detectors are the variants:
-  scanbench compare DIR --detectors 'whole method,without terrain'
-With --oracle it prints how many annotated objects are still there after each step, which
-bounds what the steps after it can find, and writes oracle.csv and oracle.md.";
+  scanbench compare DIR --detectors 'whole method,without terrain'";

@@ -68,7 +68,7 @@ pub use robustness::RobustnessArgs;
 pub use run::RunArgs;
 pub use selftest::SelftestArgs;
 pub use serve::ServeArgs;
-pub use shard::{ShardArgs, ShardOption};
+pub use shard::ShardArgs;
 pub use stream::StreamArgs;
 pub use submit::{KubernetesArgs, SlurmArgs, SubmitCommand};
 pub use sweep::SweepArgs;

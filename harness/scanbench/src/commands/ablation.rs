@@ -20,7 +20,6 @@ use reports::vocabulary::study::Study;
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::AblationArgs;
-use crate::commands::chosen_shard::chosen_shard;
 use crate::commands::config::{built_in_methods, choose_criterion, refuse_unread_models};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
@@ -40,7 +39,6 @@ use crate::commands::shards::watched_shard::{ShardedRun, make_watched_shard};
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::commands::survival_study::survival_study;
 use crate::commands::watched_run::{WatchedRun, WithoutLabels};
 
 /// The method whose parts are left out.
@@ -50,15 +48,8 @@ const ABLATION_CSV: &str = "ablation.csv";
 
 /// Runs the hierarchical detector whole and without each of its parts on the same scans, writes the run directory and prints the
 /// table; or makes a shard of that.
-///
-/// # Errors
-///
-/// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
-    if arguments.oracle {
-        return survival_study(arguments);
-    }
-    if let Some(shard) = chosen_shard(&arguments.shard)? {
+    if let Some(shard) = arguments.shard.shard {
         let plan = ShardPlan::claim(Study::Ablation, shard, &arguments.output)?;
         return make_watched_shard(plan, &mut Ablation::open(arguments)?);
     }
@@ -142,10 +133,6 @@ impl ShardedRun for Ablation<'_> {
 }
 
 /// Writes the files that only an ablation has into `directory`, the run with these `numbers`, and prints the table.
-///
-/// # Errors
-///
-/// If a file cannot be written, or nobody takes the table.
 pub fn end_ablation(directory: RunDirectory, numbers: &RunNumbers) -> Result<(), Failure> {
     let of_task = numbers.tables.iter().filter(|it| it.task == TASK);
     let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &numbers.report)).collect();

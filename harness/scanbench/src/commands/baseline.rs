@@ -32,10 +32,6 @@ use crate::commands::provenance::utc_day;
 use crate::commands::standard_streams::{print_bytes, print_diagnostic, print_result, terminal};
 
 /// Writes what it takes to hold later runs to a run: the run itself, tolerances of all its numbers, and a workflow.
-///
-/// # Errors
-///
-/// [`Usage`] if a baseline is there already; if the run cannot be made again, or something cannot be read or written.
 pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
     let folder = &arguments.output;
     for name in [ACCEPTED_RUN, SCORES_MD, TOLERANCES_TOML, GATE_WORKFLOW] {
@@ -181,11 +177,6 @@ fn next_steps(folder: &Path, run: &Path) -> String {
 }
 
 /// Makes a run the one that others are judged by.
-///
-/// # Errors
-///
-/// If no reason is given, the run cannot be made again, is no successor of the one accepted before or is worse, or something cannot be
-/// read or written.
 pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
     if arguments.why.trim().is_empty() {
         return Err(Usage("--why is empty; say why the scores changed".to_owned()).into());

@@ -27,13 +27,14 @@ use crate::commands::interruption::interruption_flag;
 use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::paper_files::{write_figure, write_table};
-use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 
+/// Fewer vehicles of a class than this make no picture of their points.
+const FEWEST_SHOWN: usize = 10;
 /// What has to be said of the numbers.
 const NOTES: [&str; 2] = [
     "centre, length, width, yaw: medians of absolute errors; the others are shares. pairs: clusters of the \
@@ -46,10 +47,6 @@ const NOTES: [&str; 2] = [
 ];
 
 /// Fits boxes of two kinds to the same matched clusters, and writes and prints how far they are from annotated ones.
-///
-/// # Errors
-///
-/// If anything asked for is not there, no vehicle is matched, or the output cannot be written; nothing is left behind then.
 pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
@@ -117,15 +114,10 @@ fn collect_all<'a>(
 ) -> Result<Vec<Group<'a>>, Failure> {
     let mut groups: Vec<Group<'a>> = Vec::new();
     for it in opened {
-        let OpenedDataset { dataset, scan_indices, .. } = it;
-        let description = dataset.description();
+        let description = it.dataset.description();
         warn_of_unknown_sensor(config, description);
         let of_sensor = config.for_scans_of(description);
-        let progress = progress_over_scans(scan_indices.len(), &description.id);
-        let found =
-            box_pairs(&**dataset, scan_indices, (listed, &of_sensor), interrupted, || progress.inc(1))?;
-        progress.finish_and_clear();
-        it.warn_of_points_left_out();
+        let found = it.look(interrupted, |pass| box_pairs(pass, listed, &of_sensor))?;
         let found = found.into_iter().map(|it| (description.id.as_str(), it));
         let is_simulated = description.is_simulated();
         match groups.iter_mut().find(|it| is_simulated && it.is_simulated) {
@@ -178,10 +170,14 @@ fn write_points(directory: &RunDirectory, groups: &[Group<'_>]) -> Result<(), Fa
             }
         }
         let stem = group.file_stem();
+        let shown: Vec<_> = points.into_iter().filter(|it| it[0].n_vehicles >= FEWEST_SHOWN).collect();
+        if shown.is_empty() {
+            continue;
+        }
         let title = format!(
             "Points of matched vehicles in the frames of boxes, {stem}: each shade is half as full as the next darker one"
         );
-        write_figure(directory, &format!("box_points_{stem}"), &box_points_plot(&points, &title))?;
+        write_figure(directory, &format!("box_points_{stem}"), &box_points_plot(&shown, &title))?;
     }
     rows.finish()?;
     Ok(())

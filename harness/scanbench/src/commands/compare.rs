@@ -24,10 +24,6 @@ use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::tables::verdict::difference_row::DifferenceRow;
 
 /// Prints what lies between two runs, or two detectors of one run, and writes it where that is asked for.
-///
-/// # Errors
-///
-/// If a run cannot be read, the two are not of the same scans, there is no such detector, or nothing can be written.
 pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
     if PartialArchive::is_partial(&arguments.run) {
         return compare_partial(arguments);

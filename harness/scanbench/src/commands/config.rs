@@ -20,11 +20,6 @@ pub const CONFIGURATION_FILE: &str = "scanbench.toml";
 
 /// The detectors with these names, and the parameters that ship, overridden by the file and then by the options of `arguments`, whose
 /// short names are those of parameters of these detectors.
-///
-/// # Errors
-///
-/// If there is no such detector, it left results and does not run here, an override names no parameter, or has a value that cannot
-/// be worked with.
 pub fn chosen_detectors(
     arguments: &ConfigArgs,
     names: &[String],
@@ -35,10 +30,6 @@ pub fn chosen_detectors(
 }
 
 /// The same before anybody has looked at which models they read: they may get more parameters.
-///
-/// # Errors
-///
-/// As [`chosen_detectors`], but for models.
 pub fn runnable_detectors(
     arguments: &ConfigArgs,
     names: &[String],
@@ -59,10 +50,6 @@ pub fn runnable_detectors(
 
 /// The same with detectors that left results: those that `left` names, and those of the file. Those of `left` that `names` does
 /// not have come last.
-///
-/// # Errors
-///
-/// As [`chosen_detectors`]; also if a name of `left` is none or is taken.
 pub fn chosen_with_results(
     arguments: &ConfigArgs,
     names: &[String],
@@ -87,10 +74,6 @@ pub fn chosen_with_results(
 }
 
 /// Refuses the directories of models that none of `entrants`, with their parameters, reads: they would change nothing.
-///
-/// # Errors
-///
-/// [`Usage`] with the first of them.
 pub fn refuse_unread_models<'a>(
     entrants: impl Iterator<Item = (&'a ChosenDetector, &'a RunConfig)>,
 ) -> Result<(), Failure> {
@@ -139,10 +122,6 @@ fn choose(
 }
 
 /// The same of built-in detectors alone.
-///
-/// # Errors
-///
-/// As [`chosen_detectors`]; also if one of them is not built in.
 pub fn built_in_detectors(
     arguments: &ConfigArgs,
     names: &[String],
@@ -154,10 +133,6 @@ pub fn built_in_detectors(
 }
 
 /// The same before anybody has looked at which models they read: variants of them may read others.
-///
-/// # Errors
-///
-/// As [`built_in_detectors`], but for models.
 pub fn built_in_methods(
     arguments: &ConfigArgs,
     names: &[String],

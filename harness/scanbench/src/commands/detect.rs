@@ -22,10 +22,6 @@ use crate::commands::result_file::{Destination, write_results};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// Runs one detector on one scan, writes clusters and boxes where they are asked for, and prints a summary.
-///
-/// # Errors
-///
-/// If anything asked for is not there, the scan is damaged, or the output cannot be written; nothing is left behind then.
 pub fn detect(arguments: &DetectArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let destinations = Destinations::new(arguments)?;

@@ -9,14 +9,14 @@ use crate::commands::ablation::ablation;
 use crate::commands::baseline::{baseline_accept, baseline_init};
 use crate::commands::boxes::boxes;
 use crate::commands::compare::compare;
-use crate::commands::data_add::data_add;
-use crate::commands::data_check::data_check;
-use crate::commands::data_convert::{data_convert, data_simulate};
-use crate::commands::data_hash::data_hash;
-use crate::commands::data_list::data_list;
-use crate::commands::data_objects::data_objects;
-use crate::commands::data_prelabel::data_prelabel;
-use crate::commands::data_realism::data_realism;
+use crate::commands::data::add::data_add;
+use crate::commands::data::check::data_check;
+use crate::commands::data::convert::{data_convert, data_simulate};
+use crate::commands::data::hash::data_hash;
+use crate::commands::data::list::data_list;
+use crate::commands::data::objects::data_objects;
+use crate::commands::data::prelabel::data_prelabel;
+use crate::commands::data::realism::data_realism;
 use crate::commands::detect::detect;
 use crate::commands::failure::Failure;
 use crate::commands::fit_density::fit_density;
@@ -36,18 +36,14 @@ use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
 use crate::commands::submit::kubernetes::submit_kubernetes;
 use crate::commands::submit::slurm::submit_slurm;
 use crate::commands::sweep::sweep;
-use crate::commands::train_boxes::train_boxes;
-use crate::commands::train_groupings::train_groupings;
-use crate::commands::train_partial::train_partial;
-use crate::commands::train_rivals::train_rivals;
-use crate::commands::train_svm::train_svm;
+use crate::commands::train::boxes::train_boxes;
+use crate::commands::train::groupings::train_groupings;
+use crate::commands::train::partial::train_partial;
+use crate::commands::train::rivals::train_rivals;
+use crate::commands::train::svm::train_svm;
 use crate::commands::view::view;
 
 /// Does what the command line asks for.
-///
-/// # Errors
-///
-/// Whatever the verb returns; [`Failure`] tells the exit code.
 pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
     set_verbosity(match (cli.quiet, cli.verbose) {
         (true, _) => Verbosity::Quiet,

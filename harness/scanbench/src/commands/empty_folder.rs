@@ -6,10 +6,6 @@ use std::path::Path;
 use crate::commands::failure::{Failure, Usage};
 
 /// Refuses a folder that is there and has something in it.
-///
-/// # Errors
-///
-/// [`Usage`] if it has, or is no folder.
 pub fn refuse_occupied(folder: &Path) -> Result<(), Failure> {
     let occupied = match std::fs::read_dir(folder) {
         Ok(mut entries) => entries.next().is_some(),

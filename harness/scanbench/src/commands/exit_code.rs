@@ -41,9 +41,9 @@ fn exit_code(failure: &Failure) -> u8 {
 mod tests {
     use std::io::ErrorKind;
 
-    use evaluation::realism::survey::SurveyError;
     use evaluation::run::side_by_side::RunError;
     use evaluation::run::single_scan::SingleScanError;
+    use evaluation::scan_pass::ScanPassError;
     use reports::files::archive::ArchiveError;
     use reports::run_folder::run_target::RunDirectoryError;
     use scans::dataset::DatasetError;
@@ -79,7 +79,7 @@ mod tests {
         check(RunError::from(missing()), 3);
         check(unknown(), 2);
         check(RunError::from(unknown()), 2);
-        check(SurveyError::from(missing()), 3);
+        check(ScanPassError::from(missing()), 3);
         let bad_catalogue = Failure::usage("bad catalogue".to_owned(), missing());
         assert_eq!(bad_catalogue.to_string(), "bad catalogue: \"velodyne\" has no scans");
         check(bad_catalogue, 2);
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn interrupted_and_empty_runs_have_codes_of_their_own() {
         check(RunError::Interrupted { n_done: 1, n_scans: 2 }, 130);
-        check(SurveyError::Interrupted { dataset: "street".to_owned(), n_scans: 2 }, 130);
+        check(ScanPassError::Interrupted { dataset: "street".to_owned(), n_scans: 2 }, 130);
         check(SingleScanError::Interrupted { n_done: 1, n_repeats: 2 }, 130);
         check(NothingEvaluated { reason: "no cars".to_owned() }, 4);
     }

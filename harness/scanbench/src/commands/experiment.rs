@@ -33,10 +33,6 @@ impl Experiment {
     pub const N_WARMUP: u16 = 1;
 
     /// What `arguments` ask for; `detectors` if they name none.
-    ///
-    /// # Errors
-    ///
-    /// If there is no such detector, or the configuration cannot be used.
     pub fn begin(arguments: &ExperimentArgs, detectors: &[&str]) -> Result<Self, Failure> {
         let unnamed: Vec<String> = detectors.iter().map(|&it| it.to_owned()).collect();
         let names = if arguments.detectors.is_empty() { &unnamed } else { &arguments.detectors };
@@ -45,10 +41,6 @@ impl Experiment {
     }
 
     /// Begins the directory, called after the experiment `name` unless `output` says otherwise.
-    ///
-    /// # Errors
-    ///
-    /// If the directory exists or cannot be written.
     pub fn begin_directory(&self, output: &OutputArgs, name: &str) -> Result<RunDirectory, Failure> {
         begin_run_directory(output, &format!("{}-{name}", compact_utc(self.started)), LatestPointer::Leave)
     }

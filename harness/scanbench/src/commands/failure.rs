@@ -11,7 +11,6 @@ use std::path::Path;
 use evaluation::journal::JournalError;
 use evaluation::process::problem::DetectorFailure;
 use evaluation::protocols::chosen_protocols::ProtocolError;
-use evaluation::realism::survey::SurveyError;
 use evaluation::reproduction::settings::SettingsError;
 use evaluation::run::ablation::AblationError;
 use evaluation::run::config::ConfigError;
@@ -19,6 +18,7 @@ use evaluation::run::detector_list::DetectorListError;
 use evaluation::run::foreign_files::ForeignFileError;
 use evaluation::run::side_by_side::RunError;
 use evaluation::run::single_scan::SingleScanError;
+use evaluation::scan_pass::ScanPassError;
 use evaluation::sweep::quality_pass::SweepError;
 use evaluation::sweep::sweep_plan::SweepPlanError;
 use reports::files::archive::ArchiveError;
@@ -34,8 +34,6 @@ use reports::verdicts::tolerances_file::TolerancesError;
 use reports::verdicts::verdict::{Conclusion, JudgeError};
 use scans::conversion::ConversionError;
 use scans::dataset::DatasetError;
-
-use crate::commands::shard_auto::engine_shard_error::EngineShardError;
 
 /// What is told about a failure: an error with all that caused it.
 pub type Reason = Box<dyn Error + Send + Sync>;
@@ -204,11 +202,11 @@ impl From<RunError> for Failure {
     }
 }
 
-impl From<SurveyError> for Failure {
-    fn from(error: SurveyError) -> Self {
+impl From<ScanPassError> for Failure {
+    fn from(error: ScanPassError) -> Self {
         match error {
-            SurveyError::Dataset(error) => error.into(),
-            SurveyError::Interrupted { .. } => Self::Interrupted(error.into()),
+            ScanPassError::Dataset(error) => error.into(),
+            ScanPassError::Interrupted { .. } => Self::Interrupted(error.into()),
         }
     }
 }
@@ -216,7 +214,7 @@ impl From<SurveyError> for Failure {
 impl From<SettingsError> for Failure {
     fn from(error: SettingsError) -> Self {
         match error {
-            SettingsError::Survey(error) => error.into(),
+            SettingsError::Scans(error) => error.into(),
             SettingsError::Detector(error) => error.into(),
         }
     }
@@ -269,12 +267,6 @@ impl From<JournalError> for Failure {
             }
             JournalError::Io { source, .. } => Self::of_writing(source.kind(), error),
         }
-    }
-}
-
-impl From<EngineShardError> for Failure {
-    fn from(error: EngineShardError) -> Self {
-        Self::Usage(error.into())
     }
 }
 

@@ -22,7 +22,6 @@ use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::first_look::{UNKNOWN_SENSOR, look_first};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
-use crate::commands::progress::progress_over_scans;
 use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 
@@ -30,11 +29,6 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 const DENSITY_CSV: &str = "density.csv";
 
 /// Learns how the density of points falls with the range, and writes it for `scanbench run --config`.
-///
-/// # Errors
-///
-/// If anything asked for is not there, data are damaged or too few, or the output cannot be written; there is no file
-/// then, and no figures unless it is the disk that gave up on them.
 pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let path = arguments.output.as_path();
@@ -59,11 +53,7 @@ pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
     let mut file = WholeFile::create(path)?;
     let mut scans = Vec::new();
     for it in &opened {
-        let OpenedDataset { dataset, scan_indices, .. } = it;
-        let progress = progress_over_scans(scan_indices.len(), &dataset.description().id);
-        scans.extend(count_rings(&**dataset, scan_indices, interrupted, || progress.inc(1))?);
-        progress.finish_and_clear();
-        it.warn_of_points_left_out();
+        scans.extend(it.look(interrupted, count_rings)?);
     }
     let curve =
         DensityCurve::fit(&scans, origin).map_err(|error| NothingEvaluated { reason: error.to_string() })?;

@@ -39,10 +39,6 @@ use crate::commands::watched_run::{WatchedRun, WithoutLabels};
 const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
 
 /// Simulates pairs of objects with growing gaps, writes a run directory with who separates them, and prints the table.
-///
-/// # Errors
-///
-/// If anything asked for is not there, or the output cannot be written; nothing is left behind then.
 pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let sensor = sensor_named(&arguments.sensor)?;

@@ -25,10 +25,6 @@ use crate::commands::standard_streams::terminal;
 use crate::commands::step_summary::append_to_step_summary;
 
 /// Judges a run by an accepted one, and prints and writes the verdict.
-///
-/// # Errors
-///
-/// [`GateClosed`] if the run is worse or results changed; and if it cannot be compared, or something cannot be read or written.
 pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
     if PartialArchive::is_partial(&arguments.run) {
@@ -86,10 +82,6 @@ fn open_baseline(directory: &Path) -> Result<RunArchive, Failure> {
 }
 
 /// Those of the command line, else those beside the baseline in `directory`, else the built-in ones.
-///
-/// # Errors
-///
-/// [`TolerancesError`] if there is a file of them that cannot be read.
 pub fn tolerances(
     directory: &Path,
     of_command_line: Option<&Path>,

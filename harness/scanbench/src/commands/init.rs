@@ -38,10 +38,6 @@ const STREET: &str = "street-narrow";
 const SENSOR: &str = "hdl-32e";
 
 /// Writes a folder with a detector to begin with, scans and labels to judge it by, and what a gate needs.
-///
-/// # Errors
-///
-/// [`Usage`](crate::commands::failure::Usage) if the folder has something in it; if it cannot be written. Nothing is left behind then.
 pub fn init(arguments: &InitArgs) -> Result<(), Failure> {
     let folder = &arguments.folder;
     refuse_occupied(folder)?;

@@ -46,10 +46,6 @@ pub fn set_last_words(words: String) {
 }
 
 /// From now on signals end the program as this module says.
-///
-/// # Errors
-///
-/// If the operating system does not let us watch.
 pub fn watch_for_signals() -> Result<(), Failure> {
     watch().map_err(|error| Failure::internal("cannot watch for signals", error))
 }

@@ -22,10 +22,6 @@ fn judged(opened: &[OpenedDataset]) -> Result<Option<(&DatasetDescription, u64)>
 }
 
 /// Refuses them for training: what learned from them could not be judged by them.
-///
-/// # Errors
-///
-/// If one is among `opened`.
 pub fn refuse_judged(opened: &[OpenedDataset]) -> Result<(), Failure> {
     let Some((DatasetDescription { id, .. }, seed)) = judged(opened)? else { return Ok(()) };
     let problem = format!(
@@ -35,10 +31,6 @@ pub fn refuse_judged(opened: &[OpenedDataset]) -> Result<(), Failure> {
 }
 
 /// Says of studies that one chooses by that these are not the streets for it.
-///
-/// # Errors
-///
-/// None that a test would not have found.
 pub fn advise_on_judged(opened: &[OpenedDataset]) -> Result<(), Failure> {
     if let Some((DatasetDescription { id, .. }, seed)) = judged(opened)? {
         print_diagnostic(format_args!(

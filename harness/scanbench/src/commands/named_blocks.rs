@@ -26,11 +26,6 @@ impl CsvRow for BlockRow {
 
 /// `datasets`, with the blocks that `file` names, if there is one. Scans of a block come one after the other, so that shards can be cut
 /// between blocks.
-///
-/// # Errors
-///
-/// [`Usage`] if the file cannot be read, does not name a block for each scan that is taken, or names two for one; or if there are several data
-/// sets, whose scans may have the same names.
 pub fn with_named_blocks(
     datasets: Vec<OpenedDataset>,
     file: Option<&Path>,
@@ -63,10 +58,6 @@ pub fn with_named_blocks(
 }
 
 /// The block of each of `scan_ids`; those not among `scan_indices` may have none. Scans that there are not may be in the file, too.
-///
-/// # Errors
-///
-/// What is wrong with the file, to be said after its name.
 fn blocks_of(
     rows: &[BlockRow],
     scan_ids: &[ScanId],

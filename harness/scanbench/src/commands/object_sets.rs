@@ -18,20 +18,12 @@ pub struct ObjectOpening {
 
 impl ObjectOpening {
     /// As `source` says.
-    ///
-    /// # Errors
-    ///
-    /// If there is no such catalogue, format or sensor.
     pub fn of(source: &SourceArgs) -> Result<Self, Failure> {
         let catalogue = open_catalogue(source.catalogue.catalogue.as_deref())?;
         Ok(Self { catalogue, options: open_options(source, &ClassTable::default())? })
     }
 
     /// The objects called `name`.
-    ///
-    /// # Errors
-    ///
-    /// If there are none, or they are damaged.
     pub fn open(&self, name: &str, objects: &ObjectOptions) -> Result<Box<dyn ObjectCloudSet>, Failure> {
         Ok(open_objects(name, objects, &self.options, &self.catalogue)?)
     }
@@ -40,10 +32,6 @@ impl ObjectOpening {
 /// Refuses options that say nothing about any of the objects: those of data sets where no data set is named, those of
 /// simulated objects where none are. `judged` are the objects that parts are chosen of; `learned_from` are of the training
 /// part in any case.
-///
-/// # Errors
-///
-/// [`Usage`], with the first of them.
 pub fn refuse_idle_options(
     (judged, learned_from): (&[String], &[String]),
     choice: &ObjectArgs,

@@ -24,20 +24,12 @@ impl OfficialEvaluation {
     }
 
     /// Begins a data set.
-    ///
-    /// # Errors
-    ///
-    /// If it has not what one of the protocols needs.
     pub fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), Failure> {
         self.tell_no_ground.clear();
         Ok(self.chosen.check(watched.dataset)?)
     }
 
     /// The rows of a scan.
-    ///
-    /// # Errors
-    ///
-    /// If its labels cannot be read.
     pub fn rows(&mut self, judged: &JudgedScan<'_>) -> Result<OfficialRows, Failure> {
         let results = judged.results;
         let scan = self.chosen.scan(judged.watched.dataset, (judged.scan_idx(), results.scan))?;

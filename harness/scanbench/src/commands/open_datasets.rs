@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::path::Path;
 use std::str::FromStr as _;
+use std::sync::atomic::AtomicBool;
 
+use evaluation::scan_pass::{ScanPass, ScanPassError};
 use reports::files::causes::with_causes;
 use reports::run_folder::manifest::SkippedScan;
 use scans::annotation::ScanId;
@@ -25,6 +27,7 @@ use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::counted_dataset::{CountedDataset, PointsLeftOut};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::frame_facts::{FirstLook, Stated};
+use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
 /// A data set and the scans that are asked for.
@@ -67,10 +70,6 @@ impl OpenedDataset {
     }
 
     /// What becomes of scan `id`, which cannot be read: the error, or a note and a warning if damage is to be skipped.
-    ///
-    /// # Errors
-    ///
-    /// `error`, unless damage is to be skipped.
     pub fn on_damage(
         &self,
         policy: DamagePolicy,
@@ -84,6 +83,31 @@ impl OpenedDataset {
         print_diagnostic(format_args!("warning: skipped scan {id}: {reason}"));
         self.skipped.borrow_mut().push(SkippedScan { scan: id.to_string(), reason });
         Ok(())
+    }
+
+    /// What `look` sees in the scans, with a bar over them. It ends once `interrupted` is set. Warns of points that were left out.
+    pub fn look<T>(
+        &self,
+        interrupted: &AtomicBool,
+        look: impl FnOnce(ScanPass<'_>) -> Result<T, ScanPassError>,
+    ) -> Result<T, Failure> {
+        let seen = self.look_unsaid(interrupted, look)?;
+        self.warn_of_points_left_out();
+        Ok(seen)
+    }
+
+    /// The same, of scans about which all has been said before.
+    pub fn look_unsaid<T>(
+        &self,
+        interrupted: &AtomicBool,
+        look: impl FnOnce(ScanPass<'_>) -> Result<T, ScanPassError>,
+    ) -> Result<T, Failure> {
+        let Self { dataset, scan_indices, .. } = self;
+        let bar = progress_over_scans(scan_indices.len(), &dataset.description().id);
+        let on_scan = || bar.inc(1);
+        let seen = look(ScanPass { dataset: &**dataset, scan_indices, interrupted, on_scan: &on_scan })?;
+        bar.finish_and_clear();
+        Ok(seen)
     }
 
     /// Says how many points without a position the scans had that have been read, if any had.
@@ -104,10 +128,6 @@ impl OpenedDataset {
     }
 
     /// Reads all scans and goes on without those that cannot be read, each with a warning.
-    ///
-    /// # Errors
-    ///
-    /// [`NothingEvaluated`] if none is left.
     pub fn leave_out_damaged(&mut self) -> Result<(), Failure> {
         let mut sound = Vec::with_capacity(self.scan_indices.len());
         for &scan_idx in &self.scan_indices {
@@ -129,10 +149,6 @@ impl OpenedDataset {
 }
 
 /// The catalogue at `path`, or the built-in one.
-///
-/// # Errors
-///
-/// [`Usage`] if it cannot be read.
 pub fn open_catalogue(path: Option<&Path>) -> Result<Catalogue, Failure> {
     let Some(path) = path else { return Ok(built_in_catalogue()?) };
     read_catalogue(path).map_err(|error| {
@@ -147,19 +163,11 @@ pub fn open_catalogue(path: Option<&Path>) -> Result<Catalogue, Failure> {
 
 /// Opens all data sets before anything is run, so that a misspelled last one costs nothing. `of_config` is what the configuration says about names of
 /// classes.
-///
-/// # Errors
-///
-/// If one of them does not exist, is damaged, or has no scan that is asked for.
 pub fn open_datasets(arguments: &DatasetArgs, of_config: &ClassTable) -> Result<Vec<OpenedDataset>, Failure> {
     open_datasets_past_damage(arguments, DamagePolicy::Refuse, of_config)
 }
 
 /// As [`open_datasets`], but what is damaged is treated by this policy.
-///
-/// # Errors
-///
-/// As [`open_datasets`].
 pub fn open_datasets_past_damage(
     arguments: &DatasetArgs,
     damage: DamagePolicy,
@@ -228,10 +236,6 @@ pub fn open_datasets_past_damage(
 }
 
 /// Who says how the sensor of the data set `name` is mounted: options, the catalogue, or a data sheet beside the scans.
-///
-/// # Errors
-///
-/// If the data sheet is damaged.
 pub fn stated(
     name: &str,
     catalogue: &Catalogue,
@@ -247,10 +251,6 @@ pub fn stated(
 }
 
 /// How data sets are to be opened; `source` has the last word over `of_config` about names of classes.
-///
-/// # Errors
-///
-/// If there is no such format.
 pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenOptions, Failure> {
     if let Some(sensor) = &source.sensor {
         sensor_named(sensor)?;
@@ -271,10 +271,6 @@ pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenO
 }
 
 /// For where nothing is simulated.
-///
-/// # Errors
-///
-/// [`Usage`] if `source` says how to simulate.
 pub fn refuse_simulation(source: &SourceArgs) -> Result<(), Failure> {
     let for_simulated =
         [("--seed", source.seed.is_some()), ("--simulated-scans", source.simulated_scans.is_some())];

@@ -9,10 +9,6 @@ use crate::commands::failure::{Failure, Usage};
 use crate::commands::shards::finished_shard::finished_shard;
 
 /// The run in `directory`.
-///
-/// # Errors
-///
-/// [`Usage`] if there is no such directory, [`Failure::Data`] if a file of it is missing or damaged.
 pub fn open_run(directory: &Path) -> Result<RunArchive, Failure> {
     if !directory.is_dir() {
         return Err(Usage(format!("there is no run directory {}", directory.display())).into());
@@ -22,10 +18,6 @@ pub fn open_run(directory: &Path) -> Result<RunArchive, Failure> {
 }
 
 /// A shard has no numbers of its own.
-///
-/// # Errors
-///
-/// [`Failure::NotComparable`] if there is one in `directory`.
 pub fn refuse_shard(directory: &Path) -> Result<(), Failure> {
     // Whoever reads the rest says what is wrong with it.
     let Some(ShardRecord { index, count, study, .. }) = finished_shard(directory) else { return Ok(()) };

@@ -35,11 +35,6 @@ pub struct OpenedScan {
 }
 
 /// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` is what the configuration says about names of classes.
-///
-/// # Errors
-///
-/// [`Usage`] if it is not said which scan, or there is none so called;
-/// [`DatasetError`](scans::dataset::DatasetError) if anything is missing or damaged.
 pub fn open_scan(
     input: &str,
     id: Option<&str>,

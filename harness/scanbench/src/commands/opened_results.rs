@@ -26,10 +26,6 @@ pub struct OpenedResults {
 impl OpenedResults {
     /// Opens the results of all `entrants` that left some, for all `datasets`: of each those in the folder of its name, if there is one, or else
     /// those at the path itself.
-    ///
-    /// # Errors
-    ///
-    /// If there are none, they are damaged, or lack scans and `missing` refuses that.
     pub fn open(
         entrants: &[Entrant],
         datasets: &[OpenedDataset],

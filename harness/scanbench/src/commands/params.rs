@@ -11,10 +11,6 @@ use crate::commands::failure::Failure;
 use crate::commands::standard_streams::print_result;
 
 /// Prints the parameters of detectors with their bounds and what is said of them, as a file for `-c`.
-///
-/// # Errors
-///
-/// If stdout takes nothing.
 pub fn params(arguments: &ParamsArgs) -> Result<(), Failure> {
     let is_asked = |it: &&ListedDetector| {
         arguments.detectors.is_empty() || arguments.detectors.iter().any(|name| name == it.name)

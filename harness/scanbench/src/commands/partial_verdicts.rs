@@ -29,11 +29,6 @@ use crate::commands::standard_streams::{print_bytes, print_diagnostic, terminal}
 use crate::commands::step_summary::append_to_step_summary;
 
 /// Prints what lies between two results, or two methods of one, and writes it where that is asked for.
-///
-/// # Errors
-///
-/// If a result cannot be read, the two are not of the same objects, there is no such method, an option says nothing about such
-/// results, or nothing can be written.
 pub fn compare_partial(arguments: &CompareArgs) -> Result<(), Failure> {
     let output = OutputArgs { output: arguments.output.clone(), overwrite: arguments.overwrite };
     let directory = claim_named(&output)?;
@@ -75,10 +70,6 @@ fn of_methods(result: &PartialArchive, first: &str, second: &str) -> Result<Part
 }
 
 /// Judges a result by an accepted one, and prints and writes the verdict.
-///
-/// # Errors
-///
-/// [`GateClosed`] if it is worse or objects are told otherwise; and if it cannot be compared, or something cannot be read or written.
 pub fn gate_partial(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
     if !directory.is_dir() {
@@ -109,10 +100,6 @@ pub fn gate_partial(arguments: &GateArgs) -> Result<(), Failure> {
 }
 
 /// Those of the command line, else those beside the baseline in `directory`, else the built-in ones.
-///
-/// # Errors
-///
-/// [`PartialTolerancesError`] if there is a file of them that cannot be used.
 pub fn partial_tolerances(
     directory: &Path,
     of_command_line: Option<&Path>,
@@ -136,10 +123,6 @@ fn write_verdict(directory: &Path, verdict: &PartialVerdict, in_markdown: &str) 
 }
 
 /// The result in `directory`.
-///
-/// # Errors
-///
-/// If there is none, or a file of it is missing or damaged.
 pub fn open_partial(directory: &Path) -> Result<PartialArchive, Failure> {
     if !directory.is_dir() {
         return Err(Usage(format!("there is no directory {}", directory.display())).into());

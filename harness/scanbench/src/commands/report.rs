@@ -13,11 +13,6 @@ use crate::commands::open_run::refuse_shard;
 use crate::commands::standard_streams::print_diagnostic;
 
 /// Makes the page of a run, a sweep or partial clouds, of its files alone.
-///
-/// # Errors
-///
-/// [`Usage`] if there is no such directory, [`Failure::Data`] if a file of it is missing or damaged, and if the page cannot be
-/// written.
 pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
     let directory = &arguments.run;
     if !directory.is_dir() {

@@ -20,10 +20,6 @@ pub enum Destination {
 
 impl Destination {
     /// The place that the command line calls `written`.
-    ///
-    /// # Errors
-    ///
-    /// [`Usage`] if the name of the file ends in none of `extensions`.
     pub fn new(written: &Path, extensions: &[&str]) -> Result<Self, Usage> {
         if written == Path::new("-") {
             return Ok(Self::Stdout);
@@ -38,10 +34,6 @@ impl Destination {
     }
 
     /// Fails if nothing can be written there: before the work, and not after it.
-    ///
-    /// # Errors
-    ///
-    /// [`ArchiveError::Write`].
     pub fn check(&self) -> Result<(), ArchiveError> {
         let Self::File(path) = self else { return Ok(()) };
         if path.is_dir() {
@@ -54,10 +46,6 @@ impl Destination {
 }
 
 /// Writes all of `results`, the files first and all of these before the first one takes its name.
-///
-/// # Errors
-///
-/// [`ArchiveError`] if the disk does not take a file, or if stdout takes nothing.
 pub fn write_results(results: &[(Destination, Vec<u8>)]) -> Result<(), Failure> {
     let mut files = Vec::new();
     for (destination, content) in results {

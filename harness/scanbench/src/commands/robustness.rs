@@ -23,7 +23,6 @@ use scans::dataset::source::DamagePolicy;
 use simulator::StreetKind;
 
 use crate::cli::RobustnessArgs;
-use crate::commands::chosen_shard::chosen_shard;
 use crate::commands::experiment::Experiment;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
@@ -55,13 +54,9 @@ const DRAWN: &str = "streets";
 
 /// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run directory
 /// and prints the table; or makes a shard of that.
-///
-/// # Errors
-///
-/// If anything asked for is not there, or the output cannot be written; nothing is left behind then.
 pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
-    if let Some(shard) = chosen_shard(&arguments.shard)? {
+    if let Some(shard) = arguments.shard.shard {
         let plan = ShardPlan::claim(Study::Robustness, shard, &arguments.output)?;
         return make_watched_shard(plan, &mut Robustness::open(arguments, asked)?);
     }
@@ -150,10 +145,6 @@ fn with_other_training(directory: &Path, config: &RunConfig) -> Result<Entrant, 
 }
 
 /// Writes the files that only this study has into `directory`, the run of `manifest` with these `numbers`, and prints the table.
-///
-/// # Errors
-///
-/// If a file cannot be written, or nobody takes the table.
 pub fn end_robustness(
     directory: RunDirectory,
     manifest: &Manifest,

@@ -9,11 +9,6 @@ use crate::cli::OutputArgs;
 use crate::commands::failure::{Failure, Usage};
 
 /// Takes the directory that `arguments` name, if they do.
-///
-/// # Errors
-///
-/// [`Usage`] if the directory exists, with the remedy; [`RunDirectoryError`] if somebody else is writing it, or nothing can be
-/// written there.
 pub fn claim_named(arguments: &OutputArgs) -> Result<Option<ClaimedTarget>, Failure> {
     let existing = if arguments.overwrite { ExistingTarget::Replace } else { ExistingTarget::Refuse };
     let Some(target) = &arguments.output else { return Ok(None) };
@@ -27,10 +22,6 @@ pub fn claim_named(arguments: &OutputArgs) -> Result<Option<ClaimedTarget>, Fail
 
 /// The directory that was `named`, or else `unnamed` in `runs/`, of which `latest` may be told: with a number if there is one of
 /// that name, or somebody else is writing it.
-///
-/// # Errors
-///
-/// [`RunDirectoryError`] if nothing can be written there.
 pub fn claim_unnamed(
     named: Option<ClaimedTarget>,
     unnamed: &str,
@@ -40,10 +31,6 @@ pub fn claim_unnamed(
 }
 
 /// Begins the directory that `arguments` name, or else `unnamed`, as [`claim_unnamed`] has it.
-///
-/// # Errors
-///
-/// As [`claim_named`].
 pub fn begin_run_directory(
     arguments: &OutputArgs,
     unnamed: &str,

@@ -29,10 +29,6 @@ pub struct RunNumbers {
 
 /// Makes the numbers of `tally` and writes them into `directory` in all their forms. The page is made of the files, so that
 /// `scanbench report` makes the same.
-///
-/// # Errors
-///
-/// If they do not fit the manifest, or a file cannot be written.
 pub fn write_numbers(
     directory: &RunDirectory,
     manifest: &Manifest,

@@ -15,10 +15,6 @@ use crate::commands::standard_streams::terminal;
 
 /// Makes the numbers of rows under protocols and writes them into `directory` in all their forms. Returns what is printed: the short
 /// table of each protocol. Nothing where the run was evaluated under none.
-///
-/// # Errors
-///
-/// If a file cannot be written.
 pub fn write_protocols(
     directory: &RunDirectory,
     manifest: &Manifest,

@@ -35,10 +35,6 @@ impl From<SelftestFailed> for Failure {
 
 /// Feeds the annotations of every scan back as detections and checks, for every task and criterion, that all are
 /// found, none is false and every cost is 0.
-///
-/// # Errors
-///
-/// [`SelftestFailed`] if anything differs; if data cannot be read or hold no annotation.
 pub fn selftest(arguments: &SelftestArgs) -> Result<(), Failure> {
     let (mut n_failed, mut n_checked) = (0, 0);
     let policy = arguments.damage.policy();

@@ -56,10 +56,6 @@ impl std::fmt::Display for CheckedProtocol {
 }
 
 /// Feeds the labels of every scan back under each of `protocols`.
-///
-/// # Errors
-///
-/// [`NothingEvaluated`] if no label has a class of one of them; if data cannot be read.
 pub fn check_protocols(
     opened: &OpenedDataset,
     policy: DamagePolicy,

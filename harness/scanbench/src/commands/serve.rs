@@ -22,10 +22,6 @@ use crate::commands::failure::{Failure, Usage};
 pub use evaluation::process::supervisor::supervise;
 
 /// Answers until it is asked to end.
-///
-/// # Errors
-///
-/// If there is no such detector, nobody asks, or the pipe is lost.
 pub fn serve(arguments: &ServeArgs) -> Result<(), Failure> {
     let served = if arguments.detector == NOTHING {
         None

@@ -52,19 +52,11 @@ pub fn terminal() -> Terminal {
 }
 
 /// Prints a result, which is never coloured. A reader that has seen enough and closed the stream is no error.
-///
-/// # Errors
-///
-/// If stdout takes nothing for another reason, such as a full disk.
 pub fn print_result(result: impl Display) -> Result<(), Failure> {
     print_bytes(format!("{result}\n").as_bytes())
 }
 
 /// Prints a result that ends as it should, such as the content of a file.
-///
-/// # Errors
-///
-/// As [`print_result`].
 pub fn print_bytes(result: &[u8]) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(result).and_then(|()| stdout.flush()) {

@@ -9,10 +9,6 @@ use crate::commands::failure::Failure;
 const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
 
 /// Adds `text` to the summary of the job, if this runs in one. Other steps of the job have written there before.
-///
-/// # Errors
-///
-/// If the file cannot be written.
 pub fn append_to_step_summary(text: &str) -> Result<(), Failure> {
     let Some(path) = std::env::var_os(STEP_SUMMARY).filter(|it| !it.is_empty()) else { return Ok(()) };
     let path = Path::new(&path);

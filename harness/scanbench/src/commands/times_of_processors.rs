@@ -14,10 +14,6 @@ use reports::tables::times_table::TimesTable;
 use crate::commands::failure::Failure;
 
 /// Writes a table of times for each of `processors`, and all of them as rows; nothing if there are none.
-///
-/// # Errors
-///
-/// If a file cannot be written.
 pub fn write_times_of_processors(
     directory: &RunDirectory,
     manifest: &Manifest,

@@ -9,10 +9,6 @@ use crate::commands::standard_streams::print_bytes;
 use crate::commands::worst_scans::record;
 
 /// Lists the worst mistakes of a detector, and records the scans they are in.
-///
-/// # Errors
-///
-/// If the run cannot be read, has no such mistakes, or its scans cannot be run again as they were.
 pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     let run = open_run(&arguments.run)?;
     let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();

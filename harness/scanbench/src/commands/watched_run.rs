@@ -55,10 +55,6 @@ pub enum WithoutLabels {
 
 impl WatchedRun<'_> {
     /// Runs, and tells all `sinks` of every scan.
-    ///
-    /// # Errors
-    ///
-    /// If data are damaged, a data set has nothing to be found, the run is interrupted, or a sink cannot go on.
     pub fn run(&self, mut sinks: Sinks<'_, Failure>) -> Result<(), Failure> {
         let mut n_before = 0;
         for opened in self.datasets {
@@ -129,10 +125,6 @@ impl WatchedRun<'_> {
 
 /// Says that nothing is to be found in the scans of a data set: a warning without any labels, and an error with some, of which none
 /// counts.
-///
-/// # Errors
-///
-/// [`NothingEvaluated`] with labels.
 pub fn tell_of_nothing(id: &str, has_labels: bool, n_scans: u64, doubts: &[String]) -> Result<(), Failure> {
     if !has_labels {
         print_diagnostic(format_args!(

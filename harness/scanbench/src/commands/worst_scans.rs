@@ -28,10 +28,6 @@ use crate::commands::run_manifest::{dataset_entry, seeds};
 use crate::commands::standard_streams::print_diagnostic;
 
 /// Runs the scans of `mistakes` again as `manifest` says, and records them, the first mistake's first.
-///
-/// # Errors
-///
-/// If data or parameters are not what they were, a scan cannot be read, or the recording cannot be written.
 pub fn record(
     arguments: &ViewArgs,
     manifest: &Manifest,

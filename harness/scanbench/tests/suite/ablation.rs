@@ -118,21 +118,3 @@ fn variants_are_detectors_of_a_run() {
         assert!(!row[low].is_empty() && table.contains(&expected), "{row:?}");
     }
 }
-
-#[test]
-fn the_oracle_counts_what_survives_each_step() {
-    let workplace = Workplace::new();
-    let ended =
-        workplace.succeed(&["ablation", "street-narrow", "--simulated-scans", "3", "--oracle", "-o", "out"]);
-    assert!(ended.stdout.contains("Annotated objects that survive each step"), "{ended:#?}");
-    let rows = workplace.read("out/oracle.csv");
-    let counts =
-        |line: &str| -> Vec<usize> { line.split(',').skip(3).map(|it| it.parse().unwrap()).collect() };
-    let all: Vec<Vec<usize>> = rows.lines().skip(1).map(counts).collect();
-    assert!(all.len() > 3 && all[0][0] > 20, "{rows}");
-    // Of all classes first; a step loses, but for objects whose points are completed.
-    for column in 0..6 {
-        assert_eq!(all[0][column], all[1..].iter().map(|it| it[column]).sum::<usize>(), "{rows}");
-    }
-    assert!(all.iter().all(|it| it[0] >= it[1] && it[2] >= it[3] && it[4] >= it[5]), "{rows}");
-}

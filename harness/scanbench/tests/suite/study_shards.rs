@@ -313,8 +313,6 @@ fn shards_of_an_ablation_and_of_a_run_are_kept_apart() {
     let other = ["-P", "hierarchical.grid.xi=2"];
     let words = "have different parameters: configuration changed: whole method: grid.xi: ";
     check_stands_not_in(&workplace, &ablation, &other, words);
-    let oracle = workplace.run(&[&ablation[..], &["--oracle", "--shard", "1/2", "-o", "shards"]].concat());
-    assert!(oracle.exit_code == Some(2) && oracle.stderr.contains("cannot be used with"), "{oracle:#?}");
 }
 
 /// Four objects of each class, from below and from above.

@@ -1,32 +1,10 @@
-//! Runs as tasks of an engine: which shard a task is, and what `submit` writes.
+//! Runs as tasks of an engine: what `submit` writes.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::process::Command;
 
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace};
-
-/// What a machine that runs these tests may have set itself.
-const OF_ENGINES: [&str; 18] = [
-    "SLURM_ARRAY_TASK_ID",
-    "SLURM_ARRAY_TASK_MIN",
-    "SLURM_ARRAY_TASK_MAX",
-    "SLURM_ARRAY_TASK_STEP",
-    "SLURM_ARRAY_TASK_COUNT",
-    "JOB_COMPLETION_INDEX",
-    "JOB_COMPLETIONS",
-    "AWS_BATCH_JOB_ARRAY_INDEX",
-    "PBS_ARRAY_INDEX",
-    "PBS_ARRAYID",
-    "LSB_JOBINDEX",
-    "CI_NODE_INDEX",
-    "CI_NODE_TOTAL",
-    "BUILDKITE_PARALLEL_JOB",
-    "BUILDKITE_PARALLEL_JOB_COUNT",
-    "CIRCLE_NODE_INDEX",
-    "CIRCLE_NODE_TOTAL",
-    "TEST_SHARD_INDEX",
-];
 
 /// A `sbatch` that runs a job at once, an array task by task; a job that depends on another only if that has succeeded.
 const SBATCH: &str = r#"#!/bin/bash
@@ -47,8 +25,7 @@ if [[ -n ${after:-} && $(cat "failed.$after") != 0 ]]; then
 else
     for task in $(seq 1 "${last:-1}"); do
         if [[ -n $last ]]; then
-            export SLURM_ARRAY_TASK_ID=$task SLURM_ARRAY_TASK_MIN=1 SLURM_ARRAY_TASK_MAX=$last
-            export SLURM_ARRAY_TASK_STEP=1 SLURM_ARRAY_TASK_COUNT=$last
+            export SLURM_ARRAY_TASK_ID=$task
         fi
         bash "$script" >> log 2>&1 || failed=1
     done
@@ -56,15 +33,6 @@ fi
 echo "$failed" > "failed.$id"
 echo "$id;cluster"
 "#;
-
-/// The program with `arguments` as a task that has these variables.
-fn task(workplace: &Workplace, arguments: &[&str], variables: &[(&str, &str)]) -> Ended {
-    let mut command = workplace.command(arguments);
-    for it in OF_ENGINES {
-        command.env_remove(it);
-    }
-    Ended::from(command.envs(variables.iter().copied()).output().unwrap())
-}
 
 /// The program with `arguments`, and a `sbatch` that runs jobs at once.
 fn with_sbatch(workplace: &Workplace, arguments: &[&str]) -> Ended {
@@ -75,60 +43,12 @@ fn with_sbatch(workplace: &Workplace, arguments: &[&str]) -> Ended {
     std::fs::write(programs.join("sbatch"), SBATCH).unwrap();
     std::fs::set_permissions(programs.join("sbatch"), std::fs::Permissions::from_mode(0o755)).unwrap();
     let mut command = workplace.command(arguments);
-    for it in OF_ENGINES {
-        command.env_remove(it);
-    }
     let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap());
     Ended::from(command.env("PATH", path).output().unwrap())
 }
 
 fn no_recording() -> &'static [&'static str] {
     if cfg!(feature = "viewer") { &["--no-rrd"] } else { &[] }
-}
-
-#[test]
-fn a_task_runs_the_shard_that_its_engine_says_or_nothing() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 4);
-    let run = [&["run", "street", "-d", "pca", "-o", "shards", "--shard", "auto"], no_recording()].concat();
-    let second = [("CI_NODE_INDEX", "2"), ("CI_NODE_TOTAL", "2")];
-    let ended = task(&workplace, &run, &second);
-    assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
-    assert!(ended.stderr.contains("Shard 2/2, says GitLab (CI_NODE_INDEX=2, CI_NODE_TOTAL=2)"), "{ended:#?}");
-    assert!(workplace.path("shards/shard-2-of-2/manifest.json").is_file());
-
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 4);
-    for (variables, why) in [
-        (&[][..], "no engine says which shard this is"),
-        (&[("CI_NODE_TOTAL", "1")], "GitLab runs this job once"),
-        (&[("JOB_COMPLETION_INDEX", "1")], "JOB_COMPLETIONS is not set"),
-        (
-            &[("CI_NODE_INDEX", "2"), ("CI_NODE_TOTAL", "2"), ("BUILDKITE_PARALLEL_JOB", "0")],
-            "Buildkite says half",
-        ),
-    ] {
-        let ended = task(&workplace, &run, variables);
-        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-        assert!(ended.stderr.contains(why), "{ended:#?}");
-        assert_eq!(workplace.top_names(), ["street"]);
-    }
-    let told_twice = [&run[..], &["--shards", "2"]].concat().join(" ").replace("auto", "1/2");
-    let ended = task(&workplace, &told_twice.split(' ').collect::<Vec<_>>(), &[]);
-    assert!(ended.exit_code == Some(2) && ended.stderr.contains("leave --shards 2 away"), "{ended:#?}");
-}
-
-#[test]
-fn bazel_finds_the_file_that_it_waits_for() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 4);
-    let run = [&["run", "street", "-d", "pca", "-o", "shards", "--shard", "auto"], no_recording()].concat();
-    let status_file = workplace.path("status");
-    let status_file = status_file.to_str().unwrap();
-    let first =
-        [("TEST_SHARD_INDEX", "0"), ("TEST_TOTAL_SHARDS", "2"), ("TEST_SHARD_STATUS_FILE", status_file)];
-    assert_eq!(task(&workplace, &run, &first).exit_code, Some(0));
-    assert_eq!(workplace.read("status"), "");
 }
 
 #[test]
@@ -144,8 +64,11 @@ fn an_array_of_slurm_and_its_merge_give_the_rows_of_the_whole_run() {
     assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
     assert!(ended.stdout.contains("shards: job 41, merge: job 42, merged run: "), "{ended:#?}");
     let log = workplace.read("my 'jobs'/log");
-    for shard in ["1/3", "2/3", "3/3"] {
-        assert!(log.contains(&format!("Shard {shard}, says Slurm")), "{log}");
+    for shard in 1..=3 {
+        assert!(
+            workplace.path(&format!("my 'jobs'/shards/shard-{shard}-of-3/manifest.json")).is_file(),
+            "{log}"
+        );
     }
     assert_eq!(workplace.read("my 'jobs'/run/matches.csv"), workplace.read("whole/matches.csv"), "{log}");
 
@@ -240,9 +163,8 @@ fn pods_get_the_words_of_the_run_and_the_number_of_shards() {
         "  completionMode: Indexed\n  completions: 2\n  parallelism: 2\n",
         "          image: \"a/b:1\"\n",
         "$$(printf shard-%01d-of-2 $$((JOB_COMPLETION_INDEX + 1)))\n",
-        "            - \"--shards\"\n            - \"2\"\n",
-        "            - \"$$(HOME) {{name}}\"\n            - \"-d\"\n            - \"pca\"\n          env:\n",
-        "            - name: JOB_COMPLETIONS\n              value: \"2\"\n",
+        "exec scanbench run --shard \"$$((JOB_COMPLETION_INDEX + 1))/2\" \"$$@\"\n",
+        "            - \"$$(HOME) {{name}}\"\n            - \"-d\"\n            - \"pca\"\n          workingDir",
         "            claimName: \"scans\"\n",
     ] {
         assert!(shards.contains(line), "{line}\n{shards}");

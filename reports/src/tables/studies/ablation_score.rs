@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::blocks::Interval;
 use crate::numbers::run_report::{RunReport, Subject};
@@ -86,58 +86,33 @@ fn count_of(share: Option<f64>, n: u64) -> u64 {
     share.map_or(0, |it| (it * n as f64).round() as u64)
 }
 
-/// A row of `ablation.csv`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct AblationRow {
-    task: Task,
-    dataset: String,
-    origin: Origin,
-    variant: String,
-    n_scans: u64,
-    no: u64,
-    tp: u64,
-    mo: u64,
-    fo: Option<u64>,
-    f_rate: Option<Fixed<6>>,
-    precision: Option<Fixed<6>>,
-    recall: Option<Fixed<6>>,
-    n_split: u64,
-    over_segmentation: Option<Fixed<6>>,
-    n_holding: u64,
-    n_joining: u64,
-    under_segmentation: Option<Fixed<6>>,
-    latency_min_ms: Option<Fixed<4>>,
-    latency_p50_ms: Option<Fixed<4>>,
-    f_rate_low: Option<Fixed<6>>,
-    f_rate_high: Option<Fixed<6>>,
-    few_blocks: Option<bool>,
-}
-
-impl CsvRow for AblationRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "task",
-        "dataset",
-        "origin",
-        "variant",
-        "n_scans",
-        "no",
-        "tp",
-        "mo",
-        "fo",
-        "f_rate",
-        "precision",
-        "recall",
-        "n_split",
-        "over_segmentation",
-        "n_holding",
-        "n_joining",
-        "under_segmentation",
-        "latency_min_ms",
-        "latency_p50_ms",
-        "f_rate_low",
-        "f_rate_high",
-        "few_blocks",
-    ];
+row! {
+    /// A row of `ablation.csv`.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct AblationRow {
+        task: Task,
+        dataset: String,
+        origin: Origin,
+        variant: String,
+        n_scans: u64,
+        no: u64,
+        tp: u64,
+        mo: u64,
+        fo: Option<u64>,
+        f_rate: Option<Fixed<6>>,
+        precision: Option<Fixed<6>>,
+        recall: Option<Fixed<6>>,
+        n_split: u64,
+        over_segmentation: Option<Fixed<6>>,
+        n_holding: u64,
+        n_joining: u64,
+        under_segmentation: Option<Fixed<6>>,
+        latency_min_ms: Option<Fixed<4>>,
+        latency_p50_ms: Option<Fixed<4>>,
+        f_rate_low: Option<Fixed<6>>,
+        f_rate_high: Option<Fixed<6>>,
+        few_blocks: Option<bool>,
+    }
 }
 
 impl AblationRow {

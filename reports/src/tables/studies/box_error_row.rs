@@ -2,55 +2,35 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::blocks::BlockCount;
 use crate::numbers::box_errors::BoxErrorLine;
 use crate::numbers::box_points::{BoxPoints, CELL_M};
 use crate::vocabulary::class::{AnnotationClass, Occlusion};
 
-/// A box fitted to the cluster of a matched vehicle.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FittedBoxRow {
-    data: String,
-    simulated: bool,
-    scan: String,
-    class: AnnotationClass,
-    track: Option<u32>,
-    occlusion: Option<Occlusion>,
-    range_m: Fixed<2>,
-    n_points: usize,
-    fit: String,
-    centre_error_m: Fixed<4>,
-    length_error_m: Fixed<4>,
-    width_error_m: Fixed<4>,
-    yaw_error_deg: Fixed<3>,
-    front_right: bool,
-    front_sure: Option<bool>,
-    bev_iou: Fixed<4>,
-    iou_3d: Fixed<4>,
-}
-
-impl CsvRow for FittedBoxRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "data",
-        "simulated",
-        "scan",
-        "class",
-        "track",
-        "occlusion",
-        "range_m",
-        "n_points",
-        "fit",
-        "centre_error_m",
-        "length_error_m",
-        "width_error_m",
-        "yaw_error_deg",
-        "front_right",
-        "front_sure",
-        "bev_iou",
-        "iou_3d",
-    ];
+row! {
+    /// A box fitted to the cluster of a matched vehicle.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct FittedBoxRow {
+        data: String,
+        simulated: bool,
+        scan: String,
+        class: AnnotationClass,
+        track: Option<u32>,
+        occlusion: Option<Occlusion>,
+        range_m: Fixed<2>,
+        n_points: usize,
+        fit: String,
+        centre_error_m: Fixed<4>,
+        length_error_m: Fixed<4>,
+        width_error_m: Fixed<4>,
+        yaw_error_deg: Fixed<3>,
+        front_right: bool,
+        front_sure: Option<bool>,
+        bev_iou: Fixed<4>,
+        iou_3d: Fixed<4>,
+    }
 }
 
 /// Which vehicle a box was fitted to.
@@ -106,22 +86,19 @@ impl FittedBoxRow {
     }
 }
 
-/// A cell in the frame of the boxes of a class.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct BoxPointsRow {
-    data: String,
-    simulated: bool,
-    class: AnnotationClass,
-    frame: String,
-    vehicles: usize,
-    along_m: Fixed<2>,
-    across_m: Fixed<2>,
-    share: Fixed<6>,
-}
-
-impl CsvRow for BoxPointsRow {
-    const COLUMNS: &'static [&'static str] =
-        &["data", "simulated", "class", "frame", "vehicles", "along_m", "across_m", "share"];
+row! {
+    /// A cell in the frame of the boxes of a class.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct BoxPointsRow {
+        data: String,
+        simulated: bool,
+        class: AnnotationClass,
+        frame: String,
+        vehicles: usize,
+        along_m: Fixed<2>,
+        across_m: Fixed<2>,
+        share: Fixed<6>,
+    }
 }
 
 impl BoxPointsRow {
@@ -147,44 +124,26 @@ impl BoxPointsRow {
     }
 }
 
-/// A median or a share over a slice.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct BoxErrorRow {
-    data: String,
-    simulated: bool,
-    by: String,
-    slice: String,
-    error: String,
-    unit: String,
-    fit: String,
-    n_pairs: u64,
-    n_tracks: u64,
-    value: Option<Fixed<4>>,
-    low: Option<Fixed<4>>,
-    high: Option<Fixed<4>>,
-    n_blocks: Option<u64>,
-    blocks: Option<String>,
-    few_blocks: Option<bool>,
-}
-
-impl CsvRow for BoxErrorRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "data",
-        "simulated",
-        "by",
-        "slice",
-        "error",
-        "unit",
-        "fit",
-        "n_pairs",
-        "n_tracks",
-        "value",
-        "low",
-        "high",
-        "n_blocks",
-        "blocks",
-        "few_blocks",
-    ];
+row! {
+    /// A median or a share over a slice.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct BoxErrorRow {
+        data: String,
+        simulated: bool,
+        by: String,
+        slice: String,
+        error: String,
+        unit: String,
+        fit: String,
+        n_pairs: u64,
+        n_tracks: u64,
+        value: Option<Fixed<4>>,
+        low: Option<Fixed<4>>,
+        high: Option<Fixed<4>>,
+        n_blocks: Option<u64>,
+        blocks: Option<String>,
+        few_blocks: Option<bool>,
+    }
 }
 
 impl BoxErrorRow {

@@ -47,12 +47,16 @@ fn grid(lines: &[BoxErrorLine]) -> Grid {
     for (fit, _) in &lines[0].fits {
         columns.push(Column::number(fit));
     }
-    let mut before = None;
+    let (mut slice_before, mut counts_before) = (None, None);
     let lines = lines.iter().map(|line| {
-        let slice = Some((&line.by, &line.slice));
-        let is_first = std::mem::replace(&mut before, slice) != slice;
-        let head = [line.by.clone(), line.slice.clone(), line.n_pairs.to_string(), line.n_tracks.to_string()];
-        let head = head.map(|text| if is_first { text } else { String::new() });
+        let (slice, counts) = ([&line.by, &line.slice], [line.n_pairs, line.n_tracks]);
+        let is_first = slice_before.replace(slice) != Some(slice);
+        // Some numbers are of fewer pairs than the others.
+        let are_new = counts_before.replace(counts) != Some(counts) || is_first;
+        let shown = |text: String, is_shown: bool| if is_shown { text } else { String::new() };
+        let [by, slice] = slice.map(|it| shown(it.clone(), is_first));
+        let [n_pairs, n_tracks] = counts.map(|it| shown(it.to_string(), are_new));
+        let head = [by, slice, n_pairs, n_tracks];
         let error = format!("{}, {}", line.error.name(), line.error.unit());
         let number = |it: Option<f64>| {
             Cell::new(it.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, line.error.decimals())))

@@ -2,53 +2,33 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::condition_scores::{ConditionScores, DetectorRates, RateOfTask};
 use crate::vocabulary::task::Task;
 
-/// What one detector found under one condition, with what the rates are made of.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ConditionRow {
-    data: String,
-    group: String,
-    condition: String,
-    trained: bool,
-    task: Task,
-    detector: String,
-    n_scans: u64,
-    no: u64,
-    tp: u64,
-    mo: u64,
-    fo: Option<u64>,
-    precision: Option<Fixed<4>>,
-    recall: Option<Fixed<4>>,
-    f_rate: Option<Fixed<4>>,
-    f_rate_low: Option<Fixed<4>>,
-    f_rate_high: Option<Fixed<4>>,
-    few_blocks: Option<bool>,
-}
-
-impl CsvRow for ConditionRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "data",
-        "group",
-        "condition",
-        "trained",
-        "task",
-        "detector",
-        "n_scans",
-        "no",
-        "tp",
-        "mo",
-        "fo",
-        "precision",
-        "recall",
-        "f_rate",
-        "f_rate_low",
-        "f_rate_high",
-        "few_blocks",
-    ];
+row! {
+    /// What one detector found under one condition, with what the rates are made of.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct ConditionRow {
+        data: String,
+        group: String,
+        condition: String,
+        trained: bool,
+        task: Task,
+        detector: String,
+        n_scans: u64,
+        no: u64,
+        tp: u64,
+        mo: u64,
+        fo: Option<u64>,
+        precision: Option<Fixed<4>>,
+        recall: Option<Fixed<4>>,
+        f_rate: Option<Fixed<4>>,
+        f_rate_low: Option<Fixed<4>>,
+        f_rate_high: Option<Fixed<4>>,
+        few_blocks: Option<bool>,
+    }
 }
 
 impl ConditionRow {

@@ -2,44 +2,28 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::curve_pair::{CurvePair, Sides};
 
-/// One bin of one statistic, with both values.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CurveRow {
-    statistic: String,
-    bin: String,
-    bin_from_m: Option<Fixed<3>>,
-    bin_to_m: Option<Fixed<3>>,
-    unit: String,
-    left: String,
-    left_value: Option<Fixed<6>>,
-    right: String,
-    right_value: Option<Fixed<6>>,
-    ratio: Option<Fixed<4>>,
-    counted: String,
-    n_left: u64,
-    n_right: u64,
-}
-
-impl CsvRow for CurveRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "statistic",
-        "bin",
-        "bin_from_m",
-        "bin_to_m",
-        "unit",
-        "left",
-        "left_value",
-        "right",
-        "right_value",
-        "ratio",
-        "counted",
-        "n_left",
-        "n_right",
-    ];
+row! {
+    /// One bin of one statistic, with both values.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct CurveRow {
+        statistic: String,
+        bin: String,
+        bin_from_m: Option<Fixed<3>>,
+        bin_to_m: Option<Fixed<3>>,
+        unit: String,
+        left: String,
+        left_value: Option<Fixed<6>>,
+        right: String,
+        right_value: Option<Fixed<6>>,
+        ratio: Option<Fixed<4>>,
+        counted: String,
+        n_left: u64,
+        n_right: u64,
+    }
 }
 
 impl CurveRow {

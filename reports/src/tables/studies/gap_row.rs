@@ -2,46 +2,29 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::gap_curve::GapBin;
 
-/// One bin, with what its share is made of.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct GapRow {
-    data: String,
-    detector: String,
-    pair: String,
-    layout: String,
-    range_from_m: Fixed<1>,
-    range_to_m: Fixed<1>,
-    gap_m: Fixed<2>,
-    n_pairs: u64,
-    n_seen: u64,
-    n_separated: u64,
-    n_joined: u64,
-    separated: Option<Fixed<4>>,
-    separated_low: Option<Fixed<4>>,
-    separated_high: Option<Fixed<4>>,
-}
-
-impl CsvRow for GapRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "data",
-        "detector",
-        "pair",
-        "layout",
-        "range_from_m",
-        "range_to_m",
-        "gap_m",
-        "n_pairs",
-        "n_seen",
-        "n_separated",
-        "n_joined",
-        "separated",
-        "separated_low",
-        "separated_high",
-    ];
+row! {
+    /// One bin, with what its share is made of.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct GapRow {
+        data: String,
+        detector: String,
+        pair: String,
+        layout: String,
+        range_from_m: Fixed<1>,
+        range_to_m: Fixed<1>,
+        gap_m: Fixed<2>,
+        n_pairs: u64,
+        n_seen: u64,
+        n_separated: u64,
+        n_joined: u64,
+        separated: Option<Fixed<4>>,
+        separated_low: Option<Fixed<4>>,
+        separated_high: Option<Fixed<4>>,
+    }
 }
 
 impl GapRow {

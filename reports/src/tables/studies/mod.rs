@@ -2,7 +2,6 @@
 
 pub mod ablation_score;
 pub mod ablation_table;
-pub mod survival_table;
 pub mod sweep_table;
 pub mod swept_protocol_table;
 pub mod fitness_table;

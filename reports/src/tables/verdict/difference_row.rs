@@ -2,40 +2,26 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::tables::verdict::comparison::{Comparison, NamedDifference};
 
-/// A difference, with its interval where there are enough blocks for one.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DifferenceRow {
-    task: String,
-    detector: String,
-    slice: String,
-    metric: String,
-    before: Fixed<6>,
-    after: Fixed<6>,
-    difference: Fixed<6>,
-    low: Option<Fixed<6>>,
-    high: Option<Fixed<6>>,
-    few_blocks: Option<bool>,
-    least_effect: Option<Fixed<6>>,
-}
-
-impl CsvRow for DifferenceRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "task",
-        "detector",
-        "slice",
-        "metric",
-        "before",
-        "after",
-        "difference",
-        "low",
-        "high",
-        "few_blocks",
-        "least_effect",
-    ];
+row! {
+    /// A difference, with its interval where there are enough blocks for one.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct DifferenceRow {
+        task: String,
+        detector: String,
+        slice: String,
+        metric: String,
+        before: Fixed<6>,
+        after: Fixed<6>,
+        difference: Fixed<6>,
+        low: Option<Fixed<6>>,
+        high: Option<Fixed<6>>,
+        few_blocks: Option<bool>,
+        least_effect: Option<Fixed<6>>,
+    }
 }
 
 impl DifferenceRow {

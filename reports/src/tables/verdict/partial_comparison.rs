@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::{Fixed, fixed_decimals};
 use crate::run_folder::partial_archive::PartialArchive;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
@@ -237,38 +237,23 @@ pub fn partial_verdict_json(verdict: &PartialVerdict) -> String {
     format!("{record:#}\n")
 }
 
-/// `comparison.csv` of partial clouds: one row for every difference.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PartialDifferenceRow {
-    data: String,
-    direction: String,
-    method: String,
-    trained_on: String,
-    metric: String,
-    step: u32,
-    before: Fixed<6>,
-    after: Fixed<6>,
-    difference: Fixed<6>,
-    low: Option<Fixed<6>>,
-    high: Option<Fixed<6>>,
-    few_blocks: Option<bool>,
-}
-
-impl CsvRow for PartialDifferenceRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "data",
-        "direction",
-        "method",
-        "trained_on",
-        "metric",
-        "step",
-        "before",
-        "after",
-        "difference",
-        "low",
-        "high",
-        "few_blocks",
-    ];
+row! {
+    /// `comparison.csv` of partial clouds: one row for every difference.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct PartialDifferenceRow {
+        data: String,
+        direction: String,
+        method: String,
+        trained_on: String,
+        metric: String,
+        step: u32,
+        before: Fixed<6>,
+        after: Fixed<6>,
+        difference: Fixed<6>,
+        low: Option<Fixed<6>>,
+        high: Option<Fixed<6>>,
+        few_blocks: Option<bool>,
+    }
 }
 
 impl PartialDifferenceRow {

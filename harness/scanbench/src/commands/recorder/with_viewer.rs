@@ -24,20 +24,12 @@ use crate::commands::standard_streams::print_diagnostic;
 pub struct Recorder(RunRecording);
 
 /// Whether a recording is asked for.
-///
-/// # Errors
-///
-/// None here.
 #[allow(clippy::unnecessary_wraps, reason = "without the viewer there is an error")]
 pub fn is_wanted(arguments: &StreamArgs) -> Result<bool, Failure> {
     Ok(!arguments.no_rrd)
 }
 
 /// Begins the recording of `plan`; `None` if none is wanted.
-///
-/// # Errors
-///
-/// If the file cannot be written, or the viewer or the server not be started.
 pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
     let arguments = plan.arguments;
     if arguments.no_rrd {
@@ -98,10 +90,6 @@ impl ScanRecorder for Recorder {
 }
 
 /// Records one scan of a sweep, from its first data set, at all points of the plan.
-///
-/// # Errors
-///
-/// If the scan cannot be read or the file not be written.
 pub fn record_sweep(
     directory: &RunDirectory,
     swept: (&SweepPlan, &SweptDataset<'_>),
@@ -116,10 +104,6 @@ pub fn records_growths(arguments: &PartialArgs) -> bool {
 }
 
 /// Records objects that grow to the file at `path`.
-///
-/// # Errors
-///
-/// If the file cannot be written.
 pub fn record_growths(path: &Path, name: &str, growths: &[Growth]) -> Result<(), Failure> {
     Ok(partial_recording::record_growths(path, name, growths)?)
 }

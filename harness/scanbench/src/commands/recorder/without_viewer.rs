@@ -17,10 +17,6 @@ use crate::commands::failure::{Failure, Usage};
 pub enum Recorder {}
 
 /// Whether a recording is asked for: never.
-///
-/// # Errors
-///
-/// [`Usage`] if `arguments` say where it is to go.
 pub fn is_wanted(arguments: &StreamArgs) -> Result<bool, Failure> {
     let for_recordings = [
         ("--save-rrd", arguments.save_rrd.is_some()),
@@ -37,10 +33,6 @@ pub fn is_wanted(arguments: &StreamArgs) -> Result<bool, Failure> {
 }
 
 /// Begins no recording.
-///
-/// # Errors
-///
-/// [`Usage`] if one is asked for.
 pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
     is_wanted(plan.arguments).map(|_| None)
 }
@@ -58,10 +50,6 @@ impl ScanRecorder for Recorder {
 }
 
 /// Records nothing.
-///
-/// # Errors
-///
-/// None here.
 #[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
 pub fn record_sweep(
     _: &RunDirectory,
@@ -77,10 +65,6 @@ pub fn records_growths(_: &PartialArgs) -> bool {
 }
 
 /// Records nothing.
-///
-/// # Errors
-///
-/// None here.
 #[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
 pub fn record_growths(_: &Path, _: &str, _: &[Growth]) -> Result<(), Failure> {
     Ok(())

@@ -29,7 +29,6 @@ use super::METHOD;
 use super::settings_study::{CountedPoints, RIVALS, SettingsStudy, criteria, points_by_criterion};
 use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
-use crate::commands::progress::progress_over_scans;
 
 const GOOD_FAITH: &str = "good faith";
 const LETTER: &str = "to the letter";
@@ -88,12 +87,10 @@ impl<'a> Judge<'a> {
         for it in first {
             let description = it.dataset.description();
             let of_sensor = config.for_scans_of(description);
-            let progress = progress_over_scans(2 * it.scan_indices.len(), &description.id);
-            let from = (&*it.dataset, it.scan_indices.as_slice());
-            let grid = (&config.paper.grid, config.hierarchical.ground.max_ground_extent_m);
-            scans.extend(observe(from, grid, interrupted, || progress.inc(1))?);
-            pairs.extend(box_pairs(from.0, from.1, (&method, &of_sensor), interrupted, || progress.inc(1))?);
-            progress.finish_and_clear();
+            let (grid, ground_extent_m) =
+                (&config.paper.grid, config.hierarchical.ground.max_ground_extent_m);
+            scans.extend(it.look_unsaid(interrupted, |pass| observe(pass, grid, ground_extent_m))?);
+            pairs.extend(it.look_unsaid(interrupted, |pass| box_pairs(pass, &method, &of_sensor))?);
         }
         Ok(Self {
             tally,

@@ -10,10 +10,6 @@ use crate::cli::ReproduceArgs;
 use crate::commands::failure::Failure;
 
 /// Judges the claims of the papers, or chooses the values that they leave open.
-///
-/// # Errors
-///
-/// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn reproduce(arguments: &ReproduceArgs) -> Result<(), Failure> {
     if arguments.choose { choose::choose(arguments) } else { papers_run::papers_run(arguments) }
 }

@@ -11,10 +11,6 @@ use scans::dataset::checksum::{ContentChecksum, sha256};
 use serde::Serialize;
 
 /// Writes `content` to the file `name`.
-///
-/// # Errors
-///
-/// [`ArchiveError`] if the disk does not take it.
 pub fn write_checksummed(
     directory: &RunDirectory,
     name: &str,
@@ -25,10 +21,6 @@ pub fn write_checksummed(
 }
 
 /// Writes `values` to the file `name`, each as a line of JSON.
-///
-/// # Errors
-///
-/// [`ArchiveError`] if the disk does not take it.
 pub fn write_lines<Value: Serialize>(
     directory: &RunDirectory,
     name: &'static str,
@@ -55,20 +47,12 @@ pub struct ChecksummedFile {
 
 impl ChecksummedFile {
     /// An empty one called `name`.
-    ///
-    /// # Errors
-    ///
-    /// [`ArchiveError`] if it cannot be written.
     pub fn begin(directory: &RunDirectory, name: &'static str) -> Result<Self, ArchiveError> {
         let (file, path) = (directory.begin_file(name)?, directory.path_of(name));
         Ok(Self { path, name, file, checksum: ContentChecksum::default(), n_bytes: 0 })
     }
 
     /// Adds `bytes`.
-    ///
-    /// # Errors
-    ///
-    /// [`ArchiveError`] if the disk does not take them.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), ArchiveError> {
         self.checksum.add(bytes);
         self.n_bytes += bytes.len() as u64;
@@ -77,10 +61,6 @@ impl ChecksummedFile {
     }
 
     /// Completes it, and says what it is.
-    ///
-    /// # Errors
-    ///
-    /// [`ArchiveError`] if the disk does not take it.
     pub fn finish(self) -> Result<ShardFile, ArchiveError> {
         self.file.finish()?;
         Ok(ShardFile { name: self.name.to_owned(), n_bytes: self.n_bytes, sha256: self.checksum.finish() })

@@ -41,11 +41,6 @@ pub struct MergedRows {
 }
 
 /// Writes the rows of `shards`, which are in the order of the run, into `directory`.
-///
-/// # Errors
-///
-/// [`Failure::Data`] if a file is not as its shard wrote it, [`Failure::NotComparable`] if two shards have the same scan, and if the
-/// disk does not take the files.
 pub fn merge_rows(
     shards: &[ShardDirectory<'_>],
     manifest: &Manifest,

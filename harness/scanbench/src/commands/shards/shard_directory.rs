@@ -35,10 +35,6 @@ impl<'a> ShardDirectory<'a> {
     }
 
     /// What was seen around its worst mistakes.
-    ///
-    /// # Errors
-    ///
-    /// [`Failure::Data`] if the file is missing or damaged.
     pub fn worst_points(&self) -> Result<WorstPoints, Failure> {
         let read = WorstPoints::read(&self.folder.join(WORST_POINTS_JSON));
         let read = read.map_err(|error| Failure::damaged_run(&self.folder, error))?;
@@ -57,10 +53,6 @@ impl<'a> ShardDirectory<'a> {
     }
 
     /// Opens the file `name`, of which all is to be read and then [checked](FileOfShard::check).
-    ///
-    /// # Errors
-    ///
-    /// [`Failure::Data`] if it is not there, or the manifest does not know it.
     pub fn open(&self, name: &str) -> Result<FileOfShard<'_>, Failure> {
         let written = self.record.files.iter().find(|it| it.name == name);
         let written = written.ok_or_else(|| self.damaged(format!("its manifest says nothing of {name}")))?;
@@ -71,10 +63,6 @@ impl<'a> ShardDirectory<'a> {
     }
 
     /// Hands the values in the file `name`, each a line of JSON, to `on_value`, which may say what is wrong with one.
-    ///
-    /// # Errors
-    ///
-    /// [`Failure::Data`] if the file is not as the shard wrote it, or a value is wrong.
     pub fn each_line<Value: DeserializeOwned>(
         &self,
         name: &str,
@@ -110,10 +98,6 @@ pub struct FileOfShard<'a> {
 
 impl FileOfShard<'_> {
     /// Compares what was read with what the shard wrote.
-    ///
-    /// # Errors
-    ///
-    /// [`Failure::Data`] if it is not the same.
     pub fn check(self, shard: &ShardDirectory<'_>) -> Result<(), Failure> {
         let (n_bytes, sha256) = (self.n_bytes, self.checksum.finish());
         let ShardFile { name, n_bytes: expected_n_bytes, sha256: expected } = self.written;

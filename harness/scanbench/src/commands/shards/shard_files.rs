@@ -29,10 +29,6 @@ use super::shard_entry::{ShardEntry, ShardScan};
 use crate::commands::failure::Failure;
 
 /// Writes the rows of `journal` into `directory`, and what they are into `manifest` and `record`.
-///
-/// # Errors
-///
-/// If the journal cannot be read or a file cannot be written.
 pub fn write_shard_files(
     journal: &Journal,
     directory: &RunDirectory,

@@ -46,10 +46,6 @@ pub struct ShardPlan {
 
 impl ShardPlan {
     /// Takes the directory of `shard`, in the folder that `output` names.
-    ///
-    /// # Errors
-    ///
-    /// If none is named, or it exists, or cannot be written.
     pub fn claim(study: Study, shard: Shard, output: &OutputArgs) -> Result<Self, Failure> {
         let of_shard = OutputArgs {
             output: output.output.as_ref().map(|it| it.join(shard.folder_name())),
@@ -119,10 +115,6 @@ impl UnfinishedShard {
     /// is handed to `on_entry`.
     ///
     /// From now on the program takes its time when it is asked to end.
-    ///
-    /// # Errors
-    ///
-    /// If what is there is of another shard, or the folder cannot be written.
     pub fn open<Entry: DeserializeOwned>(
         plan: ShardPlan,
         identity: &JournalIdentity,
@@ -165,10 +157,6 @@ impl UnfinishedShard {
 
     /// Makes the directory of the shard: `fill` writes its files and returns its manifest. What was kept until then is not needed any
     /// more.
-    ///
-    /// # Errors
-    ///
-    /// If a file cannot be written.
     pub fn finish(
         self,
         fill: impl FnOnce(&Path, &Journal, &RunDirectory) -> Result<String, Failure>,

@@ -49,10 +49,6 @@ pub trait ShardedRun {
     ) -> WatchedRun<'a>;
 
     /// Begins the recording `file`, which is called `name`, of every so many scans; `None` if none is wanted, as of studies.
-    ///
-    /// # Errors
-    ///
-    /// If it cannot be written.
     fn begin_recording(&self, _name: &str, _file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
         Ok(None)
     }
@@ -61,10 +57,6 @@ pub trait ShardedRun {
 /// Makes the shard of `plan` of `run`, and leaves its rows in a directory of its own for `merge`.
 ///
 /// Every scan is kept as soon as it is judged, beside that directory; so a shard that was ended goes on when it is asked for again.
-///
-/// # Errors
-///
-/// If data are damaged, what is there is of another run, or the output cannot be written.
 pub fn make_watched_shard(plan: ShardPlan, run: &mut impl ShardedRun) -> Result<(), Failure> {
     let share = take_share(run.datasets_mut(), plan.shard);
     let manifest = Manifest { shard: Some(plan.record(share)), ..run.manifest() };

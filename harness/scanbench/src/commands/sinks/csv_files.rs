@@ -18,10 +18,6 @@ pub struct CsvFiles {
 
 impl CsvFiles {
     /// Begins the files in `directory`.
-    ///
-    /// # Errors
-    ///
-    /// If one cannot be written.
     pub fn begin(directory: &RunDirectory) -> Result<Self, Failure> {
         Ok(Self {
             scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,

@@ -11,10 +11,6 @@ use crate::commands::failure::Failure;
 use crate::commands::progress::RunProgress;
 
 /// What is needed to make a directory of a run that is read like any other: sums in `tally`, files in `directory`.
-///
-/// # Errors
-///
-/// If a file cannot be written.
 pub fn sinks_of_every_run<'a>(
     directory: &'a RunDirectory,
     tally: &'a mut Tally,

@@ -25,10 +25,6 @@ pub struct ProtocolRowFiles<'a> {
 
 impl<'a> ProtocolRowFiles<'a> {
     /// Begins the files of `protocols` in `directory`; `tally` gets the rows, too. `None` if there are no protocols.
-    ///
-    /// # Errors
-    ///
-    /// If one cannot be written.
     pub fn begin(
         directory: &RunDirectory,
         protocols: &[Protocol],

@@ -21,10 +21,6 @@ pub const MERGED_RUN: &str = "run";
 pub const SUBMIT_SH: &str = "submit.sh";
 
 /// The name of a job whose files are in `folder`: lower case letters, digits and hyphens, as Kubernetes wants it.
-///
-/// # Errors
-///
-/// [`Usage`] if the name of the folder has none of these.
 pub fn job_name(folder: &Path) -> Result<String, Usage> {
     let name = folder.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let plain: String = name.chars().map(|it| if it.is_ascii_alphanumeric() { it } else { '-' }).collect();
@@ -39,10 +35,6 @@ pub fn job_name(folder: &Path) -> Result<String, Usage> {
 }
 
 /// `path` from the root, as text.
-///
-/// # Errors
-///
-/// [`Usage`] if it is not in UTF-8, or has control characters, which scripts cannot show.
 pub fn absolute_text(path: &Path) -> Result<String, Failure> {
     let path =
         std::path::absolute(path).map_err(|error| Failure::usage(format!("cannot use {path:?}"), error))?;
@@ -58,10 +50,6 @@ pub fn shard_pattern(n_shards: u32) -> String {
 }
 
 /// Writes `files` into `folder`, all of them or none.
-///
-/// # Errors
-///
-/// [`Usage`] if something is in it; if it cannot be written.
 pub fn write_job_folder(folder: &Path, files: &[(&str, String)]) -> Result<(), Failure> {
     refuse_occupied(folder)?;
     let failed = |source| ArchiveError::Write { path: folder.to_path_buf(), source };

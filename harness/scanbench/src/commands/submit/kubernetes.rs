@@ -17,10 +17,6 @@ const MERGE_YAML: &str = include_str!("kubernetes/merge.yaml");
 const SUBMIT: &str = include_str!("kubernetes/submit.sh");
 
 /// Writes an indexed job of shards, a job that merges them, and a script that applies one after the other.
-///
-/// # Errors
-///
-/// [`Usage`](crate::commands::failure::Usage) if the command has no shards or the folder is taken; if the folder cannot be written.
 pub fn submit_kubernetes(arguments: &KubernetesArgs) -> Result<(), Failure> {
     let submitted = &arguments.submitted;
     let command = ShardedCommand::read(&submitted.command)?;
@@ -28,11 +24,16 @@ pub fn submit_kubernetes(arguments: &KubernetesArgs) -> Result<(), Failure> {
     let n_shards = submitted.shards.to_string();
     let shards = format!("{name}/{SHARDS}");
     let run = format!("{name}/{MERGED_RUN}");
-    let of_shard = yaml_list(&command.of_one_shard(submitted.shards, &shards));
+    let of_shard = yaml_list(&command.after_shard(&shards));
     let merge = yaml_list(&merge_words(&shards, submitted.shards, &run));
     let pattern = shard_pattern(submitted.shards);
-    let own =
-        [("n_shards", n_shards.as_str()), ("shards", &shards), ("shard", &pattern), ("arguments", &of_shard)];
+    let own = [
+        ("n_shards", n_shards.as_str()),
+        ("shards", &shards),
+        ("shard", &pattern),
+        ("verb", command.verb()),
+        ("arguments", &of_shard),
+    ];
     let [image, claim, memory] =
         [&arguments.image, &arguments.claim, &arguments.memory].map(|it| yaml_text(it));
     let common = [("name", name.as_str()), ("image", &image), ("claim", &claim), ("memory", &memory)];

@@ -14,10 +14,6 @@ pub struct ShardedCommand {
 
 impl ShardedCommand {
     /// Reads `words`, which are what follows `scanbench`.
-    ///
-    /// # Errors
-    ///
-    /// [`Usage`] if they are wrong, are no verb that has shards, or say themselves where they write or which shard they are.
     pub fn read(words: &[String]) -> Result<Self, Usage> {
         let parsed =
             Cli::try_parse_from(std::iter::once("scanbench").chain(words.iter().map(String::as_str)))
@@ -47,19 +43,23 @@ impl ShardedCommand {
         }
         let command = Self { verb: verb.clone(), arguments: arguments.to_vec() };
         // Some options do not go with shards.
-        let words = std::iter::once("scanbench".to_owned()).chain(command.of_one_shard(1, "shards"));
-        Cli::try_parse_from(words).map_err(|error| {
+        let first = ["scanbench", verb, "--shard", "1/1"].map(str::to_owned);
+        Cli::try_parse_from(first.into_iter().chain(command.after_shard("shards"))).map_err(|error| {
             Usage(format!("the command after -- has no shards\n{}", error.to_string().trim_end()))
         })?;
         Ok(command)
     }
 
-    /// The words after `scanbench` by which one task of `n_shards` makes its shard in `folder`.
-    pub fn of_one_shard(&self, n_shards: u32, folder: &str) -> Vec<String> {
-        let n_shards = n_shards.to_string();
+    /// The verb: the first word after `scanbench`.
+    pub fn verb(&self) -> &str {
+        &self.verb
+    }
+
+    /// The words after the verb and `--shard I/N` by which a task makes its shard in `folder`.
+    pub fn after_shard(&self, folder: &str) -> Vec<String> {
         // Before the arguments, which may end in `--`.
-        let added = [&self.verb, "--shard", "auto", "--shards", &n_shards, "-o", folder].map(str::to_owned);
-        added.into_iter().chain(self.arguments.iter().cloned()).collect()
+        let output = ["-o", folder].map(str::to_owned);
+        output.into_iter().chain(self.arguments.iter().cloned()).collect()
     }
 }
 
@@ -85,19 +85,16 @@ mod tests {
 
     #[test]
     fn a_task_makes_one_shard_of_the_command() {
-        let words = read("run data -d pca -P a=b -q").unwrap().of_one_shard(8, "out/shards");
-        assert_eq!(words.join(" "), "run --shard auto --shards 8 -o out/shards data -d pca -P a=b -q");
-        let parsed = Cli::try_parse_from(["scanbench".to_owned()].into_iter().chain(words)).unwrap();
-        let Command::Run(arguments) = parsed.command else { panic!("{parsed:?}") };
-        assert!(arguments.shard.shard.is_some() && arguments.output.output.is_some());
+        let command = read("run data -d pca -P a=b -q").unwrap();
+        assert_eq!(command.verb(), "run");
+        assert_eq!(command.after_shard("out/shards").join(" "), "-o out/shards data -d pca -P a=b -q");
     }
 
     #[test]
     fn every_study_that_has_shards_is_taken() {
         for text in ["sweep data -L xi=2,3", "ablation data", "robustness --scans 2", "partial --per-class 9"]
         {
-            let words = read(text).unwrap().of_one_shard(8, "out/shards");
-            assert!(Cli::try_parse_from(["scanbench".to_owned()].into_iter().chain(words)).is_ok(), "{text}");
+            assert!(read(text).is_ok(), "{text}");
         }
     }
 
@@ -109,7 +106,6 @@ mod tests {
             ("run data --shard 1/2 -o out", "leave -o out away"),
             ("run data --detector pca", "unexpected argument '--detector'"),
             ("compare a b", "compare has no shards"),
-            ("ablation --oracle", "cannot be used with '--oracle'"),
             ("-q run data", "write the verb first"),
             ("fly", "unrecognized subcommand 'fly'"),
         ] {

@@ -19,11 +19,6 @@ const MERGE_SH: &str = include_str!("slurm/merge.sh");
 const SUBMIT: &str = include_str!("slurm/submit.sh");
 
 /// Writes an array of shards, a merge and what submits them; submits them if asked to.
-///
-/// # Errors
-///
-/// [`Usage`](crate::commands::failure::Usage) if the command has no shards or the folder is taken; if the folder cannot be written, or `sbatch` fails. The folder
-/// stays then.
 pub fn submit_slurm(arguments: &SlurmArgs) -> Result<(), Failure> {
     let submitted = &arguments.submitted;
     let command = ShardedCommand::read(&submitted.command)?;
@@ -73,8 +68,7 @@ impl Place {
             partition(arguments),
         ];
         let shards = format!("{}/{SHARDS}", self.folder);
-        let words = command.of_one_shard(n_shards, &shards);
-        let words: Vec<String> = words.iter().map(|it| shell_word(it)).collect();
+        let words: Vec<String> = command.after_shard(&shards).iter().map(|it| shell_word(it)).collect();
         filled(
             SHARDS_SH,
             &[
@@ -85,6 +79,7 @@ impl Place {
                 ("shards", &shell_word(&shards)),
                 ("shard", &shard_pattern(n_shards)),
                 ("program", &shell_word(&self.program)),
+                ("verb", command.verb()),
                 ("words", &words.join(" ")),
             ],
         )

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use detector::{DetectedClass, Detection, Detections};
+use detector::{BoxDetails, DetectedClass, Detection, Detections};
 use reports::vocabulary::class::AnnotationClass;
 use scans::conversion::results::result_folder::{ResultFolder, ResultOutput};
 use scans::dataset::class_table::ClassTable;
@@ -41,6 +41,9 @@ fn check_refused(path: &Path, dataset: &dyn Dataset, is_usage_error: bool, parts
     assert_eq!(error.is_usage_error(), is_usage_error, "{message}");
 }
 
+/// By so much the score of a box is more than that of its class.
+const OF_BOX: f32 = 16.0;
+
 /// The annotations that have a box, as a detector would find them.
 fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (Detections, Vec<ForeignBox>) {
     let scan = dataset.read_scan(scan_idx).unwrap();
@@ -48,7 +51,9 @@ fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (Detections, Vec<ForeignBox>)
     let boxed = scan.annotations.iter().filter_map(|it| Some((it, it.bounding_box?)));
     for (number, (annotation, bounding_box)) in (0_u8..).zip(boxed) {
         let (class, score) = (DetectedClass::Vehicle, Some(f32::from(number) / 8.0));
-        detections.push(Detection::new(&annotation.point_indices, bounding_box, class, score));
+        let box_details = BoxDetails { score: score.map(|it| it + OF_BOX), ..BoxDetails::default() };
+        let detection = Detection::new(&annotation.point_indices, bounding_box, class, score);
+        detections.push(Detection { box_details, ..detection });
         boxes.push(ForeignBox { bounding_box, class: Some(AnnotationClass::Car), score });
     }
     (detections, boxes)
@@ -88,7 +93,14 @@ fn check_round_trip(dataset: &dyn Dataset, output: ResultOutput) {
     write_echo(dataset, output, &folder);
     let found = read_all(&folder.join("echo"), dataset).unwrap_or_else(|error| panic!("{error}"));
     for (scan_idx, found) in found.iter().enumerate() {
-        check_same_boxes(found, &echo(dataset, scan_idx).1);
+        let mut expected = echo(dataset, scan_idx).1;
+        if !matches!(output, ResultOutput::Csv) {
+            // For other people's evaluators, which rank boxes.
+            for it in &mut expected {
+                it.score = it.score.map(|it| it + OF_BOX);
+            }
+        }
+        check_same_boxes(found, &expected);
     }
 }
 

@@ -17,4 +17,4 @@ if [ -e "$shard/manifest.json" ]; then
     exit
 fi
 # In the place of the shell, so that the notice before the time limit reaches it.
-exec {{program}} {{words}}
+exec {{program}} {{verb}} --shard "$SLURM_ARRAY_TASK_ID/{{n_shards}}" {{words}}

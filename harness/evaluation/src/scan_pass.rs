@@ -1,0 +1,118 @@
+//! One look at every scan of a data set, several at once.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use scans::annotation::LabeledScan;
+use scans::dataset::{Dataset, DatasetError};
+
+/// The scans of a data set that are looked at.
+#[derive(Clone, Copy)]
+pub struct ScanPass<'a> {
+    /// The data set.
+    pub dataset: &'a dyn Dataset,
+    /// Its scans, by their places.
+    pub scan_indices: &'a [usize],
+    /// Ends the pass before the next scan once it is set.
+    pub interrupted: &'a AtomicBool,
+    /// Called after every scan, from several threads.
+    pub on_scan: &'a (dyn Fn() + Sync),
+}
+
+/// Why scans could not be looked at.
+#[derive(Debug, thiserror::Error)]
+pub enum ScanPassError {
+    /// A scan could not be read.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// The user asked for it.
+    #[error("interrupted while measuring the {n_scans} scans of {dataset:?}")]
+    Interrupted {
+        /// The data set.
+        dataset: String,
+        /// Scans that were asked for.
+        n_scans: usize,
+    },
+}
+
+/// A scan and its place among those of its data set.
+#[derive(Debug, Clone, Copy)]
+pub struct PassedScan<'a> {
+    /// Its place.
+    pub scan_idx: usize,
+    /// The scan.
+    pub scan: &'a LabeledScan,
+}
+
+impl ScanPass<'_> {
+    /// What `look` makes of each scan, in their order. Every thread has a state of its own, made by `new_state`.
+    ///
+    /// # Errors
+    ///
+    /// [`ScanPassError`] if a scan cannot be read (the first such scan), or if the pass is interrupted.
+    pub fn over<S, T: Send>(
+        &self,
+        new_state: impl Fn() -> S + Sync + Send,
+        look: impl Fn(&mut S, PassedScan<'_>) -> T + Sync + Send,
+    ) -> Result<Vec<T>, ScanPassError> {
+        let of_scan = |state: &mut S, &scan_idx: &usize| {
+            if self.interrupted.load(Ordering::Relaxed) {
+                let (dataset, n_scans) = (self.dataset.description().id.clone(), self.scan_indices.len());
+                return Err(ScanPassError::Interrupted { dataset, n_scans });
+            }
+            let seen = look(state, PassedScan { scan_idx, scan: &self.dataset.read_scan(scan_idx)? });
+            (self.on_scan)();
+            Ok(seen)
+        };
+        // Collected before it is looked through for errors, so that the first in order is reported.
+        let of_scans: Vec<_> = self.scan_indices.par_iter().map_init(new_state, of_scan).collect();
+        of_scans.into_iter().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicUsize;
+
+    use super::*;
+    use simulator::catalogue::built_in_catalogue;
+    use simulator::open::{OpenOptions, open_dataset};
+
+    /// The numbers of points of scans 2 and 0 of a street, and how often a scan was told.
+    fn seen(n_threads: usize, interrupted: bool) -> (Result<Vec<(usize, usize)>, ScanPassError>, usize) {
+        let options = OpenOptions::default();
+        let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
+        let n_told = AtomicUsize::new(0);
+        let on_scan = || {
+            n_told.fetch_add(1, Ordering::Relaxed);
+        };
+        let interrupted = AtomicBool::new(interrupted);
+        let pass = ScanPass {
+            dataset: &*street,
+            scan_indices: &[2, 0],
+            interrupted: &interrupted,
+            on_scan: &on_scan,
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+        let look = |(): &mut (), it: PassedScan<'_>| (it.scan_idx, it.scan.cloud.len());
+        let seen = pool.install(|| pass.over(|| (), look));
+        (seen, n_told.into_inner())
+    }
+
+    #[test]
+    fn scans_are_seen_in_order_whatever_the_number_of_threads() {
+        let (one, n_told) = seen(1, false);
+        let one = one.unwrap();
+        assert_eq!((one[0].0, one[1].0, n_told), (2, 0, 2));
+        assert_ne!(one[0].1, one[1].1);
+        assert_eq!(one, seen(3, false).0.unwrap());
+    }
+
+    #[test]
+    fn an_interruption_ends_the_pass_before_a_scan() {
+        let (error, n_told) = seen(1, true);
+        let error = error.unwrap_err();
+        assert!(matches!(error, ScanPassError::Interrupted { n_scans: 2, .. }), "{error}");
+        assert_eq!(n_told, 0);
+    }
+}

@@ -1,0 +1,10 @@
+//! `scanbench data`.
+
+pub mod list;
+pub mod add;
+pub mod check;
+pub mod hash;
+pub mod convert;
+pub mod objects;
+pub mod prelabel;
+pub mod realism;

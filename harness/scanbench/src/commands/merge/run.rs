@@ -1,0 +1,121 @@
+//! `scanbench merge` of the shards of a run, or of a study that is one.
+
+use reports::files::csv_rows::read_rows;
+use reports::numbers::tally::Tally;
+use reports::rows::agreement_row::{AgreementRow, add_agreement};
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::{AGREEMENT_CSV, RECORDINGS_JSON, RunDirectory, WORST_POINTS_JSON};
+use reports::run_folder::run_target::ClaimedTarget;
+use reports::vocabulary::study::Study;
+use reports::vocabulary::task::Task;
+use reports::worst::places::{ObjectName, WorstPlaces};
+use reports::worst::points::{Patch, WorstPoints};
+use reports::worst::recorded::{RecordedPlace, Recordings};
+
+use crate::commands::ablation::end_ablation;
+use crate::commands::failure::Failure;
+use crate::commands::merge::manifest::{merged_manifest, path_from};
+use crate::commands::robustness::end_robustness;
+use crate::commands::run::ending::{print_ending, write_agreement};
+use crate::commands::run_numbers::write_numbers;
+use crate::commands::run_protocols::write_protocols;
+use crate::commands::shards::rows_of_shards::merge_rows;
+use crate::commands::shards::shard_directory::ShardDirectory;
+use crate::commands::times_of_processors::write_times_of_processors;
+use crate::commands::watched_run::tell_of_nothing;
+
+/// Puts the rows of `shards` one after the other, whose manifests are `manifests`, both in order, and makes all numbers of these as
+/// those of a run are made, and then those of `study`.
+pub fn merge_run(
+    study: Study,
+    (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
+    claimed: ClaimedTarget,
+) -> Result<(), Failure> {
+    let directory = RunDirectory::begin(claimed)?;
+    let manifest = merged_manifest(manifests, directory.target());
+    let merged = merge_rows(shards, &manifest, &directory)?;
+    write_worst(shards, &merged.worst, &directory)?;
+    let agreement = if study == Study::Run { agreement_of(shards, &manifest)? } else { Vec::new() };
+    refuse_nothing(study, &manifest, &merged.tally)?;
+    let protocols = write_protocols(&directory, &manifest, (&merged.tally, &merged.protocols))?;
+    let numbers = write_numbers(&directory, &manifest, &merged.tally)?;
+    write_times_of_processors(&directory, &manifest, &merged.of_processors)?;
+    match study {
+        Study::Ablation => return end_ablation(directory, &numbers),
+        Study::Robustness => return end_robustness(directory, &manifest, &numbers),
+        Study::Run | Study::Sweep | Study::Partial => {}
+    }
+    let more = protocols.into_iter().chain(write_agreement(&directory, &agreement)?).collect();
+    let written = directory.finish()?;
+    print_ending((&numbers, &manifest, &merged.tally), (more, &agreement), &written)
+}
+
+/// Writes what was seen around the worst mistakes, and where they are recorded.
+fn write_worst(
+    shards: &[ShardDirectory<'_>],
+    worst: &WorstPlaces<usize>,
+    directory: &RunDirectory,
+) -> Result<(), Failure> {
+    let seen = shards.iter().map(ShardDirectory::worst_points).collect::<Result<Vec<WorstPoints>, _>>()?;
+    let objects: Vec<(&ObjectName, usize)> =
+        worst.lists().flat_map(|(_, places)| places).map(|it| (&it.object, it.kept)).collect();
+    let mut patches = Vec::new();
+    for (object, shard_idx) in &objects {
+        let cells = seen[*shard_idx].around(object).ok_or_else(|| shards[*shard_idx].lacks(object))?;
+        patches.push(Patch { object: (*object).clone(), cells: cells.clone() });
+    }
+    directory.write_file(WORST_POINTS_JSON, WorstPoints::of_patches(patches).to_json().as_bytes())?;
+    let mut recorded: Vec<RecordedPlace> = Vec::new();
+    for (object, shard_idx) in objects {
+        let shard = &shards[shard_idx];
+        let place = shard.record.worst_recorded.iter().find(|it| it.object == *object);
+        if let Some(place) = place.filter(|_| recorded.iter().all(|it| it.object != *object)) {
+            let file = shard.folder.join(&place.recording);
+            recorded.push(RecordedPlace { recording: path_from(directory.target(), &file), ..place.clone() });
+        }
+    }
+    if !recorded.is_empty() {
+        directory.write_file(RECORDINGS_JSON, Recordings::new(recorded).to_json().as_bytes())?;
+    }
+    Ok(())
+}
+
+/// How far detectors agree in the data sets in which no shard has found a label.
+fn agreement_of(shards: &[ShardDirectory<'_>], manifest: &Manifest) -> Result<Vec<AgreementRow>, Failure> {
+    let mut sums = Vec::new();
+    for shard in shards {
+        let path = shard.folder.join(AGREEMENT_CSV);
+        if path.is_file() {
+            let rows = read_rows(&path).map_err(|error| Failure::damaged_run(&shard.folder, error))?;
+            add_agreement(&mut sums, rows);
+        }
+    }
+    sums.retain(|it: &AgreementRow| n_labels(manifest, &it.dataset) == 0);
+    Ok(sums)
+}
+
+/// Annotations of any kind in the scans of the data set called `id`.
+fn n_labels(manifest: &Manifest, id: &str) -> u64 {
+    let place = manifest.datasets.iter().position(|it| it.id == id);
+    let of_shards = manifest.shards.iter().filter_map(|it| Some(it.parts.get(place?)?.n_labels));
+    of_shards.sum()
+}
+
+/// What a run in one piece says of data sets in which nothing is to be found.
+fn refuse_nothing(study: Study, manifest: &Manifest, tally: &Tally) -> Result<(), Failure> {
+    for entry in &manifest.datasets {
+        let counts = |task: &Task, detector: &String| tally.counts(&entry.id, *task, detector);
+        let n_annotations = tally
+            .tasks()
+            .iter()
+            .flat_map(|task| tally.detectors().iter().filter_map(move |it| Some(counts(task, it)?.no())))
+            .max();
+        if n_annotations.is_none_or(|it| it == 0) {
+            // A study is about labels.
+            let has_labels = study != Study::Run || n_labels(manifest, &entry.id) > 0;
+            let n_scans = entry.n_scans - entry.skipped_scans.len() as u64;
+            tell_of_nothing(&entry.id, has_labels, n_scans, &entry.doubts)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,128 @@
+//! What `scanbench partial` leaves behind.
+
+use std::collections::BTreeMap;
+
+use evaluation::partial::methods::OURS;
+use jiff::Timestamp;
+use reports::files::archive::SCHEMA;
+use reports::files::csv_rows::{read_rows, to_csv_bytes};
+use reports::pages::partial_page::PartialPage;
+use reports::partial_study::partial_curves::PartialCurve;
+use reports::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
+use reports::rows::partial_row::PartialRow;
+use reports::run_folder::partial_manifest::{
+    ModelEntry, ObjectSetEntry, PartialManifest, PartialSet, PartialSettings, SHIPPED,
+};
+use reports::run_folder::run_directory::{PARTIAL_CSV, RunDirectory};
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::tables::formats::format::Format as _;
+use reports::tables::studies::partial_table::PartialTable;
+use reports::vocabulary::partial_class::PartialClass;
+use scans::dataset::checksum::sha256;
+use scans::object_cloud::object_cloud_set::ObjectCloudSet;
+
+use crate::cli::PartialArgs;
+use crate::commands::failure::Failure;
+use crate::commands::paper_files::{write_figure, write_table};
+use crate::commands::partial::sets::{Compared, Known, trained_on};
+use crate::commands::provenance::{command_line, git_state, rfc3339_utc, rustc_version};
+use crate::commands::standard_streams::{print_diagnostic, print_result, terminal};
+
+/// How the result came about.
+pub fn manifest(
+    arguments: &PartialArgs,
+    sets: &[Compared],
+    started: Timestamp,
+) -> Result<PartialManifest, Failure> {
+    let of_set = |it: &Compared| PartialSet {
+        judged: entry(&*it.judged),
+        learned_from: match &it.known {
+            Known::Objects { training, .. } => Some(entry(&**training)),
+            Known::Model(_) => None,
+        },
+        halves: matches!(it.known, Known::Objects { are_same: true, .. }),
+        model: match &it.known {
+            Known::Objects { .. } => None,
+            Known::Model(model) => Some(ModelEntry {
+                name: arguments.model.as_ref().map_or(SHIPPED.to_owned(), |it| it.display().to_string()),
+                made_by: model.made.command.clone(),
+                data: model.made.data.clone(),
+            }),
+        },
+    };
+    let mut peers = BTreeMap::new();
+    for peer in &arguments.peer_results {
+        let content = std::fs::read(&peer.file)
+            .map_err(|error| Failure::usage(format!("cannot read {}", peer.file.display()), error))?;
+        peers.insert(peer.name.clone(), sha256(&content));
+    }
+    Ok(PartialManifest {
+        schema: SCHEMA,
+        scanbench_version: env!("CARGO_PKG_VERSION").to_owned(),
+        created: rfc3339_utc(started),
+        argv: command_line(),
+        sets: sets.iter().map(of_set).collect(),
+        peers,
+        git: git_state(),
+        rustc_version: rustc_version(),
+        settings: Some(PartialSettings {
+            others: arguments.others,
+            drives: arguments.drives,
+            ablation: arguments.ablation,
+            trained_on: trained_on(arguments).iter().map(|it| it.name().to_owned()).collect(),
+        }),
+        shard: None,
+        shards: Vec::new(),
+    })
+}
+
+fn entry(set: &dyn ObjectCloudSet) -> ObjectSetEntry {
+    let it = set.description();
+    let n_of = |class: PartialClass| set.classes().iter().filter(|it| **it == class).count();
+    ObjectSetEntry {
+        id: it.id.clone(),
+        simulated: it.is_simulated(),
+        simulation: it.simulation.as_ref().and_then(|it| serde_json::to_value(it).ok()),
+        objects: PartialClass::ALL.into_iter().map(|it| (it.name().to_owned(), n_of(it))).collect(),
+    }
+}
+
+/// Writes all files that are made of `rows` into `directory`, and prints the table.
+pub fn end_partial(
+    directory: RunDirectory,
+    manifest: &PartialManifest,
+    rows: &[PartialRow],
+) -> Result<(), Failure> {
+    directory.write_file(PARTIAL_CSV, &to_csv_bytes(rows)?)?;
+    // As they are written, with as many decimals: whoever has the file comes to the same numbers.
+    let rows: Vec<PartialRow> = read_rows(&directory.path_of(PARTIAL_CSV))?;
+    let table = write_files(&directory, manifest, &rows)?;
+    PartialPage::of(directory.folder(), OURS)?.write(directory.folder())?;
+    let finished = directory.finish()?;
+    let printed = print_result(table);
+    print_diagnostic(format_args!("Partial: {}", finished.display()));
+    printed
+}
+
+/// Writes tables and figures, and returns the table as it is printed.
+fn write_files(
+    directory: &RunDirectory,
+    manifest: &PartialManifest,
+    rows: &[PartialRow],
+) -> Result<String, Failure> {
+    directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
+    let title = &manifest.title();
+    let curves = PartialCurve::all(rows);
+    let table = PartialTable { title, curves: &curves, method: OURS };
+    write_table(directory, "partial", &table)?;
+    write_figure(directory, "accuracy", &partial_accuracy_plot(&curves, title))?;
+    write_figure(directory, "calibration", &partial_calibration_plot(&curves, title))?;
+    for curve in curves.iter().filter(|it| it.method == OURS) {
+        let PartialCurve { data, direction, trained_on, .. } = curve;
+        let title = format!("Mean error to each class: {data} from {direction}, trained on {trained_on}");
+        let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
+        let stem: String = format!("errors_{data}_{direction}_{trained_on}").chars().map(safe).collect();
+        write_figure(directory, &stem, &partial_error_plot(curve, &title))?;
+    }
+    Ok(terminal().text(&table))
+}

@@ -1,0 +1,135 @@
+//! What a run takes, whole or in parts: detectors, parameters, data sets, results of others, a recording.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::ChosenDetector;
+use evaluation::run::entrant::Entrant;
+use jiff::Timestamp;
+use reports::run_folder::manifest::Manifest;
+use reports::vocabulary::task::Task;
+
+use crate::cli::RunArgs;
+use crate::commands::config::{choose_criterion, chosen_with_results};
+use crate::commands::failure::Failure;
+use crate::commands::first_look::look_first_at_all;
+use crate::commands::named_blocks::with_named_blocks;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
+use crate::commands::opened_results::OpenedResults;
+use crate::commands::progress::RunProgress;
+use crate::commands::recorder::{self, Recorder, RecordingPlan};
+use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
+use crate::commands::watched_run::{WatchedRun, WithoutLabels};
+
+/// Who runs with which parameters; no data set is open yet.
+pub struct ChosenRun {
+    chosen: Vec<ChosenDetector>,
+    config: RunConfig,
+}
+
+impl ChosenRun {
+    /// What `arguments` ask for.
+    pub fn of(arguments: &RunArgs) -> Result<Self, Failure> {
+        let left = &arguments.foreign.detections;
+        let (chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
+        choose_criterion(&mut config, &arguments.matching);
+        Ok(Self { chosen, config })
+    }
+
+    /// Opens the data sets, and looks at their first scans. Boxes that others made are in the frame of the files, which is not levelled
+    /// under them.
+    pub fn open(self, arguments: &RunArgs) -> Result<OpenedRun, Failure> {
+        let Self { chosen, mut config } = self;
+        let damage = arguments.damage.policy();
+        let datasets = open_datasets_past_damage(&arguments.data, damage, &config.classes)?;
+        let mut datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
+        let has_results = chosen.iter().any(ChosenDetector::is_of_results);
+        for it in &mut datasets {
+            it.stated.transform |= has_results;
+        }
+        let datasets = look_first_at_all(datasets, &mut config);
+        let entrants: Vec<Entrant> = chosen.into_iter().map(|it| Entrant::of(it, &config)).collect();
+        let missing = arguments.foreign.missing_detections.rule();
+        let results = OpenedResults::open(&entrants, &datasets, missing, damage)?;
+        Ok(OpenedRun { config, datasets, entrants, results })
+    }
+}
+
+/// All that is needed to begin.
+pub struct OpenedRun {
+    /// Parameters of detectors and matching.
+    pub config: RunConfig,
+    /// The data sets.
+    pub datasets: Vec<OpenedDataset>,
+    /// Who takes part.
+    pub entrants: Vec<Entrant>,
+    /// What those found that do not run here.
+    pub results: OpenedResults,
+}
+
+impl OpenedRun {
+    /// Everything that decides the numbers of the run, begun at `started`.
+    pub fn manifest(&self, arguments: &RunArgs, started: Timestamp) -> Manifest {
+        run_manifest(RunSettings {
+            selection: arguments.data.scans.as_deref(),
+            n_warmup: arguments.timing.warmup,
+            n_repeats: arguments.repeats,
+            config: &self.config,
+            detectors: self
+                .entrants
+                .iter()
+                .map(|it| self.results.with_checksum(detector_entry(it)))
+                .collect(),
+            datasets: &self.datasets,
+            protocols: &arguments.protocol.protocols,
+            started,
+        })
+    }
+
+    /// How it goes over the data sets.
+    pub fn watched<'a>(
+        &'a self,
+        arguments: &RunArgs,
+        without_labels: WithoutLabels,
+        (interrupted, progress): (&'a AtomicBool, &'a RunProgress),
+    ) -> WatchedRun<'a> {
+        WatchedRun {
+            entrants: &self.entrants,
+            results: &self.results,
+            datasets: &self.datasets,
+            damage: arguments.damage.policy(),
+            n_warmup: arguments.timing.warmup,
+            n_repeats: arguments.repeats,
+            n_jobs: arguments.timing.n_jobs(),
+            on_failure: arguments.on_detector_failure.rule(),
+            interrupted,
+            progress,
+            without_labels,
+        }
+    }
+
+    /// Begins the recording `file`, which is called `name`; `None` if none is wanted.
+    pub fn begin_recording(
+        &self,
+        arguments: &RunArgs,
+        name: &str,
+        file: PathBuf,
+    ) -> Result<Option<Recorder>, Failure> {
+        // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
+        let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
+        let shown_task =
+            if self.datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
+        let detectors: Vec<&str> = self.entrants.iter().map(|it| it.name).collect();
+        recorder::begin(&RecordingPlan {
+            arguments: &arguments.stream,
+            default_file: file,
+            name,
+            shown_task,
+            detectors: &detectors,
+            n_scans: self.datasets.iter().map(|it| it.part.len()).sum(),
+            has_poses: self.datasets.iter().any(OpenedDataset::has_poses),
+            at_the_start: false,
+        })
+    }
+}

@@ -1,0 +1,184 @@
+//! What a sweep takes, whole or in parts: points, detectors, data sets.
+
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
+
+use evaluation::journal::Journal;
+use evaluation::sweep::journal_entry::JournalEntry;
+use evaluation::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
+use evaluation::sweep::scan_at_point::ScanAtPoint;
+use evaluation::sweep::sweep_plan::SweepPlan;
+use evaluation::sweep::swept_protocols::SweptProtocols;
+use evaluation::sweep::swept_values::SweptValues;
+use evaluation::sweep::timed_scan::TimedScan;
+use evaluation::sweep::timing_pass::DETECTIONS_PER_SCAN;
+use jiff::Timestamp;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::sweep_entry::{SweepEntry, SweptParameter};
+use scans::dataset::source::DamagePolicy;
+
+use crate::cli::{ConfigArgs, SweepArgs};
+use crate::commands::config::{
+    choose_criterion, refuse_unread_models, runnable_detectors, warn_of_unknown_sensor,
+};
+use crate::commands::failure::Failure;
+use crate::commands::first_look::look_first_at_all;
+use crate::commands::judged_streets::advise_on_judged;
+use crate::commands::named_blocks::with_named_blocks;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
+use crate::commands::progress::progress_over_results;
+use crate::commands::provenance::machine;
+use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
+
+/// What is swept, and over what.
+pub struct Sweep<'a> {
+    /// What was asked for.
+    pub arguments: &'a SweepArgs,
+    /// Points and detectors.
+    pub plan: SweepPlan,
+    /// What else it is evaluated by, if anything.
+    pub protocols: Option<SweptProtocols>,
+    /// The scans.
+    pub datasets: Vec<OpenedDataset>,
+}
+
+/// What a sweep has done.
+#[derive(Debug, Default)]
+pub struct SweepResults {
+    /// Scans at points.
+    pub counted: Vec<ScanAtPoint>,
+    /// Scans that were timed.
+    pub timed: Vec<TimedScan>,
+}
+
+impl SweepResults {
+    /// Takes in what is in a journal.
+    pub fn add(&mut self, entry: JournalEntry) {
+        match entry {
+            JournalEntry::Quality(it) => self.counted.push(it),
+            JournalEntry::Times(it) => self.timed.push(it),
+        }
+    }
+
+    /// How many there are.
+    pub fn n(&self) -> usize {
+        self.counted.len() + self.timed.len()
+    }
+}
+
+/// The points that `arguments` ask for.
+pub fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
+    let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
+    let (detectors, mut config) = runnable_detectors(&file, &arguments.detectors)?;
+    choose_criterion(&mut config, &arguments.matching);
+    let lists: Vec<SweptValues> = arguments.lists.iter().map(|it| it.0.clone()).collect();
+    let plan = SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?;
+    let at_points = |it| plan.points.iter().map(move |point| (it, &point.config));
+    refuse_unread_models(plan.detectors.iter().flat_map(at_points))?;
+    Ok(plan)
+}
+
+impl<'a> Sweep<'a> {
+    /// Opens the data sets for `plan`.
+    pub fn open(arguments: &'a SweepArgs, mut plan: SweepPlan) -> Result<Self, Failure> {
+        let policy = arguments.damage.policy();
+        let datasets = open_datasets_past_damage(&arguments.data, policy, &plan.base.classes)?;
+        let mut datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
+        if policy == DamagePolicy::Skip {
+            // Threads take scans in any order, so that it has to be known before which there are.
+            datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;
+        }
+        advise_on_judged(&datasets)?;
+        let datasets = look_first_at_all(datasets, &mut plan.base);
+        for point in &mut plan.points {
+            point.config.own_curves.clone_from(&plan.base.own_curves);
+        }
+        let protocols = SweptProtocols::of(&arguments.protocol.protocols, plan.points.len());
+        for opened in &datasets {
+            warn_of_unknown_sensor(&plan.base, opened.dataset.description());
+            if let Some(protocols) = &protocols {
+                protocols.chosen.check(&*opened.dataset)?;
+            }
+        }
+        Ok(Self { arguments, plan, protocols, datasets })
+    }
+
+    /// The data sets, as a sweep goes over them.
+    pub fn swept_datasets(&self) -> Vec<SweptDataset<'_>> {
+        let mut swept = Vec::new();
+        for OpenedDataset { dataset, scan_indices, part, .. } in &self.datasets {
+            swept.push(SweptDataset { dataset: &**dataset, scan_indices, part: part.clone() });
+        }
+        swept
+    }
+
+    /// Does what is missing in `done`, and keeps it in `journal`; all results are in the order of the sweep.
+    pub fn run(
+        &self,
+        journal: &Journal,
+        done: SweepResults,
+        interrupted: &AtomicBool,
+    ) -> Result<SweepResults, SweepError> {
+        let SweepResults { counted, timed } = done;
+        let datasets = self.swept_datasets();
+        let processor = machine().cpu_model;
+        let no_bar = || ();
+        let pass = SweepPass {
+            plan: &self.plan,
+            datasets: &datasets,
+            protocols: self.protocols.as_ref(),
+            journal,
+            interrupted,
+            on_done: &no_bar,
+            processor: &processor,
+        };
+        let bar = progress_over_results(pass.n_results(), counted.len(), "counting");
+        let on_done = || bar.inc(1);
+        let counted = SweepPass { on_done: &on_done, ..pass }.count(counted, self.n_jobs())?;
+        bar.finish_and_clear();
+        let n_timed = self.arguments.timed_scans as usize;
+        let per_scan = self.plan.points.len() * self.plan.detectors.len();
+        let n_timings = pass.timed_scans(n_timed).len() * per_scan;
+        let bar = progress_over_results(n_timings, timed.len() * per_scan, "timing");
+        let on_done = || bar.inc(1);
+        let timed = SweepPass { on_done: &on_done, ..pass }.time(timed, n_timed)?;
+        bar.finish_and_clear();
+        Ok(SweepResults { counted, timed })
+    }
+
+    fn n_jobs(&self) -> usize {
+        let n_cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        self.arguments.jobs.map_or_else(n_cores, usize::from)
+    }
+
+    /// How it comes about, begun at `started`.
+    pub fn manifest(&self, started: Timestamp) -> Manifest {
+        let mut manifest = run_manifest(RunSettings {
+            selection: self.arguments.data.scans.as_deref(),
+            n_warmup: 1,
+            n_repeats: NonZeroUsize::MIN,
+            config: &self.plan.base,
+            detectors: detector_entries(&self.plan.detectors, &self.plan.base),
+            datasets: &self.datasets,
+            protocols: &self.arguments.protocol.protocols,
+            started,
+        });
+        // Which scans have been read depends on where the sweep was taken up.
+        manifest.datasets.iter_mut().for_each(|it| it.n_points_left_out = 0);
+        Manifest { sweep: Some(self.entry()), ..manifest }
+    }
+
+    fn entry(&self) -> SweepEntry {
+        let SweepPlan { swept, tied, points, base, .. } = &self.plan;
+        let parameter =
+            |it: &SweptValues| SweptParameter { name: it.name.clone(), values: it.values.clone() };
+        SweepEntry {
+            swept: swept.iter().map(parameter).collect(),
+            tied: tied.clone(),
+            points: points.iter().map(|it| it.values.clone()).collect(),
+            configured: base.value_of(&swept[0].name).map(ToString::to_string),
+            n_timed_scans_per_data_set: self.arguments.timed_scans,
+            n_timed_detections_per_scan_and_point: DETECTIONS_PER_SCAN as u32,
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! What models are trained on, and judged by.
+
+use detector::describe::trained_file::Provenance;
+use evaluation::run::config::RunConfig;
+use evaluation::run::config::override_option::OverrideOption;
+use evaluation::training::HOLD_OUT_EVERY;
+use evaluation::training::held_out::HeldOut;
+use scans::dataset::Dataset;
+use scans::dataset::class_table::ClassTable;
+use simulator::simulated_street::StreetDrive;
+
+use crate::cli::{DatasetArgs, HeldOutArgs, SourceArgs};
+use crate::commands::failure::{Failure, NothingEvaluated, Usage};
+use crate::commands::judged_streets::refuse_judged;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::reproducible_command::reproducible_command;
+
+/// How the data sets to judge by are opened, if there are any. What is said of the simulator is for those trained on.
+fn held_out_data(data: &DatasetArgs, judging: &HeldOutArgs) -> Option<DatasetArgs> {
+    (!judging.held_out.is_empty()).then(|| DatasetArgs {
+        datasets: judging.held_out.clone(),
+        scans: judging.held_out_scans.clone(),
+        source: SourceArgs {
+            topic: None,
+            annotation_topic: None,
+            classes: data.source.classes.clone(),
+            format: judging.held_out_format.clone(),
+            seed: None,
+            simulated_scans: None,
+            sensor: None,
+            sensor_height: None,
+            transform: None,
+            catalogue: data.source.catalogue.clone(),
+        },
+    })
+}
+
+/// What is trained on and what is judged by, opened.
+pub struct TrainingData<'a> {
+    /// How the data sets were opened.
+    pub data: &'a DatasetArgs,
+    /// How those only to judge by were.
+    pub held_out_data: Option<DatasetArgs>,
+    /// The data sets trained on.
+    pub trained: Vec<OpenedDataset>,
+    /// Those only to judge by; without any, drives of the others are.
+    pub held_out: Vec<OpenedDataset>,
+    /// Which drives are on which side.
+    pub parted: HeldOut,
+}
+
+impl<'a> TrainingData<'a> {
+    /// Opens the data sets, seen by each of `sensors` in turn if there are any.
+    pub fn open(data: &'a DatasetArgs, sensors: &[String], judging: &HeldOutArgs) -> Result<Self, Failure> {
+        let mut trained = Vec::new();
+        if sensors.is_empty() {
+            trained = open_datasets(data, &ClassTable::default())?;
+        }
+        for sensor in sensors {
+            let mut of_sensor = data.clone();
+            of_sensor.source.sensor = Some(sensor.clone());
+            trained.extend(open_datasets(&of_sensor, &ClassTable::default())?);
+        }
+        refuse_judged(&trained)?;
+        let held_out_data = held_out_data(data, judging);
+        let held_out = match &held_out_data {
+            Some(arguments) => open_datasets(arguments, &ClassTable::default())?,
+            None => Vec::new(),
+        };
+        let parted = parted(judging, &trained, &held_out)?;
+        Ok(Self { data, held_out_data, trained, held_out, parted })
+    }
+
+    /// All data sets.
+    pub fn opened(&self) -> impl Iterator<Item = &OpenedDataset> {
+        self.trained.iter().chain(&self.held_out)
+    }
+
+    /// What a model that is made of them says of itself: `verb` and `options` are those of the command.
+    pub fn provenance(
+        &self,
+        verb: &str,
+        options: &[(&str, Option<String>)],
+        judging: &HeldOutArgs,
+        seed: u64,
+    ) -> Provenance {
+        let hold_out_every =
+            (judging.hold_out_every != HOLD_OUT_EVERY).then(|| judging.hold_out_every.to_string());
+        let mut all = options.to_vec();
+        all.extend(judging.held_out.iter().map(|it| ("--held-out", Some(it.clone()))));
+        all.extend([
+            ("--held-out-format", judging.held_out_format.clone()),
+            ("--held-out-scans", judging.held_out_scans.clone()),
+            ("--hold-out-every", hold_out_every),
+        ]);
+        Provenance {
+            command: reproducible_command(verb, self.data, &all),
+            data: self.trained.iter().map(name_with_seed).collect(),
+            seed,
+            split: format!("held out: {}", HeldOut::names(&self.parted.held_out)),
+        }
+    }
+}
+
+/// The parameters of what finds the groups that are learned from.
+pub struct TrainingParameters {
+    /// All of them; vehicles are told by their size.
+    pub config: RunConfig,
+    /// Those that are not the shipped ones, by their full names.
+    pub parameters: toml::Table,
+}
+
+impl TrainingParameters {
+    /// The shipped ones with those of `options`.
+    pub fn of(options: &[OverrideOption]) -> Result<Self, Failure> {
+        const TABLE: &str = "hierarchical";
+        let shipped = RunConfig::without_vehicle_models()?;
+        let config = shipped.overridden(options, &[TABLE])?;
+        let mut parameters = toml::Table::new();
+        for option in options {
+            let name = shipped.full_name(option, &[TABLE])?;
+            if name.split('.').next() != Some(TABLE) {
+                let problem =
+                    format!("-P {option}: {name} changes no groups that are trained on; those of {TABLE} do");
+                return Err(Usage(problem).into());
+            }
+            if config.value_of(&name) != shipped.value_of(&name) {
+                let value = config.value_of(&name).expect("it has a full name").clone();
+                parameters.insert(name, value);
+            }
+        }
+        Ok(Self { config, parameters })
+    }
+}
+
+/// Which drives are trained on and which are judged by.
+fn parted(
+    judging: &HeldOutArgs,
+    trained: &[OpenedDataset],
+    held_out: &[OpenedDataset],
+) -> Result<HeldOut, Failure> {
+    fn drives(opened: &[OpenedDataset]) -> impl Iterator<Item = (&dyn Dataset, &[usize])> {
+        opened.iter().map(|it| (&*it.dataset, it.scan_indices.as_slice()))
+    }
+    if held_out.is_empty() {
+        let every = judging.hold_out_every as usize;
+        return HeldOut::every(every, drives(trained)).ok_or_else(|| {
+            let problem = "all scans are of one drive; training and testing need at least two";
+            Usage(problem.to_owned()).into()
+        });
+    }
+    HeldOut::apart(drives(trained), drives(held_out)).map_err(|(dataset, sequence)| {
+        Usage(format!("the drive {sequence} of {dataset} is both in the training data and in --held-out"))
+            .into()
+    })
+}
+
+/// What a data set is called in files that were made of it.
+fn name_with_seed(opened: &OpenedDataset) -> String {
+    let description = opened.dataset.description();
+    match StreetDrive::of(description) {
+        Some(drive) => format!("{} (simulated, seeds from {})", description.id, drive.seed),
+        None => description.id.clone(),
+    }
+}
+
+/// There is nothing to train on, for this reason.
+pub fn nothing(reason: &dyn std::fmt::Display) -> NothingEvaluated {
+    NothingEvaluated { reason: reason.to_string() }
+}

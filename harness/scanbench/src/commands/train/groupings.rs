@@ -1,0 +1,238 @@
+//! `scanbench train groupings`.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use detector::classify::grouping_model::{GROUPING_MODEL, GroupingModel};
+use detector::classify::model_file::ModelFile;
+use detector::classify::object_looks::LookBuffers;
+use detector::classify::vehicle_model::VehicleModel;
+use detector::describe::prototype_library::PrototypeLibrary;
+use detector::group::linkage::Linkage;
+use detector::params::HierarchicalParams;
+use detector::pipeline::grouping_stages::GroupingStages;
+use evaluation::run::config::{GROUPINGS_FILE, RunConfig};
+use evaluation::training::CHOICE_SEED;
+use evaluation::training::calibration::{CalibrationBin, calibration};
+use evaluation::training::group_examples::{GroupLabels, LEAST_IOU, ScanGroups, collect_groups};
+use evaluation::training::grouping_training::{LEAST_WORTH_TOLD, N_GROUPING_FORESTS, train_on_groups};
+use evaluation::training::held_out::HeldOut;
+use evaluation::training::operating_curves::OperatingCurves;
+use jiff::Timestamp;
+use reports::files::csv_rows::to_csv_bytes;
+use reports::rows::training_row::CalibrationRow;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
+
+use crate::cli::TreeTrainingArgs;
+use crate::commands::config::warn_of_unknown_sensor;
+use crate::commands::failure::{Failure, Usage};
+use crate::commands::interruption::interruption_flag;
+use crate::commands::open_datasets::{OpenedDataset, ids_of};
+use crate::commands::progress::progress_over_results;
+use crate::commands::provenance::compact_utc;
+use crate::commands::run_directory::{claim_named, claim_unnamed};
+use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::train::data::{TrainingData, TrainingParameters, nothing};
+use crate::commands::train::files::manifest;
+
+/// Trains all forests, judges them by drives they have not seen, and writes and prints the result.
+pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
+    let interrupted = interruption_flag();
+    let started = Timestamp::now();
+    let named = claim_named(&arguments.output)?;
+    let library = match &arguments.prototypes {
+        Some(path) => prototypes_from(path)?,
+        None => VehicleModel::shipped().prototypes().clone(),
+    };
+    let TrainingParameters { config, parameters } = TrainingParameters::of(&arguments.parameters)?;
+    let data = TrainingData::open(&arguments.data, &arguments.sensors, &arguments.judging)?;
+    let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
+    let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
+    let stages = |params: &HierarchicalParams, height_m| GroupingStages::new(params.clone(), height_m);
+    let scans = groups_of_all(
+        data.opened(),
+        &config,
+        &library,
+        &|_, params, height_m| stages(params, height_m),
+        interrupted,
+    )?;
+    let trained = TrainedTrees::of(&data, &scans, config.hierarchical.grouping.rounds, library)?;
+    let made = data.provenance("train groupings", &options(arguments), &arguments.judging, CHOICE_SEED);
+    let file = trained.model.to_file(GROUPING_MODEL, made, toml::Table::new()).with_parameters(parameters);
+    directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
+    directory.write_file(GROUPINGS_FILE, &file.to_bytes())?;
+    directory.write_file("calibration.csv", &to_csv_bytes(&trained.judgement.rows("groupings"))?)?;
+    let finished = directory.finish()?;
+    let printed = print_result(format_args!("{}\n\n{}", drives(&data.parted), trained.text()));
+    let path = finished.display();
+    print_diagnostic(format_args!(
+        "Model: {path}\nRun it: scanbench run -d hierarchical -P vehicle_model.groupings_directory={path}"
+    ));
+    printed
+}
+
+/// The side profiles of the model at `path`.
+pub fn prototypes_from(path: &Path) -> Result<PrototypeLibrary, Failure> {
+    let problem = |error: &dyn std::fmt::Display| Usage(format!("--prototypes {}: {error}", path.display()));
+    let bytes = std::fs::read(path).map_err(|error| problem(&error))?;
+    let file = ModelFile::of_any_kind(&bytes).map_err(|error| problem(&error))?;
+    Ok(file.prototypes().map_err(|error| problem(&error))?)
+}
+
+/// The options that decide what trees learn.
+pub fn options(arguments: &TreeTrainingArgs) -> Vec<(&'static str, Option<String>)> {
+    let sensors = (!arguments.sensors.is_empty()).then(|| arguments.sensors.join(","));
+    let prototypes = arguments.prototypes.as_ref().map(|it| it.display().to_string());
+    let parameters = arguments.parameters.iter().map(|it| ("-P", Some(it.to_string())));
+    [("--sensors", sensors), ("--prototypes", prototypes)].into_iter().chain(parameters).collect()
+}
+
+/// Which drives are trained on and which are held out, for people.
+pub fn drives(parted: &HeldOut) -> String {
+    format!(
+        "Trained on {} drives: {}\nHeld out {} drives: {}",
+        parted.trained.len(),
+        HeldOut::summary(&parted.trained),
+        parted.held_out.len(),
+        HeldOut::summary(&parted.held_out),
+    )
+}
+
+/// Makes the stages whose groups are learned from, for a sensor of this name and height above the road.
+pub type StagesFor<'a, L> = &'a (dyn Fn(&str, &HierarchicalParams, f32) -> GroupingStages<L> + Sync);
+
+/// The groups of all scans, with their data sets.
+pub fn groups_of_all<'a, L: Linkage>(
+    opened: impl Iterator<Item = &'a OpenedDataset>,
+    config: &RunConfig,
+    library: &PrototypeLibrary,
+    new_stages: StagesFor<'_, L>,
+    interrupted: &AtomicBool,
+) -> Result<Vec<(&'a OpenedDataset, ScanGroups)>, Failure> {
+    let mut scans = Vec::new();
+    for it in opened {
+        let description = it.dataset.description();
+        warn_of_unknown_sensor(config, description);
+        let of_sensor = config.for_scans_of(description).hierarchical;
+        let new_grouping = || new_stages(&description.sensor, &of_sensor, description.sensor_height_m);
+        let found = it.look(interrupted, |pass| collect_groups(pass, &new_grouping, library))?;
+        scans.extend(found.into_iter().map(|found| (it, found)));
+    }
+    Ok(scans)
+}
+
+/// Trained forests, and how they do on drives they have not seen.
+pub struct TrainedTrees {
+    /// The forests.
+    pub model: GroupingModel,
+    /// How they do.
+    pub judgement: Judgement,
+    n_taught: usize,
+}
+
+impl TrainedTrees {
+    /// Trains with those of `scans` that are not held out, for so many `rounds`, and judges by the others.
+    pub fn of(
+        data: &TrainingData<'_>,
+        scans: &[(&OpenedDataset, ScanGroups)],
+        rounds: u8,
+        library: PrototypeLibrary,
+    ) -> Result<Self, Failure> {
+        let (mut judged, mut taught): (Vec<&ScanGroups>, Vec<&ScanGroups>) = (Vec::new(), Vec::new());
+        for (opened, it) in scans {
+            let is_judged = data.parted.is_held_out(&opened.dataset.description().id, &it.sequence);
+            if is_judged { &mut judged } else { &mut taught }.push(it);
+        }
+        let progress = progress_over_results(N_GROUPING_FORESTS, 0, "forests");
+        let model = train_on_groups(&taught, rounds, library, &|| progress.inc(1))
+            .map_err(|error| nothing(&error))?;
+        progress.finish_and_clear();
+        let judgement = Judgement::of((&model, rounds), &judged);
+        let n_taught = taught.iter().flat_map(|it| &it.groups).filter(|it| it.labels.is_some()).count();
+        Ok(Self { model, judgement, n_taught })
+    }
+
+    /// How they do, for people.
+    pub fn text(&self) -> String {
+        self.judgement.text(self.n_taught)
+    }
+}
+
+/// How the forests do on groups of drives they have not seen.
+pub struct Judgement {
+    n: usize,
+    n_objects: usize,
+    objects: OperatingCurves,
+    n_vehicles: usize,
+    vehicles: OperatingCurves,
+    ious: Vec<CalibrationBin>,
+    probabilities: Vec<CalibrationBin>,
+}
+
+impl Judgement {
+    fn of((model, rounds): (&GroupingModel, u8), judged: &[&ScanGroups]) -> Self {
+        let mut buffers = LookBuffers::default();
+        let (mut worths, mut odds) = (Vec::new(), Vec::new());
+        for scan in judged {
+            for (worth, it) in
+                scan.worths((&model.objects, rounds), &mut buffers).into_iter().zip(&scan.groups)
+            {
+                let Some(GroupLabels { iou, is_vehicle }) = it.labels else { continue };
+                worths.push((worth, iou));
+                if let Some(is_vehicle) = is_vehicle.filter(|_| worth >= LEAST_WORTH_TOLD) {
+                    odds.push((model.vehicles.sum(&it.vehicle_values), is_vehicle));
+                }
+            }
+        }
+        let probability = |log_odds: f32| 1.0 / (1.0 + f64::from(-log_odds).exp());
+        Self {
+            n: worths.len(),
+            n_objects: worths.iter().filter(|it| it.1 >= LEAST_IOU).count(),
+            objects: OperatingCurves::of(worths.iter().map(|it| (it.0, it.1 >= LEAST_IOU))),
+            n_vehicles: odds.iter().filter(|it| it.1).count(),
+            vehicles: OperatingCurves::of(odds.iter().copied()),
+            ious: calibration(worths.iter().map(|it| (f64::from(it.0).clamp(0.0, 1.0), f64::from(it.1)))),
+            probabilities: calibration(odds.iter().map(|it| (probability(it.0), f64::from(u8::from(it.1))))),
+        }
+    }
+
+    /// What was expected, and what was seen, of the model of this name.
+    pub fn rows(&self, model: &str) -> Vec<CalibrationRow> {
+        let row = |what: &str, it: &CalibrationBin| {
+            CalibrationRow::new(&format!("{model}: {what}"), [it.expected, it.observed], it.n)
+        };
+        let ious = self.ious.iter().map(|it| row("iou", it));
+        ious.chain(self.probabilities.iter().map(|it| row("vehicle", it))).collect()
+    }
+
+    fn text(&self, n_taught: usize) -> String {
+        let share = |area: Option<f64>| area.map_or_else(|| "undefined".to_owned(), |it| format!("{it:.4}"));
+        let Self { n, n_objects, n_vehicles, .. } = self;
+        let mut lines = vec![
+            format!("Trained on {n_taught} groups"),
+            String::new(),
+            format!(
+                "On {n} held-out groups, of which {n_objects} show an object; of those worth {LEAST_WORTH_TOLD} and more, {n_vehicles} show a \
+                 vehicle:"
+            ),
+            format!("{:<12}{:>10}{:>24}", "", "ROC area", "precision-recall area"),
+        ];
+        for (what, curves) in [("objects", &self.objects), ("vehicles", &self.vehicles)] {
+            let areas = [curves.roc_area(), curves.precision_recall_area()].map(share);
+            lines.push(format!("{what:<12}{:>10}{:>24}", areas[0], areas[1]));
+        }
+        for (title, bins) in [
+            ("Intersection over union with an object", &self.ious),
+            ("Probability of a vehicle", &self.probabilities),
+        ] {
+            lines.push(String::new());
+            lines.push(title.to_owned());
+            lines.push(format!("{:>10}{:>10}{:>10}", "expected", "observed", "groups"));
+            for it in bins {
+                lines.push(format!("{:>10.3}{:>10.3}{:>10}", it.expected, it.observed, it.n));
+            }
+        }
+        lines.join("\n")
+    }
+}

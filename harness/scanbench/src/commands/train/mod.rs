@@ -1,0 +1,11 @@
+//! `scanbench train`.
+
+pub mod data;
+pub mod clusters;
+pub mod files;
+pub mod summary;
+pub mod svm;
+pub mod groupings;
+pub mod rivals;
+pub mod boxes;
+pub mod partial;
