@@ -199,7 +199,7 @@ mod tests {
         let probability = |log_odds: f32| 1.0 / (1.0 + f64::from(-log_odds).exp());
         let found = probability(output.detections.get(2).box_score().unwrap());
         assert!((found - probability(1.0) * probability(2.0)).abs() < 1e-5);
-        // Its front is the near end, and the far ones are not seen; it is told so with little certainty.
+        // Its front is the near end, which is not sure; the far end and the far side are not seen.
         let seen = details(2).seen.unwrap();
         assert!(seen.sides.front && !seen.sides.rear && !seen.is_front_sure);
         assert!(seen.sides.left != seen.sides.right);

@@ -36,5 +36,6 @@ Fits boxes to each cluster of the hierarchical detector that matches an annotate
 van, truck or bus: to its convex hull, along its principal axes, closest to its points,
 and along the outline that the sensor sees; and takes the one that is reported. Writes
 boxes.csv with every box; box_errors.csv and box_errors.md with median errors and
-shares by class, occlusion, range and number of points, and 95 % intervals; a plot for
-simulated data and one for each recorded data set; and manifest.json.";
+shares by class, occlusion, range and number of points, and 95 % intervals; box_points.csv,
+where the points of each class lie in the boxes; a plot and a picture of these points for
+simulated data and for each recorded data set; and manifest.json.";

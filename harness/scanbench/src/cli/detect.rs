@@ -52,7 +52,8 @@ Examples:
   scanbench detect ~/data/kitti_tracking --scan 0000/000110 --boxes - | head
 
 Clusters are numbered from 1; the column id of the boxes has the same numbers. Points
-of no cluster have 0.";
+of no cluster have 0. Boxes of whole vehicles have a score of their own (box_score), the
+sides that are seen, and whether the front is sure.";
 
 fn detector_help() -> String {
     format!("Detector: {}, or one of scanbench.toml", detector_names().join(", "))

@@ -187,8 +187,8 @@ Examples:
 const BOXES_DETAILS: &str = "\
 Trains on the clusters of hierarchical and of kd-tree that match an annotated car, van, truck
 or bus: how far the annotated box reaches beyond what is seen, whether the vehicle is longer
-across than along what is seen, and which end is its front. Writes boxes.model and
-manifest.json. The same scans and options write the same bytes, except the date in the
+across than along what is seen, which end is its front, and how likely the box is right.
+Needs two drives or more. Writes boxes.model and manifest.json. The same scans and options write the same bytes, except the date in the
 manifest.";
 
 const PARTIAL_EXAMPLES: &str = "\
