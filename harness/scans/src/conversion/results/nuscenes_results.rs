@@ -1,7 +1,9 @@
 //! A submission of nuScenes: `results_nusc.json`, boxes in the frame of the world.
 //!
-//! Vehicles are `car`: detectors do not tell them from trucks. Other objects have no class there and are left out. The score is that of the box. A detection without one has 1.
-//! Velocities are 0 and attributes empty.
+//! Vehicles are `car`: detectors do not tell them from trucks. Other objects have no class there and are left out. Velocities are 0 and attributes empty.
+//!
+//! The score is that of the box; a detection without one has 1. The format wants it between 0 and 1: where any is outside, all are taken as
+//! log odds and written as probabilities, in the same order.
 
 use detector::{DetectedClass, Detections};
 use serde_json::{Map, Value, json};
@@ -20,6 +22,7 @@ const NAME: &str = "results_nusc.json";
 #[derive(Default)]
 pub struct NuScenesResults {
     boxes_by_sample: Map<String, Value>,
+    has_log_odds: bool,
     n_left_out: u64,
 }
 
@@ -39,6 +42,8 @@ impl ResultWriter for NuScenesResults {
                 self.n_left_out += 1;
                 continue;
             }
+            let score = f64::from(detection.box_score().unwrap_or(SCORE_OF_NONE));
+            self.has_log_odds |= !(0.0..=1.0).contains(&score);
             let world_from_box = world_from_sensor * pose_of_box(&detection.bounding_box);
             let at = world_from_box.translation.vector;
             let turn = world_from_box.rotation;
@@ -50,7 +55,7 @@ impl ResultWriter for NuScenesResults {
                 "rotation": [turn.w, turn.i, turn.j, turn.k],
                 "velocity": [0.0, 0.0],
                 "detection_name": "car",
-                "detection_score": detection.box_score().unwrap_or(SCORE_OF_NONE),
+                "detection_score": score,
                 "attribute_name": "",
             }));
         }
@@ -58,7 +63,13 @@ impl ResultWriter for NuScenesResults {
         Ok(Vec::new())
     }
 
-    fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError> {
+    fn finish(mut self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError> {
+        if self.has_log_odds {
+            let boxes = self.boxes_by_sample.values_mut().filter_map(Value::as_array_mut).flatten();
+            for score in boxes.filter_map(|it| it.get_mut("detection_score")) {
+                *score = json!(probability(score.as_f64().unwrap_or_default()));
+            }
+        }
         let uses = |sensor: &str| (format!("use_{sensor}"), Value::Bool(sensor == "lidar"));
         let meta: Map<String, Value> =
             ["camera", "lidar", "radar", "map", "external"].into_iter().map(uses).collect();
@@ -68,5 +79,50 @@ impl ResultWriter for NuScenesResults {
 
     fn n_left_out(&self) -> u64 {
         self.n_left_out
+    }
+}
+
+fn probability(log_odds: f64) -> f64 {
+    1.0 / (1.0 + (-log_odds).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use detector::{Detection, OrientedBox};
+    use nalgebra::Isometry3;
+
+    use super::*;
+    use crate::annotation::ScanId;
+    use crate::dataset::positioned_points::PositionedPoints;
+
+    fn written(scores: &[Option<f32>]) -> Vec<f64> {
+        let scan = PositionedPoints::default()
+            .labeled_everywhere(ScanId { sequence: "scene-0103".to_owned(), index: 0 }, Vec::new());
+        let frame = ForeignFrame::World {
+            sample_token: "sample".to_owned(),
+            world_from_sensor: Isometry3::identity(),
+        };
+        let bounding_box =
+            OrientedBox { center_m: [8.0, 3.0, -1.0], length_width_height_m: [4.2, 1.8, 1.3], yaw_rad: 0.0 };
+        let mut detections = Detections::default();
+        for score in scores {
+            detections.push(Detection::new(&[], bounding_box, DetectedClass::Vehicle, *score));
+        }
+        let mut results = Box::<NuScenesResults>::default();
+        results.add(&scan, &frame, &detections).unwrap();
+        let files = results.finish().unwrap();
+        let submission: Value = serde_json::from_slice(&files[0].content).unwrap();
+        let boxes = submission["results"]["sample"].as_array().unwrap();
+        boxes.iter().map(|it| it["detection_score"].as_f64().unwrap()).collect()
+    }
+
+    #[test]
+    fn scores_are_between_0_and_1_and_stay_as_they_are_where_all_were() {
+        assert_eq!(written(&[Some(0.25), None, Some(0.0)]), [0.25, 1.0, 0.0]);
+        let odds = [1.0 / 3.0, 9.0];
+        let as_probabilities = written(&odds.map(|it: f32| Some(it.ln())));
+        assert!((as_probabilities[0] - 0.25).abs() < 1e-6 && (as_probabilities[1] - 0.9).abs() < 1e-6);
+        let apart = written(&[Some(-40.0), Some(0.0), Some(30.0)]);
+        assert!(0.0 < apart[0] && apart[0] < apart[1] && apart[1] < apart[2] && apart[2] < 1.0, "{apart:?}");
     }
 }
