@@ -305,16 +305,17 @@ def box_slices(results: list[Result]) -> Shown:
     """The shares with the right yaw and with the right box, slice by slice."""
     fits = ["hull box", "outline box", "reported box"]
     lines: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
-    counts = {}
+    counts: dict[tuple[str, str], int] = defaultdict(int)
     for row in rows(results[0], "box_errors.csv"):
         key = (row["by"], row["slice"])
         if row["fit"] in fits and row["n_pairs"] != "0":
             lines[key][row["error"]].append(number(row["value"], 1))
-            counts[key] = row["n_pairs"]
+            # Whether the front is right is known of fewer.
+            counts[key] = max(counts[key], int(row["n_pairs"]))
     words = {"all": "all", "occlusion": "hidden: ", "range": "", "class": "", "points": "points: "}
     what = ["yaw within 10 deg", "BEV IoU >= 0.7"]
     texts = [
-        [words[by] + slice_, counts[by, slice_], *(" / ".join(errors[it]) for it in what)]
+        [words[by] + slice_, str(counts[by, slice_]), *(" / ".join(errors[it]) for it in what)]
         for (by, slice_), errors in lines.items()
     ]
     return Shown(table(["", "vehicles", *(f"{it}, %: {' / '.join(fits)}" for it in what)], texts))

@@ -19,15 +19,18 @@ pub type JournalIdentity = Map<String, Value>;
 /// What a journal is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JournalKind {
+    /// Of a run, or of a study that is one.
+    Run,
     /// Of a sweep.
     Sweep,
-    /// Of a shard of a run.
+    /// Of a shard.
     Shard,
 }
 
 impl JournalKind {
     fn name(self) -> &'static str {
         match self {
+            Self::Run => "run",
             Self::Sweep => "sweep",
             Self::Shard => "shard",
         }
@@ -109,6 +112,8 @@ impl Journal {
         let file = options.read(true).append(true).create(true).open(path).map_err(refused)?;
         match file.try_lock() {
             Ok(()) => {}
+            // Not every file system knows locks.
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
             Err(TryLockError::WouldBlock) => {
                 return Err(JournalError::Locked { kind, path: path.to_owned() });
             }

@@ -4,6 +4,7 @@ pub mod causes;
 pub mod archive;
 pub mod unfinished;
 pub mod whole_file;
+pub mod hidden_folder;
 pub mod claimed_name;
 pub mod new_folders;
 pub mod fixed_decimals;

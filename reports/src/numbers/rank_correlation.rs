@@ -3,11 +3,24 @@
 /// Spearman's rank correlation of pairs, where equal values share the mean of their ranks: 1 if one always rises with the
 /// other, −1 if it always falls. `None` of fewer than three pairs, or if either is the same throughout.
 pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
-    let [left, right] = [ranks(pairs.iter().map(|it| it.0)), ranks(pairs.iter().map(|it| it.1))];
-    let mean = f64::midpoint(pairs.len() as f64, 1.0);
-    let products = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>();
-    let spread = products(&left, &left) * products(&right, &right);
-    (pairs.len() >= 3 && spread > 0.0).then(|| products(&left, &right) / spread.sqrt())
+    rank_correlation_within([pairs])
+}
+
+/// The same within groups: each pair is ranked among those of its group, so that what sets groups apart does not count. `None` without a
+/// group of three pairs.
+pub fn rank_correlation_within<'a>(groups: impl IntoIterator<Item = &'a [(f64, f64)]>) -> Option<f64> {
+    let [mut both, mut of_left, mut of_right] = [0.0; 3];
+    for pairs in groups.into_iter().filter(|it| it.len() >= 3) {
+        let [left, right] = [ranks(pairs.iter().map(|it| it.0)), ranks(pairs.iter().map(|it| it.1))];
+        let mean = f64::midpoint(pairs.len() as f64, 1.0);
+        for (left, right) in left.into_iter().zip(right).map(|(a, b)| (a - mean, b - mean)) {
+            both += left * right;
+            of_left += left * left;
+            of_right += right * right;
+        }
+    }
+    let spread: f64 = of_left * of_right;
+    (spread > 0.0).then(|| both / spread.sqrt())
 }
 
 /// The rank of every value from 1, equal values sharing the mean of theirs.
@@ -44,6 +57,19 @@ mod tests {
     fn equal_values_share_their_rank() {
         // Ranks 1 2.5 2.5 4 against 1 2 3 4: 4.5 / √(4.5 · 5).
         check(&[(1.0, 1.0), (2.0, 2.0), (2.0, 3.0), (3.0, 4.0)], Some(4.5 / 22.5_f64.sqrt()));
+    }
+
+    #[test]
+    fn what_sets_groups_apart_does_not_count() {
+        // Each falls, and the second lies far above the first.
+        let groups: [&[(f64, f64)]; 3] = [
+            &[(1.0, 3.0), (2.0, 2.0), (3.0, 1.0)],
+            &[(11.0, 90.0), (12.0, 80.0), (13.0, 70.0)],
+            &[(0.0, 0.0)],
+        ];
+        assert_eq!(rank_correlation_within(groups), Some(-1.0));
+        check(&groups.concat(), Some(5.0 / 7.0));
+        assert_eq!(rank_correlation_within([]), None);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::claim::Claim;
+use crate::vocabulary::claim_verdict::ClaimVerdict;
 
 /// A claim, and what was seen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,50 +31,24 @@ pub struct Seen {
     pub holds: Option<bool>,
 }
 
-/// What comes of a claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ClaimVerdict {
-    /// It holds in good faith.
-    Holds,
-    /// It holds to the letter, by another criterion, or under some of the settings; not in good faith.
-    HoldsUnderSomeReadings,
-    /// It holds under none.
-    DoesNotHold,
-    /// These scans say nothing about it.
-    CannotBeTestedHere,
-}
-
 impl JudgedClaim {
     /// Judges `claim` by what was seen.
     pub fn new(claim: Claim, readings: Vec<Seen>, settings: Option<[usize; 2]>) -> Self {
-        let verdict = ClaimVerdict::of(&readings, settings);
+        let verdict = verdict(&readings, settings);
         Self { claim, readings, settings, verdict }
     }
 }
 
-impl ClaimVerdict {
-    fn of(readings: &[Seen], settings: Option<[usize; 2]>) -> Self {
-        let Some(good_faith) = readings.first() else { return Self::CannotBeTestedHere };
-        if good_faith.holds == Some(true) {
-            return Self::Holds;
-        }
-        let some = readings.iter().any(|it| it.holds == Some(true)) || settings.is_some_and(|it| it[0] > 0);
-        match good_faith.holds {
-            _ if some => Self::HoldsUnderSomeReadings,
-            Some(_) => Self::DoesNotHold,
-            None => Self::CannotBeTestedHere,
-        }
+fn verdict(readings: &[Seen], settings: Option<[usize; 2]>) -> ClaimVerdict {
+    let Some(good_faith) = readings.first() else { return ClaimVerdict::CannotBeTestedHere };
+    if good_faith.holds == Some(true) {
+        return ClaimVerdict::Holds;
     }
-
-    /// For people.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::HoldsUnderSomeReadings => "holds under some readings",
-            Self::DoesNotHold => "does not hold",
-            Self::CannotBeTestedHere => "cannot be tested here",
-        }
+    let some = readings.iter().any(|it| it.holds == Some(true)) || settings.is_some_and(|it| it[0] > 0);
+    match good_faith.holds {
+        _ if some => ClaimVerdict::HoldsUnderSomeReadings,
+        Some(_) => ClaimVerdict::DoesNotHold,
+        None => ClaimVerdict::CannotBeTestedHere,
     }
 }
 
@@ -88,7 +63,7 @@ mod tests {
     #[track_caller]
     fn check(readings: &[Option<bool>], settings: Option<[usize; 2]>, expected: ClaimVerdict) {
         let readings: Vec<Seen> = readings.iter().map(|it| seen(*it)).collect();
-        assert_eq!(ClaimVerdict::of(&readings, settings), expected);
+        assert_eq!(verdict(&readings, settings), expected);
     }
 
     #[test]

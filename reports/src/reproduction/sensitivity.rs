@@ -1,8 +1,10 @@
 //! What a rate does over joint settings of values that nobody states.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
-use crate::numbers::rank_correlation::rank_correlation;
+use crate::numbers::rank_correlation::rank_correlation_within;
 
 /// The settings, and what came of each.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -50,8 +52,13 @@ pub struct SetRate {
 impl SetRate {
     /// Under how many settings the method leads, and of how many.
     pub fn n_leading(&self) -> [usize; 2] {
-        let pairs = self.of_method.iter().zip(&self.of_rival);
-        let known: Vec<bool> = pairs.filter_map(|(method, rival)| Some((*method)? > (*rival)?)).collect();
+        self.n_leading_among(0..self.of_method.len())
+    }
+
+    /// The same among settings with these numbers.
+    pub fn n_leading_among(&self, settings: impl IntoIterator<Item = usize>) -> [usize; 2] {
+        let leads = |idx: usize| Some(self.of_method[idx]? > self.of_rival[idx]?);
+        let known: Vec<bool> = settings.into_iter().filter_map(leads).collect();
         [known.iter().filter(|it| **it).count(), known.len()]
     }
 
@@ -65,15 +72,31 @@ impl SetRate {
 }
 
 impl Sensitivity {
-    /// How strongly the rate goes with each value that is a number: Spearman's rank correlation over the settings.
-    pub fn correlations(&self, rate: &SetRate) -> Vec<(String, Option<f64>)> {
-        let of_value = |(idx, value): (usize, &SetValue)| {
-            let pairs = self.settings.iter().zip(&rate.of_method);
-            let pairs: Option<Vec<(f64, f64)>> = pairs
-                .filter(|it| it.1.is_some())
-                .map(|(it, rate)| Some((it[idx].parse().ok()?, (*rate)?)))
+    /// The settings by their values that are words, such as the criterion of matching: the words, and the numbers of the settings.
+    pub fn by_words(&self) -> BTreeMap<String, Vec<usize>> {
+        let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        for (idx, setting) in self.settings.iter().enumerate() {
+            let words: Vec<&str> = setting
+                .iter()
+                .filter(|it| it.parse::<f64>().is_err())
+                .map(|it| it.trim_matches('"'))
                 .collect();
-            Some((value.parameter.clone(), rank_correlation(&pairs?)))
+            groups.entry(words.join(", ")).or_default().push(idx);
+        }
+        groups
+    }
+
+    /// How strongly the rate goes with each value that is a number: Spearman's rank correlation over the settings, each ranked among
+    /// those with the same words.
+    pub fn correlations(&self, rate: &SetRate) -> Vec<(String, Option<f64>)> {
+        let groups = self.by_words();
+        let of_value = |(idx, value): (usize, &SetValue)| {
+            let is_known = |it: &&usize| rate.of_method[**it].is_some();
+            let pair = |it: &usize| Some((self.settings[*it][idx].parse().ok()?, rate.of_method[*it]?));
+            let of_group = |it: &Vec<usize>| it.iter().filter(is_known).map(pair).collect();
+            let groups: Option<Vec<Vec<(f64, f64)>>> = groups.values().map(of_group).collect();
+            let groups = groups?;
+            Some((value.parameter.clone(), rank_correlation_within(groups.iter().map(Vec::as_slice))))
         };
         self.values.iter().enumerate().filter_map(of_value).collect()
     }
@@ -110,11 +133,20 @@ mod tests {
         let setting = |a: &str, b: &str| vec![a.to_owned(), b.to_owned()];
         let sensitivity = Sensitivity {
             values: vec![value("grows"), value("word")],
-            settings: vec![setting("2", "x"), setting("1", "y"), setting("9", "y"), setting("3.5", "x")],
+            settings: vec![
+                setting("2", "\"x\""),
+                setting("1", "\"x\""),
+                setting("9", "y"),
+                setting("3.5", "\"x\""),
+            ],
             rates: vec![rate()],
             seed: 1,
             scans: String::new(),
         };
         assert_eq!(sensitivity.correlations(&rate()), [("grows".to_owned(), Some(1.0))]);
+        let groups = sensitivity.by_words();
+        assert_eq!(groups, BTreeMap::from([("x".to_owned(), vec![0, 1, 3]), ("y".to_owned(), vec![2])]));
+        assert_eq!(rate().n_leading_among(groups["x"].clone()), [1, 3]);
+        assert_eq!(rate().n_leading_among(groups["y"].clone()), [0, 0]);
     }
 }

@@ -6,30 +6,22 @@ use std::path::Path;
 use crate::files::whole_file::folder_of;
 use crate::run_folder::run_target::{RunDirectoryError, is_empty_folder, metadata, refused};
 
-/// How a folder came to its name.
-pub(crate) enum Moved {
-    /// Nobody had that name.
-    ToANewName,
-    /// The earlier run got the name of the new one's folder.
-    InExchange,
-}
-
 /// Gives the finished folder its name; an earlier run of that name goes only once the new one is in its place.
-pub(crate) fn move_into_place(partial: &Path, target: &Path) -> Result<Moved, RunDirectoryError> {
-    let rename = |from: &Path, to: &Path| -> Result<Moved, RunDirectoryError> {
-        std::fs::rename(from, to).map_err(refused(target)).map(|()| Moved::ToANewName)
+pub(crate) fn move_into_place(partial: &Path, target: &Path) -> Result<(), RunDirectoryError> {
+    let rename = |from: &Path, to: &Path| -> Result<(), RunDirectoryError> {
+        std::fs::rename(from, to).map_err(refused(target))
     };
     let Some(metadata) = metadata(target)? else { return rename(partial, target) };
     if is_empty_folder(target, &metadata)? {
         // Where the system allows, in one step, so that no moment is without a folder of that name.
         if std::fs::rename(partial, target).is_ok() {
-            return Ok(Moved::ToANewName);
+            return Ok(());
         }
         std::fs::remove_dir(target).map_err(refused(target))?;
         return rename(partial, target);
     }
     if exchange(partial, target).is_ok() {
-        return Ok(Moved::InExchange);
+        return Ok(());
     }
     let parent = folder_of(target);
     let aside = tempfile::Builder::new().prefix(".replaced-").tempdir_in(parent).map_err(refused(parent))?;

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::files::archive::ArchiveError;
+use serde::Deserialize;
+
+use crate::files::archive::{ArchiveError, read_json};
 use crate::files::csv_rows::{each_row, read_rows};
 use crate::numbers::run_report::RunReport;
 use crate::numbers::tally::Tally;
@@ -12,9 +14,10 @@ use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
     KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES, PROTOCOL_LABELS_CSV, REPORT_JSON,
-    SCANS_CSV,
+    REPRODUCTION_JSON, SCANS_CSV,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
+use crate::vocabulary::claim_verdict::ClaimVerdict;
 
 /// Everything that a run left behind but pictures and recordings.
 #[derive(Debug, Clone)]
@@ -29,8 +32,35 @@ pub struct RunArchive {
     pub matches: Vec<MatchRow>,
     /// What came of it under protocols of others.
     pub protocols: ProtocolTally,
-    /// The files of rows that this was made of.
-    pub protocol_files: Vec<PathBuf>,
+    /// What came of the claims of the papers, of a run by `reproduce`.
+    pub claims: Vec<ClaimRecord>,
+    /// Files that only some runs have and this was made of.
+    pub more_files: Vec<PathBuf>,
+}
+
+/// What came of a claim.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+pub struct ClaimRecord {
+    /// The claim.
+    pub claim: ClaimName,
+    /// What came of it.
+    pub verdict: ClaimVerdict,
+}
+
+/// Which claim it is.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+pub struct ClaimName {
+    /// The letters of the paper.
+    pub paper: String,
+    /// Section, table and figure.
+    pub place: String,
+    /// The claim, in our words.
+    pub says: String,
+}
+
+#[derive(Deserialize)]
+struct Reproduction {
+    claims: Vec<ClaimRecord>,
 }
 
 impl RunArchive {
@@ -46,7 +76,8 @@ impl RunArchive {
             scans: read_rows(&directory.join(SCANS_CSV))?,
             matches: read_rows(&directory.join(MATCHES_CSV))?,
             protocols: Self::protocol_tally(directory)?,
-            protocol_files: protocol_files(directory),
+            claims: claims(&directory.join(REPRODUCTION_JSON))?,
+            more_files: more_files(directory),
         })
     }
 
@@ -81,8 +112,15 @@ impl RunArchive {
     }
 }
 
-/// The files of rows under protocols of others that `directory` has.
-fn protocol_files(directory: &Path) -> Vec<PathBuf> {
-    let files = PROTOCOL_FILES.map(|it| directory.join(it));
-    files.into_iter().filter(|it| it.is_file()).collect()
+fn claims(path: &Path) -> Result<Vec<ClaimRecord>, ArchiveError> {
+    if !path.is_file() {
+        return Ok(Vec::new());
+    }
+    read_json(path).map(|it: Reproduction| it.claims)
+}
+
+/// The files of rows under protocols of others, and of claims, that `directory` has.
+fn more_files(directory: &Path) -> Vec<PathBuf> {
+    let names = PROTOCOL_FILES.into_iter().chain([REPRODUCTION_JSON]);
+    names.map(|it| directory.join(it)).filter(|it| it.is_file()).collect()
 }

@@ -3,12 +3,10 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
 use crate::files::archive::ArchiveError;
-use crate::files::unfinished::{Kind, Unfinished};
+use crate::files::hidden_folder::HiddenFolder;
 use crate::files::whole_file::{WholeFile, folder_of, write_whole};
-use crate::run_folder::folder_in_place::{Moved, move_into_place};
+use crate::run_folder::folder_in_place::move_into_place;
 use crate::run_folder::run_target::{
     ClaimedTarget, ExistingTarget, LATEST, LatestPointer, RunDirectoryError, refused,
 };
@@ -28,6 +26,8 @@ pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
 pub const WORST_POINTS_JSON: &str = "worst_points.json";
 /// How far detectors agree on scans without labels.
 pub const AGREEMENT_CSV: &str = "agreement.csv";
+/// The recording for Rerun.
+pub const RUN_RRD: &str = "run.rrd";
 /// Where the scans of the worst mistakes are recorded, of a run that was made in parts.
 pub const RECORDINGS_JSON: &str = "recordings.json";
 /// Times of what was made in parts on unlike processors, each of these by itself.
@@ -55,6 +55,8 @@ pub fn protocol_file(protocol: Protocol) -> &'static str {
 }
 /// Folder of the figures of the page, each as a file of its own.
 pub const FIGURES: &str = "figures";
+/// What came of the claims of the papers.
+pub const REPRODUCTION_JSON: &str = "reproduction.json";
 /// Rates of a sweep.
 pub const SWEEP_CSV: &str = "sweep.csv";
 /// Times of a sweep.
@@ -81,8 +83,7 @@ pub const PARTIAL_RRD: &str = "partial.rrd";
 #[must_use = "a run directory that is not finished is thrown away"]
 pub struct RunDirectory {
     // Invariant: dropped, and so removed, before the folders around it: fields drop in the order of declaration.
-    partial: TempDir,
-    unfinished: Unfinished,
+    partial: HiddenFolder,
     claimed: ClaimedTarget,
 }
 
@@ -107,20 +108,9 @@ impl RunDirectory {
     ///
     /// [`RunDirectoryError`] if nothing can be written there.
     pub fn begin(claimed: ClaimedTarget) -> Result<Self, RunDirectoryError> {
-        let (parent, name) = (folder_of(claimed.target()), claimed.target().file_name().unwrap_or_default());
-        let mut builder = tempfile::Builder::new();
-        let prefix = format!(".{}.partial-", name.to_string_lossy());
-        builder.prefix(&prefix);
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt as _;
-            // As for any other folder: the umask decides who may look into it.
-            builder.permissions(std::fs::Permissions::from_mode(0o777));
-        }
-        let (unfinished, partial) =
-            Unfinished::begin(Kind::Folder, || builder.tempdir_in(parent), |it| it.path().to_path_buf())
-                .map_err(refused(parent))?;
-        Ok(Self { partial, unfinished, claimed })
+        let partial = HiddenFolder::beside(claimed.target(), "partial")
+            .map_err(refused(folder_of(claimed.target())))?;
+        Ok(Self { partial, claimed })
     }
 
     /// Where the run will be.
@@ -163,45 +153,18 @@ impl RunDirectory {
     ///
     /// [`RunDirectoryError`] if the disk does not take it, or if somebody else made the target meanwhile; nothing is left
     /// behind then, and an earlier run stays as it was. If `latest` alone fails, the run is in its place.
-    pub fn finish(mut self) -> Result<PathBuf, RunDirectoryError> {
+    pub fn finish(self) -> Result<PathBuf, RunDirectoryError> {
         sync_tree(self.partial.path())?;
         let target = self.claimed.target().to_path_buf();
         // In one step for whoever ends the program: no run without the pointer that it is to have.
-        self.unfinished.undisturbed(|| {
+        self.partial.undisturbed(|| {
             self.claimed.check()?;
-            match move_into_place(self.partial.path(), &target)? {
-                Moved::ToANewName => self.partial.disable_cleanup(true),
-                // What is removed in the end is the earlier run, which now has the name of the hidden folder.
-                Moved::InExchange => {}
-            }
+            // What is removed in the end is nothing or, after an exchange, the earlier run.
+            move_into_place(self.partial.path(), &target)?;
             if self.claimed.latest() == LatestPointer::Update { point_latest_at(&target) } else { Ok(()) }
         })?;
         sync_folder(folder_of(&target))?;
         Ok(target)
-    }
-}
-
-impl RunDirectory {
-    /// Leaves what is there beside the target, in a folder with the ending `.unfinished` that no verb takes for a run, and
-    /// returns where that is.
-    ///
-    /// # Errors
-    ///
-    /// [`RunDirectoryError`] if the disk does not take it.
-    pub fn leave_unfinished(mut self) -> Result<PathBuf, RunDirectoryError> {
-        sync_tree(self.partial.path())?;
-        let mut name = self.claimed.target().file_name().unwrap_or_default().to_owned();
-        name.push(".unfinished");
-        let place = self.claimed.target().with_file_name(name);
-        self.unfinished.undisturbed(|| {
-            if place.is_dir() {
-                std::fs::remove_dir_all(&place).map_err(refused(&place))?;
-            }
-            std::fs::rename(self.partial.path(), &place).map_err(refused(&place))?;
-            self.partial.disable_cleanup(true);
-            Ok::<(), RunDirectoryError>(())
-        })?;
-        Ok(place)
     }
 }
 

@@ -117,7 +117,7 @@ pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) ->
     written.write_file(SCANS_CSV, &csv(to_csv_bytes(&run.scans))?)?;
     let counting: Vec<_> = run.matches.iter().filter(|it| counts(&it.outcome)).cloned().collect();
     written.write_file(MATCHES_CSV, &csv(to_csv_bytes(&counting))?)?;
-    for path in &run.protocol_files {
+    for path in &run.more_files {
         let read = std::fs::read(path);
         let content = read.map_err(|source| ArchiveError::Read { path: path.clone(), source })?;
         written.write_file(&path.file_name().unwrap_or_default().to_string_lossy(), &content)?;

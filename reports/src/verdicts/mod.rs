@@ -7,6 +7,7 @@ pub mod paired_difference;
 pub mod protocol_differences;
 pub mod standing;
 pub mod drift;
+pub mod changed_claims;
 mod suggestion;
 pub mod rule_problems;
 pub mod tolerances;

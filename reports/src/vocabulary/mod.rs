@@ -15,6 +15,7 @@ pub mod protocol;
 pub mod ranked_protocol;
 pub mod thing_class;
 pub mod ground_definition;
+pub mod claim_verdict;
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -53,6 +53,9 @@ pub enum ShardError {
 }
 
 impl Shard {
+    /// All in one piece.
+    pub const ONLY: Self = Self { index: 1, count: 1 };
+
     /// Part `index` of `count`, counted from 1.
     ///
     /// # Errors

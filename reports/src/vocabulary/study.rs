@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A verb that can be made in parts.
+/// A verb that goes over scans or objects, most of which can be made in parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Study {
@@ -16,11 +16,23 @@ pub enum Study {
     Robustness,
     /// Objects of which a part has been seen.
     Partial,
+    /// Pairs of objects with growing gaps.
+    Gaps,
+    /// The methods of the papers and their rivals.
+    Reproduce,
 }
 
 impl Study {
     /// All, in the order in which help lists them.
-    pub const ALL: [Self; 5] = [Self::Run, Self::Sweep, Self::Ablation, Self::Robustness, Self::Partial];
+    pub const ALL: [Self; 7] = [
+        Self::Run,
+        Self::Sweep,
+        Self::Ablation,
+        Self::Robustness,
+        Self::Partial,
+        Self::Gaps,
+        Self::Reproduce,
+    ];
 
     /// The name of the verb, which is that in files.
     pub fn name(self) -> &'static str {
@@ -30,6 +42,8 @@ impl Study {
             Self::Ablation => "ablation",
             Self::Robustness => "robustness",
             Self::Partial => "partial",
+            Self::Gaps => "gaps",
+            Self::Reproduce => "reproduce",
         }
     }
 }

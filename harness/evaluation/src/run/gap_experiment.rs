@@ -2,6 +2,7 @@
 //!
 //! Paper: HG section 3.2 and Fig. 7, separation of nearby objects.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use rand::{RngExt as _, SeedableRng as _};
@@ -162,16 +163,17 @@ impl<'a> PairTally<'a> {
     }
 }
 
-impl<E> RunSink<E> for &mut PairTally<'_> {
+impl<E> RunSink<E> for &RefCell<PairTally<'_>> {
     fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), E> {
-        let Staging { kind, layout, gap_dm, .. } = self.stagings[judged.scan_idx()];
-        self.detectors = judged.results.results.iter().map(|it| it.detector).collect();
+        let mut tally = self.borrow_mut();
+        let Staging { kind, layout, gap_dm, .. } = tally.stagings[judged.scan_idx()];
+        tally.detectors = judged.results.results.iter().map(|it| it.detector).collect();
         for (detector_idx, result) in judged.results.results.iter().enumerate() {
             let detections = &result.output.detections;
-            let outcomes = judge_pairs(judged.results.scan, detections, &PAIRS, &self.matching);
+            let outcomes = judge_pairs(judged.results.scan, detections, &PAIRS, &tally.matching);
             for (range_idx, outcome) in outcomes.into_iter().enumerate() {
                 let key = (detector_idx, kind, layout, range_idx, gap_dm);
-                *self.counts.entry(key).or_default() += counted(outcome);
+                *tally.counts.entry(key).or_default() += counted(outcome);
             }
         }
         Ok(())
@@ -238,7 +240,7 @@ mod tests {
             detectors_named(&names, &config).unwrap().into_iter().map(|it| Entrant::of(it, &config));
         let pairs = StagedPairs::new("hdl-64e-s2", SensorModel::hdl_64e_s2(), 1, 1);
         let mut detectors: Vec<_> = entrants.map(|it| it.begin(pairs.description())).collect();
-        let mut tally = PairTally::new(pairs.stagings(), config.matching);
+        let tally = RefCell::new(PairTally::new(pairs.stagings(), config.matching));
         let side_by_side = SideBySide {
             dataset: &pairs,
             scan_indices: &(0..pairs.scan_ids().len()).collect::<Vec<_>>(),
@@ -251,10 +253,10 @@ mod tests {
             on_failure: OnDetectorFailure::Stop,
             interrupted: &AtomicBool::new(false),
         };
-        let mut sinks: Sinks<'_, RunError> = vec![Box::new(&mut tally)];
+        let mut sinks: Sinks<'_, RunError> = vec![Box::new(&tally)];
         run_watched(&side_by_side, &mut detectors, |_, error| Err(error), &mut sinks).unwrap();
         drop(sinks);
-        let mut bins = tally.bins();
+        let mut bins = tally.into_inner().bins();
         bins.retain(|it| it.layout == "beside" && it.range_m == [5.0, 10.0]);
         let curves = gap_curves(&bins);
         let separated = |detector: &str, gaps_m: std::ops::RangeInclusive<f64>| -> u64 {

@@ -17,7 +17,6 @@ pub mod grid_write;
 pub mod side_by_side;
 pub mod rows;
 pub mod sink;
-pub mod tally_sink;
 pub mod scan_recorder;
 pub mod gap_experiment;
 pub mod gap_picture;

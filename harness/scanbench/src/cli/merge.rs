@@ -10,7 +10,7 @@ use super::output::OutputArgs;
 #[derive(Debug, Args)]
 #[command(after_help = MERGE_EXAMPLES)]
 pub struct MergeArgs {
-    /// Directories of all shards of a run or of another study, in any order
+    /// All shards of a run or of another study, in any order, or the folder that holds them
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
     /// Where the run is written.
@@ -21,8 +21,8 @@ pub struct MergeArgs {
 const MERGE_EXAMPLES: &str = "\
 Examples:
   scanbench run --shard 1/2 -o shards && scanbench run --shard 2/2 -o shards
-  scanbench merge shards/* -o runs/whole
-  scanbench sweep -L xi=2,3 --shard 1/1 -o cells && scanbench merge cells/* -o runs/cells
+  scanbench merge shards -o runs/whole
+  scanbench sweep -L xi=2,3 --shard 1/1 -o cells && scanbench merge cells -o runs/cells
 
 The result is what the verb would have made in one piece, but for its times. Shards are
 refused (exit code 5) if one is missing or there twice, or if data, parameters or

@@ -117,4 +117,5 @@ table_<task>.{csv,md,tex}, table_times.md, table_stages.md and worst_points.json
 with --protocol, such as --protocol nuscenes,argoverse2, also protocols.json,
 protocol_*.csv and table_protocol_<name>.*;
 unless --no-rrd, run.rrd for the Rerun viewer; with --mcap, run.mcap for Foxglove.
-Unless -o names it, runs/latest points at it.";
+Unless -o names it, runs/latest points at it. With -o, an interrupted run goes on when
+the same command is given again; --mcap, --detections-out and --save-rrd=FILE begin anew.";

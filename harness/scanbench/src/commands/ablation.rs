@@ -1,45 +1,37 @@
 //! `scanbench ablation`.
 
 use std::num::NonZeroUsize;
-use std::sync::atomic::AtomicBool;
+use std::path::Path;
 
 use evaluation::run::ablation::{TASK, variants};
 use evaluation::run::config::RunConfig;
 use evaluation::run::entrant::Entrant;
-use evaluation::run::side_by_side::OnDetectorFailure;
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::plots::study_plots::ablation_plot;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::run_target::LatestPointer;
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::ablation_score::AblationRow;
 use reports::tables::studies::ablation_table::AblationTable;
 use reports::vocabulary::study::Study;
-use scans::dataset::source::DamagePolicy;
 
 use crate::cli::AblationArgs;
 use crate::commands::config::{built_in_methods, choose_criterion, refuse_unread_models};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
-use crate::commands::interruption::interruption_flag;
 use crate::commands::judged_streets::advise_on_judged;
 use crate::commands::named_blocks::with_named_blocks;
-use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
-use crate::commands::opened_results::OpenedResults;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
-use crate::commands::provenance::compact_utc;
-use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::run_numbers::{RunNumbers, write_numbers};
-use crate::commands::shards::unfinished_shard::ShardPlan;
-use crate::commands::shards::watched_shard::{ShardedRun, make_watched_shard};
-use crate::commands::sinks::of_every_run::sinks_of_every_run;
+use crate::commands::shards::executor::{WatchedStudy, execute};
+use crate::commands::shards::place::Place;
+use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::commands::watched_run::{WatchedRun, WithoutLabels};
+use crate::commands::watched_run::WatchedRun;
 
 /// The method whose parts are left out.
 const METHOD: &str = "hierarchical";
@@ -49,19 +41,11 @@ const ABLATION_CSV: &str = "ablation.csv";
 /// Runs the hierarchical detector whole and without each of its parts on the same scans, writes the run directory and prints the
 /// table; or makes a shard of that.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
-    if let Some(shard) = arguments.shard.shard {
-        let plan = ShardPlan::claim(Study::Ablation, shard, &arguments.output)?;
-        return make_watched_shard(plan, &mut Ablation::open(arguments)?);
-    }
-    let ablation = Ablation::open(arguments)?;
-    let unnamed = format!("{}-ablation-{}", compact_utc(ablation.started), ids_of(&ablation.datasets));
-    let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
-    let progress = RunProgress::new();
-    let mut tally = ablation.manifest().tally();
-    let sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
-    ablation.watched(WithoutLabels::Refuse, (interruption_flag(), &progress)).run(sinks)?;
-    let numbers = write_numbers(&directory, &ablation.manifest(), &tally)?;
-    end_ablation(directory, &numbers)
+    let place = Place::claim(Study::Ablation, arguments.shard.shard, &arguments.output)?;
+    let mut ablation = Ablation::open(arguments, place.started)?;
+    let Some(made) = execute(&mut ablation, place)? else { return Ok(()) };
+    let tables = write_ablation(&made.directory, &made.run)?;
+    print_ablation(&tables, &made.finish()?.0)
 }
 
 /// Who takes part, and on which scans.
@@ -70,13 +54,11 @@ struct Ablation<'a> {
     config: RunConfig,
     datasets: Vec<OpenedDataset>,
     variants: Vec<Entrant>,
-    results: OpenedResults,
     started: Timestamp,
 }
 
 impl<'a> Ablation<'a> {
-    fn open(arguments: &'a AblationArgs) -> Result<Self, Failure> {
-        let started = Timestamp::now();
+    fn open(arguments: &'a AblationArgs, started: Timestamp) -> Result<Self, Failure> {
         let (listed, mut config) = built_in_methods(&arguments.config, &[METHOD.to_owned()])?;
         choose_criterion(&mut config, &arguments.matching);
         let datasets = open_datasets(&arguments.data, &config.classes)?;
@@ -85,11 +67,11 @@ impl<'a> Ablation<'a> {
         advise_on_judged(&datasets)?;
         let variants = variants(listed[0], &config, arguments.models.as_deref())?;
         refuse_unread_models(variants.iter().map(|it| (&it.chosen, &it.config)))?;
-        Ok(Self { arguments, config, datasets, variants, results: OpenedResults::default(), started })
+        Ok(Self { arguments, config, datasets, variants, started })
     }
 }
 
-impl ShardedRun for Ablation<'_> {
+impl WatchedStudy for Ablation<'_> {
     fn datasets(&self) -> &[OpenedDataset] {
         &self.datasets
     }
@@ -111,33 +93,22 @@ impl ShardedRun for Ablation<'_> {
         })
     }
 
-    fn watched<'b>(
-        &'b self,
-        without_labels: WithoutLabels,
-        (interrupted, progress): (&'b AtomicBool, &'b RunProgress),
-    ) -> WatchedRun<'b> {
-        WatchedRun {
-            entrants: &self.variants,
-            results: &self.results,
-            datasets: &self.datasets,
-            damage: DamagePolicy::Refuse,
-            n_warmup: self.arguments.timing.warmup,
-            n_repeats: NonZeroUsize::MIN,
-            n_jobs: self.arguments.timing.n_jobs(),
-            on_failure: OnDetectorFailure::Stop,
-            interrupted,
-            progress,
-            without_labels,
-        }
+    fn watched<'b>(&'b self, progress: &'b RunProgress) -> WatchedRun<'b> {
+        let timing = (self.arguments.timing.warmup, self.arguments.timing.n_jobs());
+        WatchedRun::of_study(&self.variants, &self.datasets, timing, progress)
     }
 }
 
-/// Writes the files that only an ablation has into `directory`, the run with these `numbers`, and prints the table.
-pub fn end_ablation(directory: RunDirectory, numbers: &RunNumbers) -> Result<(), Failure> {
-    let of_task = numbers.tables.iter().filter(|it| it.task == TASK);
-    let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &numbers.report)).collect();
-    tables.iter().try_for_each(|it| write_files(&directory, it))?;
-    let finished = directory.finish()?;
+/// Writes the files that only an ablation has into `directory`, and returns its tables.
+pub fn write_ablation(directory: &RunDirectory, run: &WholeRun) -> Result<Vec<AblationTable>, Failure> {
+    let of_task = run.numbers.tables.iter().filter(|it| it.task == TASK);
+    let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &run.numbers.report)).collect();
+    tables.iter().try_for_each(|it| write_files(directory, it))?;
+    Ok(tables)
+}
+
+/// Prints the tables of the ablation in `finished`.
+pub fn print_ablation(tables: &[AblationTable], finished: &Path) -> Result<(), Failure> {
     let printed = tables.iter().try_for_each(|it| print_result(terminal().text(it)));
     // Also where nobody takes the table: the files are there.
     print_diagnostic(format_args!("Ablation: {}", finished.display()));

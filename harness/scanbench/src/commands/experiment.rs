@@ -7,15 +7,11 @@ use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::run_target::LatestPointer;
 
-use crate::cli::{ExperimentArgs, OutputArgs};
+use crate::cli::ExperimentArgs;
 use crate::commands::config::chosen_detectors;
 use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
-use crate::commands::provenance::compact_utc;
-use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 
 /// Who looks at the scans of an experiment, and since when.
@@ -30,19 +26,22 @@ pub struct Experiment {
 
 impl Experiment {
     /// Detections of the first scan of each data set that are thrown away.
-    pub const N_WARMUP: u16 = 1;
+    const N_WARMUP: u16 = 1;
 
-    /// What `arguments` ask for; `detectors` if they name none.
-    pub fn begin(arguments: &ExperimentArgs, detectors: &[&str]) -> Result<Self, Failure> {
+    /// What `arguments` ask for, begun at `started`; `detectors` if they name none.
+    pub fn begin(
+        (arguments, detectors): (&ExperimentArgs, &[&str]),
+        started: Timestamp,
+    ) -> Result<Self, Failure> {
         let unnamed: Vec<String> = detectors.iter().map(|&it| it.to_owned()).collect();
         let names = if arguments.detectors.is_empty() { &unnamed } else { &arguments.detectors };
         let (detectors, config) = chosen_detectors(&arguments.config, names)?;
-        Ok(Self { config, detectors, seed: arguments.seed, started: Timestamp::now() })
+        Ok(Self { config, detectors, seed: arguments.seed, started })
     }
 
-    /// Begins the directory, called after the experiment `name` unless `output` says otherwise.
-    pub fn begin_directory(&self, output: &OutputArgs, name: &str) -> Result<RunDirectory, Failure> {
-        begin_run_directory(output, &format!("{}-{name}", compact_utc(self.started)), LatestPointer::Leave)
+    /// Detections that are thrown away, and scans that are read at once.
+    pub fn timing() -> (u16, usize) {
+        (Self::N_WARMUP, std::thread::available_parallelism().map_or(1, NonZeroUsize::get))
     }
 
     /// Who takes part.

@@ -21,6 +21,19 @@ pub fn program_checksum() -> String {
     sha256(std::env::current_exe().and_then(std::fs::read).unwrap_or_default())
 }
 
+/// When the program's file was written, and how large it is: tells builds on one machine apart without reading it.
+pub fn program_stamp() -> String {
+    let metadata = std::env::current_exe().and_then(std::fs::metadata);
+    let written = metadata.and_then(|it| Ok((it.modified()?, it.len())));
+    written.map_or_else(
+        |_| String::new(),
+        |(time, n_bytes)| {
+            let time = Timestamp::try_from(time).unwrap_or_default();
+            format!("{n_bytes} bytes of {time}")
+        },
+    )
+}
+
 /// The compiler that built the program.
 pub fn rustc_version() -> String {
     env!("SCANBENCH_RUSTC_VERSION").to_owned()

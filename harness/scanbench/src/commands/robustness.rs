@@ -1,17 +1,13 @@
 //! `scanbench robustness`.
 
-use std::num::NonZeroUsize;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use evaluation::run::config::{RunConfig, TrainedModel};
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::robustness::{CONDITIONS, Condition};
-use evaluation::run::side_by_side::OnDetectorFailure;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::condition_scores::ConditionScores;
-use reports::numbers::tally::Tally;
 use reports::plots::study_plots::robustness_plot;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
@@ -19,26 +15,22 @@ use reports::tables::formats::format::Format as _;
 use reports::tables::studies::condition_row::ConditionRow;
 use reports::tables::studies::robustness_table::{NamedCondition, RobustnessTable, condition_scores};
 use reports::vocabulary::study::Study;
-use scans::dataset::source::DamagePolicy;
 use simulator::StreetKind;
 
 use crate::cli::RobustnessArgs;
 use crate::commands::experiment::Experiment;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
-use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
-use crate::commands::opened_results::OpenedResults;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
 use crate::commands::run_manifest::detector_entry;
-use crate::commands::run_numbers::{RunNumbers, write_numbers};
-use crate::commands::shards::unfinished_shard::ShardPlan;
-use crate::commands::shards::watched_shard::{ShardedRun, make_watched_shard};
-use crate::commands::sinks::of_every_run::sinks_of_every_run;
+use crate::commands::shards::executor::{WatchedStudy, execute};
+use crate::commands::shards::place::Place;
+use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::commands::watched_run::{WatchedRun, WithoutLabels};
+use crate::commands::watched_run::WatchedRun;
 
 /// The method, its strongest rival, and the papers' baselines.
 const DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "kd-tree", "pca", "simple-grid"];
@@ -55,20 +47,13 @@ const DRAWN: &str = "streets";
 /// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run directory
 /// and prints the table; or makes a shard of that.
 pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
-    let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
-    if let Some(shard) = arguments.shard.shard {
-        let plan = ShardPlan::claim(Study::Robustness, shard, &arguments.output)?;
-        return make_watched_shard(plan, &mut Robustness::open(arguments, asked)?);
-    }
-    let directory = asked.begin_directory(&arguments.output, "robustness")?;
-    let robustness = Robustness::open(arguments, asked)?;
-    let progress = RunProgress::new();
-    let mut tally = Tally::default();
-    let sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
-    robustness.watched(WithoutLabels::Refuse, (interruption_flag(), &progress)).run(sinks)?;
-    let manifest = robustness.manifest();
-    let numbers = write_numbers(&directory, &manifest, &tally)?;
-    end_robustness(directory, &manifest, &numbers)
+    let place = Place::claim(Study::Robustness, arguments.shard.shard, &arguments.output)?;
+    let asked = Experiment::begin((&arguments.detectors, &DETECTORS), place.started)?;
+    let mut robustness = Robustness::open(arguments, asked)?;
+    let Some(made) = execute(&mut robustness, place)? else { return Ok(()) };
+    let scores = write_robustness(&made.directory, &made.run)?;
+    let (finished, run, _) = made.finish()?;
+    print_robustness(&scores, &run.manifest, &finished)
 }
 
 /// Who takes part, and under which conditions.
@@ -77,7 +62,6 @@ struct Robustness<'a> {
     asked: Experiment,
     datasets: Vec<OpenedDataset>,
     entrants: Vec<Entrant>,
-    results: OpenedResults,
 }
 
 impl<'a> Robustness<'a> {
@@ -91,11 +75,11 @@ impl<'a> Robustness<'a> {
             let place = entrants.iter().position(|it| it.name == METHOD).map_or(0, |it| it + 1);
             entrants.insert(place, with_other_training(directory, &asked.config)?);
         }
-        Ok(Self { arguments, asked, datasets, entrants, results: OpenedResults::default() })
+        Ok(Self { arguments, asked, datasets, entrants })
     }
 }
 
-impl ShardedRun for Robustness<'_> {
+impl WatchedStudy for Robustness<'_> {
     fn datasets(&self) -> &[OpenedDataset] {
         &self.datasets
     }
@@ -114,24 +98,8 @@ impl ShardedRun for Robustness<'_> {
         Manifest { detectors: self.entrants.iter().map(detector_entry).collect(), ..manifest }
     }
 
-    fn watched<'b>(
-        &'b self,
-        without_labels: WithoutLabels,
-        (interrupted, progress): (&'b AtomicBool, &'b RunProgress),
-    ) -> WatchedRun<'b> {
-        WatchedRun {
-            entrants: &self.entrants,
-            results: &self.results,
-            datasets: &self.datasets,
-            damage: DamagePolicy::Refuse,
-            n_warmup: Experiment::N_WARMUP,
-            n_repeats: NonZeroUsize::MIN,
-            n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
-            on_failure: OnDetectorFailure::Stop,
-            interrupted,
-            progress,
-            without_labels,
-        }
+    fn watched<'b>(&'b self, progress: &'b RunProgress) -> WatchedRun<'b> {
+        WatchedRun::of_study(&self.entrants, &self.datasets, Experiment::timing(), progress)
     }
 }
 
@@ -144,18 +112,22 @@ fn with_other_training(directory: &Path, config: &RunConfig) -> Result<Entrant, 
     Ok(Entrant { name: OTHER_TRAINING, chosen: method.into(), config })
 }
 
-/// Writes the files that only this study has into `directory`, the run of `manifest` with these `numbers`, and prints the table.
-pub fn end_robustness(
-    directory: RunDirectory,
-    manifest: &Manifest,
-    numbers: &RunNumbers,
-) -> Result<(), Failure> {
+/// Writes the files that only this study has into `directory`, and returns its scores.
+pub fn write_robustness(directory: &RunDirectory, run: &WholeRun) -> Result<Vec<ConditionScores>, Failure> {
     let conditions: Vec<NamedCondition> = CONDITIONS.iter().map(named).collect();
-    let scores = condition_scores(&conditions, &numbers.tables);
+    let scores = condition_scores(&conditions, &run.numbers.tables);
+    write_tables(directory, &scores, &notes(&run.manifest))?;
+    Ok(scores)
+}
+
+/// Prints the table of `scores`, which is written to `finished` beside `manifest`.
+pub fn print_robustness(
+    scores: &[ConditionScores],
+    manifest: &Manifest,
+    finished: &Path,
+) -> Result<(), Failure> {
     let notes = notes(manifest);
-    write_tables(&directory, &scores, &notes)?;
-    let finished = directory.finish()?;
-    let printed = print_result(terminal().text(&RobustnessTable { conditions: &scores, notes: &notes }));
+    let printed = print_result(terminal().text(&RobustnessTable { conditions: scores, notes: &notes }));
     // Also where nobody takes the table: it is there.
     print_diagnostic(format_args!("Tables: {}", finished.display()));
     printed

@@ -1,7 +1,6 @@
 //! Detectors side by side on one data set after the other, watched by sinks.
 
 use std::num::NonZeroUsize;
-use std::sync::atomic::AtomicBool;
 
 use evaluation::run::entrant::Entrant;
 use evaluation::run::running_detector::RunningDetector;
@@ -11,6 +10,7 @@ use scans::dataset::source::DamagePolicy;
 
 use crate::commands::config::warn_of_unknown_sensor;
 use crate::commands::failure::{Failure, NothingEvaluated};
+use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::opened_results::OpenedResults;
 use crate::commands::progress::RunProgress;
@@ -21,7 +21,7 @@ pub struct WatchedRun<'a> {
     /// Who takes part; all are judged in the same way.
     pub entrants: &'a [Entrant],
     /// What those found that do not run here.
-    pub results: &'a OpenedResults,
+    pub results: Option<&'a OpenedResults>,
     /// The data sets.
     pub datasets: &'a [OpenedDataset],
     /// What becomes of damaged scans.
@@ -34,41 +34,49 @@ pub struct WatchedRun<'a> {
     pub n_jobs: usize,
     /// What becomes of the run where a detector fails.
     pub on_failure: OnDetectorFailure,
-    /// Ends the run once it is set.
-    pub interrupted: &'a AtomicBool,
     /// How far it is.
     pub progress: &'a RunProgress,
-    /// What becomes of data sets in which there is nothing to find.
-    pub without_labels: WithoutLabels,
 }
 
-/// What becomes of data sets in which there is nothing to find.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WithoutLabels {
-    /// The run ends.
-    Refuse,
-    /// Without any labels, detectors are compared with one another; otherwise the run ends.
-    Compare,
-    /// Whoever puts the shards together asks. What a shard has done is kept if it is interrupted.
-    AskLater,
-}
+impl<'a> WatchedRun<'a> {
+    /// That of a study: `entrants` that run here look once at each scan, and nothing may fail.
+    pub fn of_study(
+        entrants: &'a [Entrant],
+        datasets: &'a [OpenedDataset],
+        (n_warmup, n_jobs): (u16, usize),
+        progress: &'a RunProgress,
+    ) -> Self {
+        Self {
+            entrants,
+            results: None,
+            datasets,
+            damage: DamagePolicy::Refuse,
+            n_warmup,
+            n_repeats: NonZeroUsize::MIN,
+            n_jobs,
+            on_failure: OnDetectorFailure::Stop,
+            progress,
+        }
+    }
 
-impl WatchedRun<'_> {
     /// Runs, and tells all `sinks` of every scan.
     pub fn run(&self, mut sinks: Sinks<'_, Failure>) -> Result<(), Failure> {
         let mut n_before = 0;
         for opened in self.datasets {
             let result = self.run_dataset(opened, n_before, &mut sinks);
             n_before += opened.scan_indices.len();
-            if let Err(failure) = result {
-                let is_shard = self.without_labels == WithoutLabels::AskLater;
-                if matches!(failure, Failure::Detector(_))
-                    || (is_shard && matches!(failure, Failure::Interrupted(_)))
-                {
-                    // What others and earlier scans made is not lost.
+            match result {
+                Ok(()) => {}
+                // What others and earlier scans made is not lost.
+                Err(failure @ Failure::Detector(_)) => {
                     sinks.into_iter().try_for_each(RunSink::finish)?;
+                    return Err(failure);
                 }
-                return Err(failure);
+                Err(failure @ Failure::Interrupted(_)) => {
+                    sinks.into_iter().try_for_each(RunSink::break_off)?;
+                    return Err(failure);
+                }
+                Err(failure) => return Err(failure),
             }
         }
         sinks.into_iter().try_for_each(RunSink::finish)
@@ -89,7 +97,7 @@ impl WatchedRun<'_> {
         let mut detectors: Vec<_> = self
             .entrants
             .iter()
-            .map(|it| match self.results.take(it.name, &description.id) {
+            .map(|it| match self.results.and_then(|results| results.take(it.name, &description.id)) {
                 Some(results) => it.begin_with_results(description, results),
                 None => it.begin(description),
             })
@@ -104,22 +112,15 @@ impl WatchedRun<'_> {
             n_repeats: self.n_repeats,
             n_jobs: self.n_jobs,
             on_failure: self.on_failure,
-            interrupted: self.interrupted,
+            interrupted: interruption_flag(),
         };
         let on_damage = |id: &_, error| self.progress.suspend(|| opened.on_damage(self.damage, id, error));
-        let judged = run_watched(&side_by_side, &mut detectors, on_damage, sinks)?;
+        run_watched(&side_by_side, &mut detectors, on_damage, sinks)?;
         for warning in detectors.into_iter().flat_map(RunningDetector::finish) {
             print_diagnostic(format_args!("warning: {warning}"));
         }
         opened.warn_of_points_left_out();
-        let goes_on = self.without_labels == WithoutLabels::Compare;
-        let is_asked_later = self.without_labels == WithoutLabels::AskLater;
-        if is_asked_later || judged.n_annotations > 0 {
-            return Ok(());
-        }
-        let has_labels = judged.n_labels > 0 || !goes_on;
-        let doubts: Vec<String> = opened.first_look.doubts.iter().map(ToString::to_string).collect();
-        tell_of_nothing(&description.id, has_labels, judged.n_scans, &doubts)
+        Ok(())
     }
 }
 

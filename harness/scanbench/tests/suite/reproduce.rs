@@ -46,6 +46,20 @@ fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     for detector in ["paper,", "\"paper, to the letter\",", "kd-tree,", "pca,"] {
         assert!(rows.contains(detector), "{detector}");
     }
+    // A claim that holds no longer closes the gate.
+    let gate = |run: &str| {
+        let ended = workplace.run(&["gate", run, "-b", "first", "-o", "verdict"]);
+        (ended.exit_code, ended.stdout)
+    };
+    assert!(gate("second").1.contains("No result changed"));
+    let verdict_of = |it: &serde_json::Value| it["verdict"].as_str().unwrap().to_owned();
+    let held = claims.iter().position(|it| verdict_of(it) == "holds").unwrap();
+    let mut changed = json.clone();
+    changed["claims"][held]["verdict"] = "does_not_hold".into();
+    workplace.write("second/reproduction.json", &changed.to_string());
+    let (exit_code, said) = gate("second");
+    assert!(exit_code == Some(100) && said.contains(": holds → does not hold."), "{said}");
+    assert!(workplace.read("verdict/junit.xml").contains("scanbench.claims"));
     let page = workplace.read("first/reproduction.html");
     assert!(page.contains("Claim by claim") && page.contains("Under every setting"), "{page}");
 }

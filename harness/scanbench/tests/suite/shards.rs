@@ -205,7 +205,8 @@ fn an_empty_shard_is_a_sound_result_and_a_shard_is_no_run() {
         assert_eq!(ended.exit_code, Some(5), "{ended:#?}");
         assert!(ended.stderr.contains("shards/shard-1-of-4 is shard 1 of 4"), "{ended:#?}");
     }
-    merge_whole(&workplace, "shards", "in-one");
+    // The folder of all shards stands for them.
+    workplace.succeed(&["merge", "shards", "-o", "in-one"]);
     workplace.succeed(&["report", "in-one"]);
 }
 
@@ -228,8 +229,8 @@ fn options_that_a_shard_cannot_keep_are_refused() {
     assert_eq!(workplace.top_names(), [""; 0]);
 }
 
-/// A shard of many scans.
-const LONG: [&str; 14] = [
+/// A run of many scans.
+const LONG: [&str; 11] = [
     "run",
     "street-narrow",
     "--simulated-scans",
@@ -238,23 +239,19 @@ const LONG: [&str; 14] = [
     "vlp-16",
     "-d",
     "simple-grid",
-    "--no-rrd",
     "--jobs",
     "1",
-    "--shard",
-    "1/1",
     "-o",
 ];
-const UNFINISHED: &str = "shards/shard-1-of-1.unfinished/journal";
 
-/// Starts the long shard, and returns once some scans are in its journal.
+/// Starts the long run, and returns once some scans are in its journal.
 fn started(workplace: &Workplace) -> Child {
-    let n_bytes = || workplace.path(UNFINISHED).metadata().map_or(0, |it| it.len());
+    let n_bytes = || workplace.path("out.unfinished/journal").metadata().map_or(0, |it| it.len());
     let n_before = n_bytes();
-    let child = workplace.start(&[&LONG[..], &["shards"]].concat());
+    let child = workplace.start(&[&LONG[..], &["out"]].concat());
     let started = Instant::now();
     while n_bytes() < n_before + 40_000 {
-        assert!(started.elapsed() < Duration::from_mins(2), "the shard does not get on");
+        assert!(started.elapsed() < Duration::from_mins(2), "the run does not get on");
         std::thread::sleep(Duration::from_millis(2));
     }
     child
@@ -266,29 +263,40 @@ fn send(child: &Child, signal: &str) {
 }
 
 #[test]
-fn a_shard_goes_on_where_it_was_ended() {
+fn a_run_goes_on_where_it_was_ended() {
     let workplace = Workplace::new();
     for (signal, exit_code) in [("-KILL", None), ("-TERM", Some(143))] {
         let child = started(&workplace);
         send(&child, signal);
         let ended = Ended::from(child.wait_with_output().unwrap());
         assert_eq!(ended.exit_code, exit_code, "{ended:#?}");
-        assert!(!workplace.path("shards/shard-1-of-1").exists());
+        assert!(!workplace.path("out").exists());
         if exit_code.is_some() {
-            let kept = "of the 60 scans of shard 1/1 is kept in shards/shard-1-of-1.unfinished: to go on with the others";
+            let kept = "of the 60 scans is kept in out.unfinished: to go on with the others, give the same";
             assert!(ended.stderr.contains(kept) && ended.stderr.contains("interrupted after"), "{ended:#?}");
         }
     }
     // Another run does not go on with it.
-    let other = workplace.run(&[&LONG[..], &["shards", "--seed", "7"]].concat());
+    let other = workplace.run(&[&LONG[..], &["out", "--seed", "7"]].concat());
     assert_eq!(other.exit_code, Some(2), "{other:#?}");
-    assert!(other.stderr.contains("belongs to another shard: "), "{other:#?}");
-    let ended = workplace.succeed(&[&LONG[..], &["shards"]].concat());
+    assert!(other.stderr.contains("belongs to another run: "), "{other:#?}");
+    // What needs all scans at once begins anew, and does not touch what is kept.
+    let written = ["at-once", "--no-rrd", "--detections-out", "found", "--as", "csv"];
+    workplace.succeed(&[&LONG[..], &written].concat());
+    // What somebody else has put there stays.
+    workplace.write("out.unfinished/notes.txt", "");
+    let ended = workplace.succeed(&[&LONG[..], &["out"]].concat());
     assert!(ended.stderr.contains("Continuing with "), "{ended:#?}");
-    merge_whole(&workplace, "shards", "merged");
-    workplace.succeed(&[&LONG[..11], &["-o", "in-one"]].concat());
-    check_same_but_times(&workplace, "in-one", "merged");
-    assert_eq!(workplace.top_names(), ["in-one", "merged", "shards"]);
+    if cfg!(feature = "viewer") {
+        // The first was killed, and is not whole.
+        for name in ["run-2.rrd", "run-3.rrd", "recordings.json"] {
+            std::fs::remove_file(workplace.path("out").join(name)).unwrap();
+        }
+    }
+    check_same_but_times(&workplace, "at-once", "out");
+    assert_eq!(workplace.top_names(), ["at-once", "found", "out", "out.unfinished"]);
+    assert_eq!(workplace.read("out.unfinished/notes.txt"), "");
+    assert!(!workplace.path("out.unfinished/journal").exists());
 }
 
 #[cfg(feature = "viewer")]

@@ -80,7 +80,7 @@ fn check(workplace: &Workplace, arguments: &[&str], left: &[&str]) {
         assert!(time < limit, "{said}");
         assert!(ended.stderr.contains("error: interrupted"), "{said}");
         let names = workplace.top_names();
-        // A sweep that has not begun leaves nothing to go on with.
+        // What has not begun leaves nothing to go on with.
         assert!(names.iter().all(|it| left.contains(&it.as_str())), "{names:?}: {said}");
     }
 }
@@ -94,6 +94,7 @@ fn check_on_a_street(verb: &[&str], more: &[&str], left: &[&str]) {
 fn a_run_ends_soon() {
     check_on_a_street(&["run"], &["--mcap", "-o", "deep/out"], &[]);
     check_on_a_street(&["run"], &[], &[]);
+    check_on_a_street(&["run"], &["-o", "out"], &["out.unfinished"]);
 }
 
 #[test]
@@ -120,11 +121,11 @@ fn a_sweep_ends_soon_and_keeps_what_is_done() {
 
 #[test]
 fn experiments_end_soon() {
-    check_on_a_street(&["ablation"], &["-o", "out"], &[]);
+    check_on_a_street(&["ablation"], &["-o", "out"], &["out.unfinished"]);
     check_on_a_street(&["boxes"], &["-o", "out"], &[]);
     check_on_a_street(&["selftest"], &[], &[]);
     check(&Workplace::new(), &["gaps", "--pairs", "1000", "-o", "out"], &[]);
-    check(&Workplace::new(), &["robustness", "--scans", "1000", "-o", "out"], &[]);
+    check(&Workplace::new(), &["robustness", "--scans", "1000", "-o", "out"], &["out.unfinished"]);
 }
 
 #[test]

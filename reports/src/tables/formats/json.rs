@@ -3,11 +3,14 @@
 use serde::Serialize;
 
 use crate::files::archive::SCHEMA;
+use crate::run_folder::run_archive::ClaimName;
 use crate::tables::formats::format::Format;
+use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::gated_speeds::{GatedSpeed, Slowdown, SpeedComparison};
 use crate::verdicts::paired_difference::PairedDifference;
 use crate::verdicts::verdict::Verdict;
+use crate::vocabulary::claim_verdict::ClaimVerdict;
 use crate::vocabulary::task::Task;
 
 #[derive(Serialize)]
@@ -28,9 +31,22 @@ struct VerdictRecord<'a> {
     /// Why times were not compared, where a rule is about them.
     speed_not_compared: Option<&'a str>,
     configuration_changes: &'a [String],
+    /// Claims of the papers of which something else comes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    claims: Vec<ClaimRecord<'a>>,
     /// Whether results that changed fail or warn.
     drift_rule: &'static str,
     drift: Vec<DriftRecord<'a>>,
+}
+
+#[derive(Serialize)]
+struct ClaimRecord<'a> {
+    paper: &'a str,
+    place: &'a str,
+    says: &'a str,
+    before: ClaimVerdict,
+    after: ClaimVerdict,
+    is_worse: bool,
 }
 
 #[derive(Serialize)]
@@ -107,6 +123,7 @@ impl Format<Verdict> for Json {
                 SpeedComparison::NotAsked | SpeedComparison::Compared(_) => None,
             },
             configuration_changes: &verdict.configuration_changes,
+            claims: verdict.claims.iter().map(claim_record).collect(),
             drift_rule: verdict.tolerances.drift.name(),
             drift: verdict
                 .drift
@@ -125,6 +142,18 @@ impl Format<Verdict> for Json {
             serde_json::to_string_pretty(&record).expect("a verdict has text keys and finite numbers");
         json.push('\n');
         json
+    }
+}
+
+fn claim_record(changed: &ChangedClaim) -> ClaimRecord<'_> {
+    let ClaimName { paper, place, says } = &changed.claim;
+    ClaimRecord {
+        paper,
+        place,
+        says,
+        before: changed.before,
+        after: changed.after,
+        is_worse: changed.is_worse(),
     }
 }
 

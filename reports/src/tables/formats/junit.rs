@@ -7,6 +7,7 @@ use crate::tables::verdict::summary::{doubt, scan_name};
 use crate::tables::verdict::wording::{
     difference_text, interval_text, metric_text, tolerance_text, value_text,
 };
+use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, about};
 use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
@@ -27,11 +28,14 @@ impl Format<Verdict> for JUnit {
         let doubt = doubt(verdict);
         let doubt = doubt.as_deref();
         let mut report = Report::new("scanbench gate");
-        for (name, cases) in [
+        let suites: [(&str, Vec<TestCase>); 4] = [
             ("quality", verdict.metrics.iter().map(|it| of_metric(it, doubt)).collect()),
             ("speed", speed_cases(verdict, doubt)),
             ("drift", drift_cases(verdict)),
-        ] {
+            ("claims", verdict.claims.iter().map(of_claim).collect()),
+        ];
+        // Claims are of few runs.
+        for (name, cases) in suites.into_iter().filter(|it| it.0 != "claims" || !it.1.is_empty()) {
             let mut suite = TestSuite::new(name);
             suite.add_test_cases(cases);
             report.add_test_suite(suite);
@@ -54,6 +58,13 @@ fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
         case(class, &scan_name(drift), status)
     });
     of_scan.collect()
+}
+
+fn of_claim(changed: &ChangedClaim) -> TestCase {
+    let words = changed.in_words();
+    let status =
+        if changed.is_worse() { failed("regression", &words, "") } else { TestCaseStatus::success() };
+    case("scanbench.claims", &changed.claim.says, status)
 }
 
 fn speed_cases(verdict: &Verdict, doubt: Option<&str>) -> Vec<TestCase> {

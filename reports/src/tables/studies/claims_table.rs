@@ -1,9 +1,10 @@
 //! The claims of the papers as a table.
 
 use crate::reproduction::claim::Paper;
-use crate::reproduction::judged_claim::{ClaimVerdict, JudgedClaim};
+use crate::reproduction::judged_claim::JudgedClaim;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
+use crate::vocabulary::claim_verdict::ClaimVerdict;
 
 /// Judged claims, with what has to be said of them.
 #[derive(Debug, Clone, Copy)]

@@ -29,17 +29,27 @@ impl Tabular for OpenValuesTable<'_> {
             Line { kind: LineKind::Dataset, cells }
         };
         let lines = values.iter().map(line).collect();
+        let groups = self.sensitivity.by_words();
         let mut sentences = vec![format!(
-            "{} joint settings, a Latin hypercube (seed {seed}), on {scans}. correlation: Spearman's, between value and rate over all \
-             settings.",
+            "{} joint settings, a Latin hypercube (seed {seed}), on {scans}. correlation: Spearman's, between value and rate within the \
+             settings of one criterion.",
             settings.len()
         )];
         sentences.extend(rates.iter().filter_map(|it| {
             let [low, middle, high] = it.quantiles([0.05, 0.5, 0.95])?.map(|it| fixed_decimals(100.0 * it, 1));
             let [n_leading, n] = it.n_leading();
+            let of_group = |(words, settings): (&String, &Vec<usize>)| {
+                let [n_leading, n] = it.n_leading_among(settings.iter().copied());
+                format!("{words} {n_leading} of {n}")
+            };
+            let of_groups: Vec<String> = groups.iter().map(of_group).collect();
             Some(format!(
-                "{}: {} has {middle} in the median, and {low} to {high} in nine of ten settings; it is ahead of {} in {n_leading} of {n}.",
-                it.name, it.method, it.rival
+                "{}: {} has {middle} in the median, and {low} to {high} in nine of ten settings; it is ahead of {} in {n_leading} of {n} \
+                 ({}).",
+                it.name,
+                it.method,
+                it.rival,
+                of_groups.join(", ")
             ))
         }));
         Sheet::of("Values that the papers leave open".to_owned(), Grid { columns, lines }, sentences)

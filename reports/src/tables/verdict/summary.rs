@@ -8,6 +8,7 @@ use crate::tables::verdict::wording::{
     about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text,
     tolerance_text, value_text,
 };
+use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::GatedMetric;
@@ -86,9 +87,10 @@ pub(crate) fn about_judging(verdict: &Verdict) -> Vec<String> {
     [counts(verdict)].into_iter().chain(missing).chain(caveats(verdict)).chain([tolerances]).collect()
 }
 
-/// What could not be judged although no number is missing.
+/// Claims that changed, and what could not be judged although no number is missing.
 fn caveats(verdict: &Verdict) -> Vec<String> {
-    let mut lines: Vec<String> = about_configuration(&verdict.configuration_changes).into_iter().collect();
+    let mut lines: Vec<String> = verdict.claims.iter().map(ChangedClaim::in_words).collect();
+    lines.extend(about_configuration(&verdict.configuration_changes));
     match &verdict.speed {
         SpeedComparison::NotCompared { reason } => lines.push(format!("Speed was not compared: {reason}.")),
         SpeedComparison::NotAsked | SpeedComparison::Compared(_) => {}

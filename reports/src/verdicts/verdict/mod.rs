@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use crate::numbers::blocks::{BlockCount, Interval};
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
+use crate::verdicts::changed_claims::{ChangedClaim, changed_claims};
 use crate::verdicts::comparability::{
     NotComparable, check_comparable, check_same_results, configuration_changes, detectors_only_in,
 };
@@ -35,6 +36,8 @@ pub struct Verdict {
     pub metrics: Vec<GatedMetric>,
     /// How fast detectors are beside the reference.
     pub speed: SpeedComparison,
+    /// Claims of the papers of which something else comes.
+    pub claims: Vec<ChangedClaim>,
     /// Scans on which results of a detector changed.
     pub drift: Vec<ScanDrift>,
     /// What changed in the configuration of detectors, a text each.
@@ -106,7 +109,7 @@ impl Conclusion {
 impl Verdict {
     /// What it comes to.
     pub fn conclusion(&self) -> Conclusion {
-        if self.n(Finding::Regression) > 0 {
+        if self.n(Finding::Regression) > 0 || self.claims.iter().any(ChangedClaim::is_worse) {
             Conclusion::Regression
         } else if self.n(Finding::Incomparable) > 0 {
             Conclusion::Incomparable
@@ -145,7 +148,8 @@ impl Verdict {
             .iter()
             .filter(|it| matches!(it.finding, Finding::Regression | Finding::Inconclusive));
         let of_speeds = self.speed.speeds().iter().filter(|it| it.finding == Finding::Regression);
-        of_metrics.count() + of_speeds.count()
+        let of_claims = self.claims.iter().filter(|it| it.is_worse());
+        of_metrics.count() + of_speeds.count() + of_claims.count()
     }
 
     /// How many numbers changed, so that they may look surely worse by chance; none if nothing can be sure. What is the same on every
@@ -246,6 +250,7 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
             tolerances.speed.as_ref(),
             [&baseline.manifest, &run.manifest].map(|it| &it.machine),
         ),
+        claims: changed_claims(&baseline.claims, &run.claims),
         drift: drift(baseline, run),
         configuration_changes: configuration_changes(baseline, run),
         new_detectors: detectors_only_in(run, baseline),

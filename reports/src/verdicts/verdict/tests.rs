@@ -63,7 +63,8 @@ impl SampleScans<'_> {
         });
         RunArchive {
             protocols: ProtocolTally::default(),
-            protocol_files: Vec::new(),
+            claims: Vec::new(),
+            more_files: Vec::new(),
             manifest: sample::manifest(),
             report: RunReport::new(1, Vec::new()).unwrap(),
             scans: rows.collect(),

@@ -1,45 +1,47 @@
 //! `scanbench merge`: shards become what they are parts of.
 
-pub mod manifest;
-pub mod run;
 pub mod sweep;
 pub mod partial;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use jiff::Timestamp;
 use reports::files::archive::ArchiveError;
 use reports::run_folder::made_in_shards::MadeInShards;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::partial_archive::PartialArchive;
 use reports::run_folder::partial_manifest::PartialManifest;
-use reports::run_folder::run_target::{ClaimedTarget, LatestPointer, MANIFEST_JSON};
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::{ClaimedTarget, MANIFEST_JSON};
 use reports::run_folder::shard_check::{NamedShard, check_shards};
 use reports::vocabulary::study::Study;
 
 use crate::cli::{MergeArgs, OutputArgs};
+use crate::commands::ablation::{print_ablation, write_ablation};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::merge::partial::merge_partial;
-use crate::commands::merge::run::merge_run;
 use crate::commands::merge::sweep::merge_sweep;
-use crate::commands::provenance::compact_utc;
-use crate::commands::run_directory::{claim_named, claim_unnamed};
+use crate::commands::robustness::{print_robustness, write_robustness};
+use crate::commands::run::ending::print_ending;
+use crate::commands::shards::place::Place;
 use crate::commands::shards::shard_directory::ShardDirectory;
+use crate::commands::shards::whole_manifest::Pieces;
+use crate::commands::shards::whole_run::WholeRun;
 
 /// Puts shards together: their rows one after the other, and all numbers made of these as those of the whole are.
 pub fn merge(arguments: &MergeArgs) -> Result<(), Failure> {
-    if arguments.shards.iter().all(|it| PartialArchive::is_partial(it)) {
-        let shards = open_shards(arguments, PartialManifest::read)?;
+    let folders = folders(&arguments.shards);
+    if folders.iter().all(|it| PartialArchive::is_partial(it)) {
+        let shards = open_shards(&folders, PartialManifest::read)?;
         let order = check_shards(&shards)?;
         let manifests: Vec<&PartialManifest> = order.iter().map(|&idx| &shards[idx].manifest).collect();
         let claimed = claim(Study::Partial, manifests[0], &arguments.output)?;
         return merge_partial(&ShardDirectory::in_order(&shards, &order), &manifests, claimed);
     }
-    if let Some(partial) = arguments.shards.iter().find(|it| PartialArchive::is_partial(it)) {
+    if let Some(partial) = folders.iter().find(|it| PartialArchive::is_partial(it)) {
         let words = format!("{} is of `partial`, and others are not", partial.display());
         return Err(Failure::NotComparable(words.into()));
     }
-    let shards = open_shards(arguments, Manifest::read)?;
+    let shards = open_shards(&folders, Manifest::read)?;
     let order = check_shards(&shards)?;
     let directories = ShardDirectory::in_order(&shards, &order);
     let manifests: Vec<&Manifest> = order.iter().map(|&idx| &shards[idx].manifest).collect();
@@ -51,23 +53,54 @@ pub fn merge(arguments: &MergeArgs) -> Result<(), Failure> {
     }
 }
 
+/// Makes all numbers of the rows of `shards`, and then those of `study`.
+fn merge_run(
+    study: Study,
+    shards: (&[ShardDirectory<'_>], &[&Manifest]),
+    claimed: ClaimedTarget,
+) -> Result<(), Failure> {
+    let directory = RunDirectory::begin(claimed)?;
+    let run = WholeRun::write(study, shards, (&directory, Pieces::Shards))?;
+    match study {
+        Study::Ablation => {
+            let tables = write_ablation(&directory, &run)?;
+            print_ablation(&tables, &directory.finish()?)
+        }
+        Study::Robustness => {
+            let scores = write_robustness(&directory, &run)?;
+            print_robustness(&scores, &run.manifest, &directory.finish()?)
+        }
+        _ => print_ending(&run, &directory.finish()?),
+    }
+}
+
 /// Takes the directory of the whole.
 fn claim<M: MadeInShards>(study: Study, manifest: &M, output: &OutputArgs) -> Result<ClaimedTarget, Failure> {
     let ids: Vec<&str> = manifest.selected().iter().map(|(id, _)| *id).collect();
-    let (ids, now) = (ids.join("+"), compact_utc(Timestamp::now()));
-    let (unnamed, latest) = match study {
-        Study::Run => (format!("{now}-{ids}"), LatestPointer::Update),
-        Study::Sweep | Study::Ablation => (format!("{now}-{}-{ids}", study.name()), LatestPointer::Leave),
-        Study::Robustness | Study::Partial => (format!("{now}-{}", study.name()), LatestPointer::Leave),
+    Place::claim(study, None, output)?.target(&ids.join("+"))
+}
+
+/// The folders of the shards: those that are named, and those within a folder that is no shard itself.
+fn folders(named: &[PathBuf]) -> Vec<PathBuf> {
+    let of_folder = |folder: &PathBuf| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut within: Vec<PathBuf> =
+            entries.map(|it| it.path()).filter(|it| is_called_as_a_shard(it)).collect();
+        within.sort();
+        if within.is_empty() || folder.join(MANIFEST_JSON).is_file() { vec![folder.clone()] } else { within }
     };
-    Ok(claim_unnamed(claim_named(output)?, &unnamed, latest)?)
+    named.iter().flat_map(of_folder).collect()
+}
+
+fn is_called_as_a_shard(path: &Path) -> bool {
+    path.is_dir() && path.file_name().is_some_and(|it| it.to_string_lossy().starts_with("shard-"))
 }
 
 fn open_shards<M>(
-    arguments: &MergeArgs,
+    folders: &[PathBuf],
     read: fn(&Path) -> Result<M, ArchiveError>,
 ) -> Result<Vec<NamedShard<M>>, Failure> {
-    arguments.shards.iter().map(|it| open_shard(it, read)).collect()
+    folders.iter().map(|it| open_shard(it, read)).collect()
 }
 
 fn open_shard<M>(

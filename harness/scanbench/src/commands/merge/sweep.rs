@@ -10,9 +10,9 @@ use reports::run_folder::sweep_entry::SweepEntry;
 use reports::vocabulary::task::Task;
 
 use crate::commands::failure::Failure;
-use crate::commands::merge::manifest::merged_manifest;
 use crate::commands::progress::progress_over_results;
 use crate::commands::shards::shard_directory::ShardDirectory;
+use crate::commands::shards::whole_manifest::{Pieces, merged_manifest};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::sweep::files::{refuse_nothing, write_sweep, write_times_of_unlike};
 
@@ -23,7 +23,7 @@ pub fn merge_sweep(
     claimed: ClaimedTarget,
 ) -> Result<(), Failure> {
     let directory = RunDirectory::begin(claimed)?;
-    let manifest = merged_manifest(manifests, directory.target());
+    let manifest = merged_manifest(manifests, (directory.target(), Pieces::Shards));
     let no_sweep = || shards[0].damaged("its manifest does not say what was swept".to_owned());
     let mut tally = SweepTally::of(&manifest).ok_or_else(no_sweep)?;
     let entry = manifest.sweep.as_ref().ok_or_else(no_sweep)?;

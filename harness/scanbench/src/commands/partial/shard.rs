@@ -24,8 +24,9 @@ use crate::commands::partial::files::manifest;
 use crate::commands::partial::sets::{Compared, Known, open_all};
 use crate::commands::progress::progress_over_results;
 use crate::commands::shards::checksummed_file::write_checksummed;
+use crate::commands::shards::place::Place;
 use crate::commands::shards::share_of_work::ShareOfWork;
-use crate::commands::shards::unfinished_shard::{ShardPlan, UnfinishedShard, identity_of_shard};
+use crate::commands::shards::unfinished_work::{UnfinishedWork, identity_of};
 
 /// What one method said of an object: an entry of the journal. Their order is that of rows.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -48,23 +49,25 @@ struct Interrupted {
 
 /// Has methods tell what the objects of `shard` are, and leaves the rows in a directory of its own for `merge`.
 pub fn partial_shard(arguments: &PartialArgs, shard: Shard) -> Result<(), Failure> {
-    let plan = ShardPlan::claim(Study::Partial, shard, &arguments.output)?;
+    let place = Place::claim(Study::Partial, Some(shard), &arguments.output)?;
     let sets = open_all(arguments)?;
     refuse_same_names(&sets)?;
     let ranges = objects_of_shard(&sets, shard);
     let share = ShareOfWork { cut_by: WorkMeasure::Objects, parts: parts(&sets, &ranges) };
-    let whole = manifest(arguments, &sets, plan.started)?;
-    let manifest = PartialManifest { shard: Some(plan.record(share)), ..whole };
-    let identity = identity_of_shard(&manifest, serde_json::json!({ "model": checksum_of_model(&sets) }));
+    let whole = manifest(arguments, &sets, place.started)?;
+    let manifest = PartialManifest { shard: Some(place.record(share)), ..whole };
+    let identity = identity_of(&manifest, serde_json::json!({ "model": checksum_of_model(&sets) }));
     let mut done: Vec<ObjectEntry> = Vec::new();
     let n_objects: usize = ranges.iter().map(Range::len).sum();
-    let unfinished =
-        UnfinishedShard::open(plan, &identity, format!("{n_objects} objects"), |it| done.push(it))?;
+    let known = (&identity, format!("{n_objects} objects"));
+    let unfinished = UnfinishedWork::open(place, "objects", known, |it| done.push(it))?;
     if !done.is_empty() {
         unfinished.tell_of_continuing(done.len(), "all objects of all methods");
     }
     let judged = judge(arguments, (&sets, &ranges), &unfinished, &mut done);
-    judged.map_err(|it| unfinished.ended_by(it))?;
+    if let Err(failure) = judged {
+        return Err(unfinished.ended_by(failure));
+    }
     done.sort();
     let head = String::from_utf8_lossy(&csv_head::<PartialRow>()).into_owned();
     let mut text: String = std::iter::once(head).chain(done.into_iter().map(|it| it.lines)).collect();
@@ -75,7 +78,7 @@ pub fn partial_shard(arguments: &PartialArgs, shard: Shard) -> Result<(), Failur
     let mut manifest = manifest;
     unfinished.finish(|_, _, directory| {
         if let Some(record) = &mut manifest.shard {
-            record.files = vec![write_checksummed(directory, PARTIAL_CSV, text.as_bytes())?];
+            record.files = vec![write_checksummed(directory.folder(), PARTIAL_CSV, text.as_bytes())?];
         }
         Ok(manifest.to_json())
     })
@@ -121,7 +124,7 @@ fn parts(sets: &[Compared], ranges: &[Range<usize>]) -> Vec<ShardPart> {
 fn judge(
     arguments: &PartialArgs,
     (sets, ranges): (&[Compared], &[Range<usize>]),
-    unfinished: &UnfinishedShard,
+    unfinished: &UnfinishedWork,
     done: &mut Vec<ObjectEntry>,
 ) -> Result<(), Failure> {
     for (set_idx, (set, range)) in sets.iter().zip(ranges).enumerate() {

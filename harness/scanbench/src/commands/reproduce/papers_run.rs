@@ -5,7 +5,6 @@ use std::num::NonZeroUsize;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
-use evaluation::run::side_by_side::OnDetectorFailure;
 use jiff::Timestamp;
 use reports::files::archive::ArchiveError;
 use reports::pages::reproduction_page::ReproductionPage;
@@ -16,12 +15,11 @@ use reports::reproduction::lead::LeadsOf;
 use reports::reproduction::sensitivity::Sensitivity;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::run_target::LatestPointer;
 use reports::tables::formats::format::Format as _;
 use reports::tables::sheet::Tabular;
 use reports::tables::studies::claims_table::{ClaimsTable, lead};
 use reports::tables::studies::open_values_table::OpenValuesTable;
-use scans::dataset::source::DamagePolicy;
+use reports::vocabulary::study::Study;
 
 use super::METHOD;
 use super::judge::Judge;
@@ -31,18 +29,16 @@ use crate::cli::{PaperName, ReproduceArgs};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
-use crate::commands::opened_results::OpenedResults;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
-use crate::commands::provenance::compact_utc;
 use crate::commands::reproducible_command::reproducible_command;
-use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::run_numbers::write_numbers;
-use crate::commands::sinks::of_every_run::sinks_of_every_run;
+use crate::commands::shards::executor::{WatchedStudy, execute};
+use crate::commands::shards::place::Place;
+use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::{print_diagnostic, print_result, terminal};
-use crate::commands::watched_run::{WatchedRun, WithoutLabels};
+use crate::commands::watched_run::WatchedRun;
 
 /// The method with a part switched off, by what the claims call it.
 const VARIANTS: [(&str, &str); 3] = [
@@ -59,40 +55,22 @@ const BOXES_OF_PAPERS: [&str; 2] = ["hierarchical.boxes.outline=false", "hierarc
 
 /// Runs the method, its variants and its rivals, judges the claims, and writes and prints what comes of them.
 pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
-    let (interrupted, started) = (interruption_flag(), Timestamp::now());
     let boxes: Vec<_> = BOXES_OF_PAPERS.iter().map(|it| it.parse().expect("the list is tested")).collect();
     let mut config = RunConfig::load(None)?.overridden(&boxes, &[])?;
-    let datasets = open_datasets(&arguments.data, &config.classes)?;
-    let datasets = look_first_at_all(datasets, &mut config);
-    let unnamed = format!("{}-papers-{}", compact_utc(started), ids_of(&datasets));
-    let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
-    let entrants = entrants(&config)?;
-    let results = OpenedResults::default();
-    let progress = RunProgress::new();
-    let manifest = || manifest(arguments, &config, &entrants, &datasets, started);
-    let mut tally = manifest().tally();
-    let sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
-    WatchedRun {
-        entrants: &entrants,
-        results: &results,
-        datasets: &datasets,
-        damage: DamagePolicy::Refuse,
-        n_warmup: arguments.timing.warmup,
-        n_repeats: NonZeroUsize::MIN,
-        n_jobs: arguments.timing.n_jobs(),
-        on_failure: OnDetectorFailure::Stop,
-        interrupted,
-        progress: &progress,
-        without_labels: WithoutLabels::Refuse,
-    }
-    .run(sinks)?;
-    let manifest = manifest();
-    let numbers = write_numbers(&directory, &manifest, &tally)?;
-    let settings = SettingsStudy::run(arguments, &config, interrupted)?;
-    let leads = LeadsOf::new(&tally);
-    let rates = RateTables { tally: &tally, leads: &leads };
-    let judge =
-        Judge::new((&tally, &leads, &numbers.report), &config, &datasets, settings.as_ref(), interrupted)?;
+    let place = Place::claim(Study::Reproduce, None, &arguments.output)?;
+    let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
+    let (entrants, started) = (entrants(&config)?, place.started);
+    let mut study = PapersRun { arguments, config, datasets, entrants, started };
+    let Some(made) = execute(&mut study, place)? else { return Ok(()) };
+    let PapersRun { config, mut datasets, .. } = study;
+    // The judge looks at scans, too, also at those that were done before.
+    datasets.iter_mut().for_each(|it| it.part = 0..it.scan_indices.len());
+    let settings = SettingsStudy::run(arguments, &config, interruption_flag())?;
+    let WholeRun { tally, numbers, .. } = &made.run;
+    let leads = LeadsOf::new(tally);
+    let rates = RateTables { tally, leads: &leads };
+    let of_run = (tally, &leads, &numbers.report);
+    let judge = Judge::new(of_run, &config, &datasets, settings.as_ref(), interruption_flag())?;
     let claims = judge.claims(papers(arguments.paper));
     let written = Written {
         arguments,
@@ -101,8 +79,8 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
         rates: &rates,
         settings: settings.as_ref().map(|it| &it.sensitivity),
     };
-    written.write(&directory)?;
-    let finished = directory.finish()?;
+    written.write(&made.directory)?;
+    let finished = made.finish()?.0;
     let printed = print_result(format!(
         "{}\n{}",
         terminal().text(&ClaimsTable { claims: &claims, notes: &[] }),
@@ -110,6 +88,43 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     ));
     print_diagnostic(format_args!("Page: {}", finished.join("reproduction.html").display()));
     printed
+}
+
+/// Who takes part, and on which scans.
+struct PapersRun<'a> {
+    arguments: &'a ReproduceArgs,
+    config: RunConfig,
+    datasets: Vec<OpenedDataset>,
+    entrants: Vec<Entrant>,
+    started: Timestamp,
+}
+
+impl WatchedStudy for PapersRun<'_> {
+    fn datasets(&self) -> &[OpenedDataset] {
+        &self.datasets
+    }
+
+    fn datasets_mut(&mut self) -> &mut [OpenedDataset] {
+        &mut self.datasets
+    }
+
+    fn manifest(&self) -> Manifest {
+        run_manifest(RunSettings {
+            selection: self.arguments.data.scans.as_deref(),
+            n_warmup: self.arguments.timing.warmup,
+            n_repeats: NonZeroUsize::MIN,
+            config: &self.config,
+            detectors: self.entrants.iter().map(detector_entry).collect(),
+            datasets: &self.datasets,
+            protocols: &[],
+            started: self.started,
+        })
+    }
+
+    fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a> {
+        let timing = (self.arguments.timing.warmup, self.arguments.timing.n_jobs());
+        WatchedRun::of_study(&self.entrants, &self.datasets, timing, progress)
+    }
 }
 
 fn papers(name: PaperName) -> &'static [Paper] {
@@ -132,25 +147,6 @@ fn entrants(config: &RunConfig) -> Result<Vec<Entrant>, Failure> {
         entrants.push(Entrant::of(rival, config));
     }
     Ok(entrants)
-}
-
-fn manifest(
-    arguments: &ReproduceArgs,
-    config: &RunConfig,
-    entrants: &[Entrant],
-    datasets: &[OpenedDataset],
-    started: Timestamp,
-) -> Manifest {
-    run_manifest(RunSettings {
-        selection: arguments.data.scans.as_deref(),
-        n_warmup: arguments.timing.warmup,
-        n_repeats: NonZeroUsize::MIN,
-        config,
-        detectors: entrants.iter().map(detector_entry).collect(),
-        datasets,
-        protocols: &[],
-        started,
-    })
 }
 
 /// The titles of the tables, task by task.

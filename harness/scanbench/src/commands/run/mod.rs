@@ -2,76 +2,112 @@
 
 pub mod setup;
 pub mod ending;
-pub mod shard;
 
+use std::path::{Path, PathBuf};
+
+use evaluation::run::sink::Sinks;
 use jiff::Timestamp;
-use reports::protocols::protocol_tally::ProtocolTally;
-use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::run_target::LatestPointer;
+use reports::run_folder::manifest::Manifest;
+use reports::vocabulary::study::Study;
 use scans::conversion::results::result_folder::ResultFolder;
+use serde_json::Value;
 
 use crate::cli::{ResultFilesArgs, RunArgs};
-use crate::commands::failure::Failure;
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, ids_of};
+use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::RunProgress;
-use crate::commands::provenance::compact_utc;
-use crate::commands::recorder::serve_until_interrupted;
-use crate::commands::run::ending::{print_ending, write_agreement};
-use crate::commands::run::setup::ChosenRun;
-use crate::commands::run::shard::run_shard;
-use crate::commands::run_directory::{claim_named, claim_unnamed};
-use crate::commands::run_numbers::write_numbers;
-use crate::commands::run_protocols::write_protocols;
-use crate::commands::sinks::agreement_of_detectors::AgreementOfDetectors;
+use crate::commands::recorder::{Recorder, serve_until_interrupted};
+use crate::commands::run::ending::print_ending;
+use crate::commands::run::setup::{ChosenRun, OpenedRun};
+use crate::commands::shards::executor::{WatchedStudy, execute};
+use crate::commands::shards::place::Place;
 use crate::commands::sinks::detection_files::DetectionFiles;
 use crate::commands::sinks::mcap_results::McapResults;
-use crate::commands::sinks::of_every_run::sinks_of_every_run;
-use crate::commands::sinks::protocol_rows::ProtocolRowFiles;
-use crate::commands::sinks::rerun_recording::RerunRecording;
-use crate::commands::standard_streams::print_diagnostic;
-use crate::commands::watched_run::WithoutLabels;
+use crate::commands::watched_run::WatchedRun;
 
-/// Runs detectors on labelled scans, writes the run directory and prints the tables; or a shard of that.
+/// Runs detectors on labelled scans, writes the run directory and prints the tables; or makes a shard of that.
 pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
-    if let Some(shard) = arguments.shard.shard {
-        return run_shard(arguments, shard);
+    if arguments.shard.shard.is_some() {
+        refuse_what_is_for_whole_runs(arguments)?;
     }
-    let (interrupted, started) = (interruption_flag(), Timestamp::now());
     let chosen = ChosenRun::of(arguments)?;
-    let named = claim_named(&arguments.output)?;
-    let opened = chosen.open(arguments)?;
-    let datasets = &opened.datasets;
-    let unnamed = format!("{}-{}", compact_utc(started), ids_of(datasets));
-    let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
-    let progress = RunProgress::new();
-    let mut tally = opened.manifest(arguments, started).tally();
-    let (mut served, mut agreement) = (None, Vec::new());
-    let mut protocol_tally = ProtocolTally::default();
-    let name = directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let recorder = opened.begin_recording(arguments, &name, directory.path_of("run.rrd"))?;
-    let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
-    sinks.push(Box::new(AgreementOfDetectors::new(&mut agreement)));
-    sinks.push(Box::new(arguments.mcap.then(|| McapResults::new(&directory, datasets.len()))));
-    sinks.push(Box::new(recorder.map(|it| RerunRecording::new(it, &progress, &mut served))));
-    sinks.push(Box::new(detection_files(&arguments.result_files, datasets)?));
-    let protocols = &arguments.protocol.protocols;
-    sinks.push(Box::new(ProtocolRowFiles::begin(&directory, protocols, &mut protocol_tally)?));
-    let watched = opened.watched(arguments, WithoutLabels::Compare, (interrupted, &progress));
-    if let Err(failure) = watched.run(sinks) {
-        let has_rows = !tally.datasets().is_empty();
-        return Err(if has_rows { unfinished(directory, failure) } else { failure });
-    }
-    let manifest = opened.manifest(arguments, started);
-    let protocols = write_protocols(&directory, &manifest, (&tally, &protocol_tally))?;
-    let numbers = write_numbers(&directory, &manifest, &tally)?;
-    let more = protocols.into_iter().chain(write_agreement(&directory, &agreement)?).collect();
-    let written = directory.finish()?;
-    print_ending((&numbers, &manifest, &tally), (more, &agreement), &written)?;
+    let place = Place::claim(Study::Run, arguments.shard.shard, &arguments.output)?;
+    let started = place.started;
+    let mut study = RunStudy { arguments, opened: chosen.open(arguments)?, started };
+    let Some(made) = execute(&mut study, place)? else { return Ok(()) };
+    let (finished, run, served) = made.finish()?;
+    print_ending(&run, &finished)?;
     if let Some(served) = served {
-        serve_until_interrupted(&*served, interrupted);
+        serve_until_interrupted(&*served, interruption_flag());
     }
     Ok(())
+}
+
+/// Options that shards would have to share, or that have no end.
+fn refuse_what_is_for_whole_runs(arguments: &RunArgs) -> Result<(), Usage> {
+    let stream = &arguments.stream;
+    if matches!(stream.save_rrd, Some(Some(_))) {
+        return Err(Usage(
+            "all shards would write the same file of --save-rrd; leave out its name".to_owned(),
+        ));
+    }
+    if stream.serve.is_some() {
+        return Err(Usage("a shard ends, and nobody is served by it: leave out --serve".to_owned()));
+    }
+    Ok(())
+}
+
+struct RunStudy<'a> {
+    arguments: &'a RunArgs,
+    opened: OpenedRun,
+    started: Timestamp,
+}
+
+impl WatchedStudy for RunStudy<'_> {
+    fn datasets(&self) -> &[OpenedDataset] {
+        &self.opened.datasets
+    }
+
+    fn datasets_mut(&mut self) -> &mut [OpenedDataset] {
+        &mut self.opened.datasets
+    }
+
+    fn manifest(&self) -> Manifest {
+        self.opened.manifest(self.arguments, self.started)
+    }
+
+    fn rules(&self) -> Value {
+        serde_json::json!({
+            "on_detector_failure": format!("{:?}", self.arguments.on_detector_failure),
+            "skip_damaged": self.arguments.damage.skip_damaged,
+            "rerun_every": self.arguments.stream.rerun_every,
+        })
+    }
+
+    fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a> {
+        self.opened.watched(self.arguments, progress)
+    }
+
+    fn begin_recording(&self, name: &str, file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
+        let n_left = self.opened.datasets.iter().map(|it| it.part.len()).sum();
+        let every = u64::from(self.arguments.stream.every(n_left));
+        let recorder = self.opened.begin_recording(self.arguments, name, file)?;
+        Ok(recorder.map(|it| (it, every)))
+    }
+
+    fn sinks<'a>(&'a self, folder: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {
+        let datasets = &self.opened.datasets;
+        Ok(vec![
+            Box::new(self.arguments.mcap.then(|| McapResults::new(folder, datasets.len()))),
+            Box::new(detection_files(&self.arguments.result_files, datasets)?),
+        ])
+    }
+
+    fn sees_all(&self) -> bool {
+        let RunArgs { mcap, result_files, stream, .. } = self.arguments;
+        *mcap || result_files.detections_out.is_some() || matches!(stream.save_rrd, Some(Some(_)))
+    }
 }
 
 fn detection_files(
@@ -90,18 +126,4 @@ fn detection_files(
     }
     let folder = ResultFolder::create(path, format.output(), datasets.len() > 1)?;
     Ok(Some(DetectionFiles::new(folder)))
-}
-
-/// Leaves the files of a run that a detector has ended.
-fn unfinished(directory: RunDirectory, failure: Failure) -> Failure {
-    if !matches!(failure, Failure::Detector(_)) {
-        return failure;
-    }
-    match directory.leave_unfinished() {
-        Ok(place) => {
-            print_diagnostic(format_args!("Rows of the scans before the failure: {}", place.display()));
-            failure
-        }
-        Err(error) => error.into(),
-    }
 }

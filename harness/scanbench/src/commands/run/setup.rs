@@ -1,7 +1,6 @@
 //! What a run takes, whole or in parts: detectors, parameters, data sets, results of others, a recording.
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
@@ -20,7 +19,7 @@ use crate::commands::opened_results::OpenedResults;
 use crate::commands::progress::RunProgress;
 use crate::commands::recorder::{self, Recorder, RecordingPlan};
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::watched_run::{WatchedRun, WithoutLabels};
+use crate::commands::watched_run::WatchedRun;
 
 /// Who runs with which parameters; no data set is open yet.
 pub struct ChosenRun {
@@ -88,24 +87,14 @@ impl OpenedRun {
     }
 
     /// How it goes over the data sets.
-    pub fn watched<'a>(
-        &'a self,
-        arguments: &RunArgs,
-        without_labels: WithoutLabels,
-        (interrupted, progress): (&'a AtomicBool, &'a RunProgress),
-    ) -> WatchedRun<'a> {
+    pub fn watched<'a>(&'a self, arguments: &RunArgs, progress: &'a RunProgress) -> WatchedRun<'a> {
+        let timing = (arguments.timing.warmup, arguments.timing.n_jobs());
         WatchedRun {
-            entrants: &self.entrants,
-            results: &self.results,
-            datasets: &self.datasets,
+            results: Some(&self.results),
             damage: arguments.damage.policy(),
-            n_warmup: arguments.timing.warmup,
             n_repeats: arguments.repeats,
-            n_jobs: arguments.timing.n_jobs(),
             on_failure: arguments.on_detector_failure.rule(),
-            interrupted,
-            progress,
-            without_labels,
+            ..WatchedRun::of_study(&self.entrants, &self.datasets, timing, progress)
         }
     }
 

@@ -1,32 +1,27 @@
 //! Files of shards, written with their checksums.
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use reports::files::archive::ArchiveError;
-use reports::files::whole_file::WholeFile;
-use reports::run_folder::run_directory::RunDirectory;
+use reports::files::whole_file::{WholeFile, write_whole};
 use reports::run_folder::shard_record::ShardFile;
 use scans::dataset::checksum::{ContentChecksum, sha256};
 use serde::Serialize;
 
-/// Writes `content` to the file `name`.
-pub fn write_checksummed(
-    directory: &RunDirectory,
-    name: &str,
-    content: &[u8],
-) -> Result<ShardFile, ArchiveError> {
-    directory.write_file(name, content)?;
+/// Writes `content` to the file `name` in `folder`.
+pub fn write_checksummed(folder: &Path, name: &str, content: &[u8]) -> Result<ShardFile, ArchiveError> {
+    write_whole(&folder.join(name), content)?;
     Ok(ShardFile { name: name.to_owned(), n_bytes: content.len() as u64, sha256: sha256(content) })
 }
 
-/// Writes `values` to the file `name`, each as a line of JSON.
+/// Writes `values` to the file `name` in `folder`, each as a line of JSON.
 pub fn write_lines<Value: Serialize>(
-    directory: &RunDirectory,
+    folder: &Path,
     name: &'static str,
     values: &[Value],
 ) -> Result<ShardFile, ArchiveError> {
-    let mut file = ChecksummedFile::begin(directory, name)?;
+    let mut file = ChecksummedFile::begin(folder, name)?;
     for value in values {
         let mut line = serde_json::to_vec(value).expect("it holds numbers and text alone");
         line.push(b'\n');
@@ -46,9 +41,10 @@ pub struct ChecksummedFile {
 }
 
 impl ChecksummedFile {
-    /// An empty one called `name`.
-    pub fn begin(directory: &RunDirectory, name: &'static str) -> Result<Self, ArchiveError> {
-        let (file, path) = (directory.begin_file(name)?, directory.path_of(name));
+    /// An empty one called `name` in `folder`.
+    pub fn begin(folder: &Path, name: &'static str) -> Result<Self, ArchiveError> {
+        let path = folder.join(name);
+        let file = WholeFile::create(&path)?;
         Ok(Self { path, name, file, checksum: ContentChecksum::default(), n_bytes: 0 })
     }
 

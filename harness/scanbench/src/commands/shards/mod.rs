@@ -1,12 +1,15 @@
-//! Shards of runs and studies: which scans one has, what it has done so far, and what it leaves.
+//! How a run or a study is made, in one piece or in shards: which scans there are, what is done so far, and what comes of it.
 
 pub mod share_of_work;
 pub mod finished_shard;
-pub mod unfinished_shard;
+pub mod place;
+pub mod unfinished_work;
 pub mod checksummed_file;
 pub mod shard_entry;
 pub mod shard_journal;
 pub mod shard_files;
-pub mod watched_shard;
 pub mod shard_directory;
 pub mod rows_of_shards;
+pub mod whole_manifest;
+pub mod whole_run;
+pub mod executor;

@@ -1,6 +1,7 @@
 //! From the journal of a shard to its files.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use evaluation::journal::Journal;
 use reports::files::archive::ArchiveError;
@@ -15,8 +16,8 @@ use reports::rows::scan_row::ScanRow;
 use reports::rows::stage_row::StageRow;
 use reports::run_folder::manifest::{Manifest, SkippedScan};
 use reports::run_folder::run_directory::{
-    AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, RunDirectory,
-    SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON, protocol_file,
+    AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, SCANS_CSV,
+    STAGES_CSV, WORST_POINTS_JSON, protocol_file,
 };
 use reports::run_folder::shard_record::{ProcessorRows, ShardRecord, ShardRecording};
 use reports::vocabulary::protocol::Protocol;
@@ -28,13 +29,13 @@ use super::checksummed_file::{ChecksummedFile, write_checksummed};
 use super::shard_entry::{ShardEntry, ShardScan};
 use crate::commands::failure::Failure;
 
-/// Writes the rows of `journal` into `directory`, and what they are into `manifest` and `record`.
+/// Writes the rows of `journal` into `folder`, and what they are into `manifest` and `record`.
 pub fn write_shard_files(
     journal: &Journal,
-    directory: &RunDirectory,
+    folder: &Path,
     (manifest, record): (&mut Manifest, &mut ShardRecord),
 ) -> Result<(), Failure> {
-    let mut files = ShardFiles::begin(directory, record.parts.len(), &manifest.protocols)?;
+    let mut files = ShardFiles::begin(folder, record.parts.len(), &manifest.protocols)?;
     let mut failure = None;
     journal.each_entry(|entry: ShardEntry| {
         if failure.is_none() {
@@ -44,7 +45,7 @@ pub fn write_shard_files(
     if let Some(failure) = failure {
         return Err(failure);
     }
-    files.finish(directory, (manifest, record))
+    files.finish(folder, (manifest, record))
 }
 
 /// What is known of a data set after some scans.
@@ -75,20 +76,20 @@ struct ShardFiles {
 }
 
 impl ShardFiles {
-    fn begin(directory: &RunDirectory, n_datasets: usize, protocols: &[Protocol]) -> Result<Self, Failure> {
+    fn begin(folder: &Path, n_datasets: usize, protocols: &[Protocol]) -> Result<Self, Failure> {
         let is_asked = |name: &str| protocols.iter().any(|it| protocol_file(*it) == name);
         Ok(Self {
-            scans: begin_rows::<ScanRow>(directory, SCANS_CSV)?,
-            matches: begin_rows::<MatchRow>(directory, MATCHES_CSV)?,
-            stages: begin_rows::<StageRow>(directory, STAGES_CSV)?,
+            scans: begin_rows::<ScanRow>(folder, SCANS_CSV)?,
+            matches: begin_rows::<MatchRow>(folder, MATCHES_CSV)?,
+            stages: begin_rows::<StageRow>(folder, STAGES_CSV)?,
             boxes: is_asked(PROTOCOL_BOXES_CSV)
-                .then(|| begin_rows::<RankedBoxRow>(directory, PROTOCOL_BOXES_CSV))
+                .then(|| begin_rows::<RankedBoxRow>(folder, PROTOCOL_BOXES_CSV))
                 .transpose()?,
             kitti: is_asked(KITTI_OBJECT_CSV)
-                .then(|| begin_rows::<KittiObjectRow>(directory, KITTI_OBJECT_CSV))
+                .then(|| begin_rows::<KittiObjectRow>(folder, KITTI_OBJECT_CSV))
                 .transpose()?,
             labels: is_asked(PROTOCOL_LABELS_CSV)
-                .then(|| begin_rows::<LabelScoreRow>(directory, PROTOCOL_LABELS_CSV))
+                .then(|| begin_rows::<LabelScoreRow>(folder, PROTOCOL_LABELS_CSV))
                 .transpose()?,
             datasets: (0..n_datasets).map(|_| DatasetSoFar::default()).collect(),
             worst: WorstPlaces::default(),
@@ -147,7 +148,7 @@ impl ShardFiles {
 
     fn finish(
         self,
-        directory: &RunDirectory,
+        folder: &Path,
         (manifest, record): (&mut Manifest, &mut ShardRecord),
     ) -> Result<(), Failure> {
         record.files = vec![self.scans.finish()?, self.matches.finish()?, self.stages.finish()?];
@@ -158,7 +159,7 @@ impl ShardFiles {
         let patch =
             |it: &WorstPlace<SeenMistake>| Patch { object: it.object.clone(), cells: it.kept.0.clone() };
         let points = WorstPoints::of_patches(places().map(patch).collect()).to_json();
-        record.files.push(write_checksummed(directory, WORST_POINTS_JSON, points.as_bytes())?);
+        record.files.push(write_checksummed(folder, WORST_POINTS_JSON, points.as_bytes())?);
         record.worst_recorded = recorded_places(places().map(|it| (&it.object, it.kept.1)), &self.recordings);
         let mut agreement = Vec::new();
         for (dataset_idx, dataset) in self.datasets.into_iter().enumerate() {
@@ -171,7 +172,7 @@ impl ShardFiles {
             }
         }
         if !agreement.is_empty() {
-            record.files.push(write_checksummed(directory, AGREEMENT_CSV, &to_csv_bytes(&agreement)?)?);
+            record.files.push(write_checksummed(folder, AGREEMENT_CSV, &to_csv_bytes(&agreement)?)?);
         }
         record.processors = self.processors;
         record.recordings = self.recordings;
@@ -180,11 +181,8 @@ impl ShardFiles {
 }
 
 /// Begins a file of rows with the names of the columns.
-fn begin_rows<Row: CsvRow>(
-    directory: &RunDirectory,
-    name: &'static str,
-) -> Result<ChecksummedFile, ArchiveError> {
-    let mut begun = ChecksummedFile::begin(directory, name)?;
+fn begin_rows<Row: CsvRow>(folder: &Path, name: &'static str) -> Result<ChecksummedFile, ArchiveError> {
+    let mut begun = ChecksummedFile::begin(folder, name)?;
     begun.write(&csv_head::<Row>())?;
     Ok(begun)
 }

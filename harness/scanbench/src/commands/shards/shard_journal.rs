@@ -15,7 +15,7 @@ use super::shard_entry::{ShardEntry, ShardScan};
 use crate::commands::failure::Failure;
 use crate::commands::official_evaluation::OfficialEvaluation;
 use crate::commands::open_datasets::OpenedDataset;
-use crate::commands::sinks::agreement_of_detectors::agreement_of;
+use crate::commands::scan_agreement::agreement_of;
 use crate::commands::sinks::plan_cells::plan_cells;
 
 /// Writes scans to the journal, each in a line of its own.

@@ -35,6 +35,11 @@ impl RunSink<Failure> for DetectionFiles {
         Ok(self.0.end_dataset()?)
     }
 
+    /// The folder would look whole.
+    fn break_off(self: Box<Self>) -> Result<(), Failure> {
+        Ok(())
+    }
+
     fn finish(self: Box<Self>) -> Result<(), Failure> {
         let n_left_out = self.0.finish()?;
         if n_left_out > 0 {

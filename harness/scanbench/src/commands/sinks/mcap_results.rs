@@ -1,24 +1,25 @@
 //! `run.mcap` for Foxglove.
 
+use std::path::Path;
+
 use evaluation::results_mcap::writer::ResultsMcap;
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
-use reports::run_folder::run_directory::RunDirectory;
 use scans::dataset::folder_name::folder_name;
 
 use crate::commands::failure::Failure;
 
 /// Records each data set by itself, as each has times and a sensor of its own.
 pub struct McapResults<'a> {
-    directory: &'a RunDirectory,
+    folder: &'a Path,
     n_datasets: usize,
     // Of the data set at hand.
     recording: Option<ResultsMcap>,
 }
 
 impl<'a> McapResults<'a> {
-    /// None yet; those of `n_datasets` will be in `directory`.
-    pub fn new(directory: &'a RunDirectory, n_datasets: usize) -> Self {
-        Self { directory, n_datasets, recording: None }
+    /// None yet; those of `n_datasets` will be in `folder`.
+    pub fn new(folder: &'a Path, n_datasets: usize) -> Self {
+        Self { folder, n_datasets, recording: None }
     }
 }
 
@@ -28,7 +29,7 @@ impl RunSink<Failure> for McapResults<'_> {
             1 => "run.mcap".to_owned(),
             _ => format!("run-{}.mcap", folder_name(&watched.dataset.description().id)),
         };
-        let path = self.directory.path_of(&name);
+        let path = self.folder.join(&name);
         self.recording = Some(ResultsMcap::create(&path, watched.dataset, watched.scan_indices)?);
         Ok(())
     }

@@ -1,8 +1,10 @@
 //! `scanbench sweep --shard`: some scans of a sweep, at all its points.
 
+use std::path::Path;
+
 use evaluation::sweep::timed_scan::TimedScan;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{RunDirectory, SWEPT_SCANS_JSONL, TIMED_SCANS_JSONL};
+use reports::run_folder::run_directory::{SWEPT_SCANS_JSONL, TIMED_SCANS_JSONL};
 use reports::run_folder::shard_record::{ProcessorRows, ShardRecord};
 use reports::vocabulary::shard::Shard;
 use reports::vocabulary::study::Study;
@@ -10,10 +12,11 @@ use reports::vocabulary::study::Study;
 use crate::cli::SweepArgs;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::open_datasets::{OpenedDataset, ids_of};
 use crate::commands::shards::checksummed_file::write_lines;
+use crate::commands::shards::place::Place;
 use crate::commands::shards::share_of_work::take_share;
-use crate::commands::shards::unfinished_shard::{ShardPlan, UnfinishedShard, identity_of_shard};
+use crate::commands::shards::unfinished_work::{UnfinishedWork, identity_of};
 use crate::commands::sweep::identity::sweep_identity;
 use crate::commands::sweep::setup::{Sweep, SweepResults, sweep_plan};
 
@@ -25,41 +28,41 @@ pub fn sweep_shard(arguments: &SweepArgs, shard: Shard) -> Result<(), Failure> {
         return Err(Usage(problem).into());
     }
     let points = sweep_plan(arguments)?;
-    let plan = ShardPlan::claim(Study::Sweep, shard, &arguments.output)?;
+    let place = Place::claim(Study::Sweep, Some(shard), &arguments.output)?;
     let mut sweep = Sweep::open(arguments, points)?;
     let share = take_share(&mut sweep.datasets, shard);
-    let started = plan.started;
-    let manifest = Manifest { shard: Some(plan.record(share)), ..sweep.manifest(started) };
+    let started = place.started;
+    let manifest = Manifest { shard: Some(place.record(share)), ..sweep.manifest(started) };
     let n_scans: usize = sweep.datasets.iter().map(|it| it.part.len()).sum();
     let rules = sweep_identity(arguments, &sweep.plan, &sweep.datasets).into();
-    let identity = identity_of_shard(&manifest, rules);
+    let identity = identity_of(&manifest, rules);
     let mut done = SweepResults::default();
-    let unfinished = UnfinishedShard::open(plan, &identity, format!("{n_scans} scans"), |it| done.add(it))?;
+    let (ids, extent) = (ids_of(&sweep.datasets), format!("{n_scans} scans"));
+    let unfinished = UnfinishedWork::open(place, &ids, (&identity, extent), |it| done.add(it))?;
     if done.n() > 0 {
         let n_results = n_scans * sweep.plan.points.len();
         unfinished.tell_of_continuing(done.counted.len(), &format!("{n_results} results"));
     }
     let results = sweep.run(&unfinished.journal, done, interruption_flag());
-    let results = results.map_err(|it| unfinished.ended_by(it.into()))?;
+    let results = match results {
+        Ok(results) => results,
+        Err(error) => return Err(unfinished.ended_by(error.into())),
+    };
     sweep.datasets.iter().for_each(OpenedDataset::warn_of_points_left_out);
     // Programs of others have introduced themselves by now.
     let mut manifest = Manifest { shard: manifest.shard, ..sweep.manifest(started) };
     unfinished.finish(|_, _, directory| {
         if let Some(record) = &mut manifest.shard {
-            write_results(directory, &results, record)?;
+            write_results(directory.folder(), &results, record)?;
         }
         Ok(manifest.to_json())
     })
 }
 
-fn write_results(
-    directory: &RunDirectory,
-    results: &SweepResults,
-    record: &mut ShardRecord,
-) -> Result<(), Failure> {
+fn write_results(folder: &Path, results: &SweepResults, record: &mut ShardRecord) -> Result<(), Failure> {
     record.files = vec![
-        write_lines(directory, SWEPT_SCANS_JSONL, &results.counted)?,
-        write_lines(directory, TIMED_SCANS_JSONL, &results.timed)?,
+        write_lines(folder, SWEPT_SCANS_JSONL, &results.counted)?,
+        write_lines(folder, TIMED_SCANS_JSONL, &results.timed)?,
     ];
     for TimedScan { processor, .. } in &results.timed {
         if record.processors.last().is_none_or(|it| it.cpu_model != *processor) {

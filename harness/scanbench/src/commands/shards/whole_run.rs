@@ -1,60 +1,71 @@
-//! `scanbench merge` of the shards of a run, or of a study that is one.
+//! A run, or a study that is one, made of the rows of its shards: all in one piece is the only shard.
 
 use reports::files::csv_rows::read_rows;
 use reports::numbers::tally::Tally;
 use reports::rows::agreement_row::{AgreementRow, add_agreement};
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{AGREEMENT_CSV, RECORDINGS_JSON, RunDirectory, WORST_POINTS_JSON};
-use reports::run_folder::run_target::ClaimedTarget;
+use reports::run_folder::run_directory::{
+    AGREEMENT_CSV, RECORDINGS_JSON, RUN_RRD, RunDirectory, WORST_POINTS_JSON,
+};
 use reports::vocabulary::study::Study;
 use reports::vocabulary::task::Task;
 use reports::worst::places::{ObjectName, WorstPlaces};
 use reports::worst::points::{Patch, WorstPoints};
 use reports::worst::recorded::{RecordedPlace, Recordings};
 
-use crate::commands::ablation::end_ablation;
+use super::rows_of_shards::merge_rows;
+use super::shard_directory::ShardDirectory;
+use super::whole_manifest::{Pieces, merged_manifest, path_from};
 use crate::commands::failure::Failure;
-use crate::commands::merge::manifest::{merged_manifest, path_from};
-use crate::commands::robustness::end_robustness;
-use crate::commands::run::ending::{print_ending, write_agreement};
-use crate::commands::run_numbers::write_numbers;
+use crate::commands::run_agreement::write_agreement;
+use crate::commands::run_numbers::{RunNumbers, write_numbers};
 use crate::commands::run_protocols::write_protocols;
-use crate::commands::shards::rows_of_shards::merge_rows;
-use crate::commands::shards::shard_directory::ShardDirectory;
 use crate::commands::times_of_processors::write_times_of_processors;
 use crate::commands::watched_run::tell_of_nothing;
 
-/// Puts the rows of `shards` one after the other, whose manifests are `manifests`, both in order, and makes all numbers of these as
-/// those of a run are made, and then those of `study`.
-pub fn merge_run(
-    study: Study,
-    (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
-    claimed: ClaimedTarget,
-) -> Result<(), Failure> {
-    let directory = RunDirectory::begin(claimed)?;
-    let manifest = merged_manifest(manifests, directory.target());
-    let merged = merge_rows(shards, &manifest, &directory)?;
-    write_worst(shards, &merged.worst, &directory)?;
-    let agreement = if study == Study::Run { agreement_of(shards, &manifest)? } else { Vec::new() };
-    refuse_nothing(study, &manifest, &merged.tally)?;
-    let protocols = write_protocols(&directory, &manifest, (&merged.tally, &merged.protocols))?;
-    let numbers = write_numbers(&directory, &manifest, &merged.tally)?;
-    write_times_of_processors(&directory, &manifest, &merged.of_processors)?;
-    match study {
-        Study::Ablation => return end_ablation(directory, &numbers),
-        Study::Robustness => return end_robustness(directory, &manifest, &numbers),
-        Study::Run | Study::Sweep | Study::Partial => {}
+/// A run in which all scans are judged, and its numbers, which are written.
+pub struct WholeRun {
+    /// How it came about.
+    pub manifest: Manifest,
+    /// Its sums.
+    pub tally: Tally,
+    /// Its numbers.
+    pub numbers: RunNumbers,
+    /// Tables that are printed beside those of tasks.
+    pub more: Vec<String>,
+    /// How far detectors agree in data sets without labels.
+    pub agreement: Vec<AgreementRow>,
+}
+
+impl WholeRun {
+    /// Puts the rows of `shards` one after the other, whose manifests are `manifests`, both in order, and writes these and all numbers
+    /// that are made of them into `directory`.
+    pub fn write(
+        study: Study,
+        (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
+        (directory, pieces): (&RunDirectory, Pieces),
+    ) -> Result<Self, Failure> {
+        let mut manifest = merged_manifest(manifests, (directory.target(), pieces));
+        let merged = merge_rows(shards, &manifest, directory)?;
+        write_worst(shards, &merged.worst, (directory, pieces))?;
+        let agreement = if study == Study::Run { agreement_of(shards, &manifest)? } else { Vec::new() };
+        refuse_nothing(study, &manifest, &merged.tally)?;
+        if pieces == Pieces::One && merged.of_processors.is_empty() {
+            manifest.shards.clear();
+        }
+        let mut more = write_protocols(directory, &manifest, (&merged.tally, &merged.protocols))?;
+        let numbers = write_numbers(directory, &manifest, &merged.tally)?;
+        write_times_of_processors(directory, &manifest, &merged.of_processors)?;
+        more.extend(write_agreement(directory, &agreement)?);
+        Ok(Self { manifest, tally: merged.tally, numbers, more, agreement })
     }
-    let more = protocols.into_iter().chain(write_agreement(&directory, &agreement)?).collect();
-    let written = directory.finish()?;
-    print_ending((&numbers, &manifest, &merged.tally), (more, &agreement), &written)
 }
 
 /// Writes what was seen around the worst mistakes, and where they are recorded.
 fn write_worst(
     shards: &[ShardDirectory<'_>],
     worst: &WorstPlaces<usize>,
-    directory: &RunDirectory,
+    (directory, pieces): (&RunDirectory, Pieces),
 ) -> Result<(), Failure> {
     let seen = shards.iter().map(ShardDirectory::worst_points).collect::<Result<Vec<WorstPoints>, _>>()?;
     let objects: Vec<(&ObjectName, usize)> =
@@ -70,11 +81,16 @@ fn write_worst(
         let shard = &shards[shard_idx];
         let place = shard.record.worst_recorded.iter().find(|it| it.object == *object);
         if let Some(place) = place.filter(|_| recorded.iter().all(|it| it.object != *object)) {
-            let file = shard.folder.join(&place.recording);
-            recorded.push(RecordedPlace { recording: path_from(directory.target(), &file), ..place.clone() });
+            let recording = match pieces {
+                Pieces::One => place.recording.clone(),
+                Pieces::Shards => path_from(directory.target(), &shard.folder.join(&place.recording)),
+            };
+            recorded.push(RecordedPlace { recording, ..place.clone() });
         }
     }
-    if !recorded.is_empty() {
+    // Of one recording the number of the scan says enough.
+    let is_one = |it: &ShardDirectory<'_>| it.record.recordings.iter().all(|it| it.file == RUN_RRD);
+    if !(recorded.is_empty() || pieces == Pieces::One && shards.iter().all(is_one)) {
         directory.write_file(RECORDINGS_JSON, Recordings::new(recorded).to_json().as_bytes())?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! The manifest of a run or a study that was made in parts.
+//! The manifest of a run or a study that was put together.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -6,14 +6,25 @@ use reports::run_folder::command_line::command_of_whole_run;
 use reports::run_folder::manifest::{Manifest, SkippedScan};
 use reports::run_folder::shard_record::processors_of;
 
+/// Whether something was made in one piece, or in several.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pieces {
+    /// By one program, though it may have been interrupted.
+    One,
+    /// In shards, which are kept.
+    Shards,
+}
+
 /// That of the whole in one piece which leaves it in `target`, with the list of shards, whose manifests `shards` are in order.
-pub fn merged_manifest(shards: &[&Manifest], target: &Path) -> Manifest {
+pub fn merged_manifest(shards: &[&Manifest], (target, pieces): (&Path, Pieces)) -> Manifest {
     let manifests = || shards.iter().copied();
     let mut whole = shards[0].clone();
     whole.shard = None;
     whole.shards = manifests().filter_map(|it| it.shard.clone()).collect();
     whole.created = manifests().map(|it| it.created.clone()).min().unwrap_or_default();
-    whole.argv = command_of_whole_run(&whole.argv, &target.display().to_string());
+    if pieces == Pieces::Shards {
+        whole.argv = command_of_whole_run(&whole.argv, &target.display().to_string());
+    }
     let processors = processors_of(&whole.shards);
     if !processors.is_empty() {
         whole.machine.cpu_model = processors.join("; ");

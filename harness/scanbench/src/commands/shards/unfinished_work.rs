@@ -1,0 +1,217 @@
+//! Work that is not finished: what it has done so far is kept beside the directory that it will have.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use evaluation::journal::{Journal, JournalIdentity, JournalKind, OtherJournal};
+use reports::files::archive::ArchiveError;
+use reports::files::hidden_folder::HiddenFolder;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::{ClaimedTarget, MANIFEST_JSON};
+use reports::vocabulary::shard::Shard;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::place::Place;
+use crate::commands::failure::Failure;
+use crate::commands::interruption::{set_grace, set_last_words};
+use crate::commands::standard_streams::print_diagnostic;
+
+/// A scheduler that ends a program waits this long for it, or longer: half a minute is usual.
+const GRACE: Duration = Duration::from_secs(25);
+
+/// The journal, in the folder of what is unfinished.
+const JOURNAL: &str = "journal";
+
+/// Endings of the other files that are left there.
+const ENDINGS: [&str; 4] = ["csv", "json", "rrd", "mcap"];
+
+/// What decides the rows of a result: its `manifest`, without what may differ when it is continued, and `rules` that this lacks.
+pub fn identity_of(manifest: &impl Serialize, rules: Value) -> JournalIdentity {
+    let mut value = serde_json::to_value(manifest).expect("a manifest has text keys only");
+    let identity = value.as_object_mut().expect("a manifest is an object");
+    for passing in ["created", "argv", "machine"] {
+        identity.remove(passing);
+    }
+    if let Some(shard) = identity.get_mut("shard").and_then(Value::as_object_mut) {
+        shard.remove("created");
+    }
+    identity.insert("rules".to_owned(), rules);
+    std::mem::take(identity)
+}
+
+/// A result in the making: a shard, or all in one piece.
+pub struct UnfinishedWork {
+    // Removes the folder if nobody could go on with it. Invariant: before the folders around it, which `claimed` removes.
+    passing: Option<HiddenFolder>,
+    /// What it leaves for now.
+    pub folder: PathBuf,
+    /// What it has done so far.
+    pub journal: Journal,
+    /// Where the result will be.
+    pub claimed: ClaimedTarget,
+    // What it has, such as `60 scans`, and which part it is, such as `shard 3/8`.
+    extent: String,
+    shard: Option<Shard>,
+}
+
+impl UnfinishedWork {
+    /// Opens what there is in `place`, called after the data sets `ids` unless it is named, or begins it; `extent` says what it has, such
+    /// as `60 scans`. What was done before is handed to `on_entry`.
+    ///
+    /// A shard takes its time from now on when it is asked to end.
+    pub fn open<Entry: DeserializeOwned>(
+        mut place: Place,
+        ids: &str,
+        (identity, extent): (&JournalIdentity, String),
+        on_entry: impl FnMut(Entry),
+    ) -> Result<Self, Failure> {
+        let claimed = place.target(ids)?;
+        let kept = kept_beside(&claimed);
+        let refused = |source| ArchiveError::Write { path: kept.clone(), source };
+        let passing = if place.is_kept {
+            std::fs::create_dir_all(&kept).map_err(refused)?;
+            None
+        } else {
+            Some(HiddenFolder::beside(claimed.target(), "unfinished").map_err(refused)?)
+        };
+        let folder = passing.as_ref().map_or(&*kept, HiddenFolder::path).to_owned();
+        let other = if place.overwrites { OtherJournal::Discard } else { OtherJournal::Refuse };
+        let kind = if place.shard.is_some() { JournalKind::Shard } else { JournalKind::Run };
+        let journal = Journal::open(&folder.join(JOURNAL), (kind, identity), other, on_entry)?;
+        let unfinished = Self { passing, folder, journal, claimed, extent, shard: place.shard };
+        if place.is_kept {
+            set_last_words(unfinished.how_to_go_on());
+        }
+        if place.shard.is_some() {
+            set_grace(GRACE);
+        }
+        Ok(unfinished)
+    }
+
+    /// Says how much was done before.
+    pub fn tell_of_continuing(&self, n_done: usize, of: &str) {
+        print_diagnostic(format_args!("Continuing with {n_done} of {of} from {}", self.folder.display()));
+    }
+
+    /// `failure`, after it was said how the work can go on. Of work in a directory that nobody has named nothing is left.
+    pub fn ended_by(self, failure: Failure) -> Failure {
+        if self.passing.is_none() {
+            print_diagnostic(self.how_to_go_on());
+        }
+        failure
+    }
+
+    fn how_to_go_on(&self) -> String {
+        let of_shard = self.shard.map_or_else(String::new, |it| format!(" of shard {it}"));
+        format!(
+            "What is done of the {}{of_shard} is kept in {}: to go on with the others, give the same command again",
+            self.extent,
+            self.folder.display()
+        )
+    }
+
+    /// Makes the directory of a shard: `fill` writes its files and returns its manifest. What was kept until then is not needed any
+    /// more.
+    pub fn finish(
+        self,
+        fill: impl FnOnce(&Path, &Journal, &RunDirectory) -> Result<String, Failure>,
+    ) -> Result<(), Failure> {
+        let (shard, extent) = (self.shard.unwrap_or(Shard::ONLY), self.extent.clone());
+        let (claimed, remains) = self.into_parts();
+        let directory = RunDirectory::begin(claimed)?;
+        let manifest = fill(&remains.folder, &remains.journal, &directory)?;
+        directory.write_file(MANIFEST_JSON, manifest.as_bytes())?;
+        let finished = directory.finish()?;
+        remains.clear();
+        print_diagnostic(format_args!("Shard {shard}: {extent}, {}", finished.display()));
+        Ok(())
+    }
+
+    /// The place of the result, and what is to be removed once that is there.
+    pub fn into_parts(self) -> (ClaimedTarget, Remains) {
+        let Self { folder, journal, claimed, passing, .. } = self;
+        (claimed, Remains { folder, journal, passing })
+    }
+
+    /// Removes all of it: there is nothing to go on with.
+    pub fn discard(self) {
+        let (claimed, remains) = self.into_parts();
+        remains.clear();
+        // Removes the folders that were made for it.
+        drop(claimed);
+    }
+
+    /// Leaves its files beside the directory, but nothing to go on with, and returns where they are.
+    pub fn leave_files(self) -> Result<PathBuf, Failure> {
+        let place = kept_beside(&self.claimed);
+        let (_claimed, Remains { folder, journal, passing }) = self.into_parts();
+        set_last_words(String::new());
+        drop(journal);
+        if passing.is_none() {
+            remove(std::fs::remove_file(folder.join(JOURNAL)), &folder);
+            return Ok(folder);
+        }
+        let refused = |source| ArchiveError::Write { path: place.clone(), source };
+        std::fs::create_dir_all(&place).map_err(refused)?;
+        for name in names_of_results(&folder) {
+            std::fs::rename(folder.join(&name), place.join(&name)).map_err(refused)?;
+        }
+        Ok(place)
+    }
+}
+
+/// The folder of what is kept beside a directory until that is there.
+fn kept_beside(claimed: &ClaimedTarget) -> PathBuf {
+    let mut folder = claimed.target().as_os_str().to_owned();
+    folder.push(".unfinished");
+    folder.into()
+}
+
+/// The files of results in `folder`.
+fn names_of_results(folder: &Path) -> Vec<OsString> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let has_ending = |it: &OsString| {
+        Path::new(it).extension().and_then(OsStr::to_str).is_some_and(|it| ENDINGS.contains(&it))
+    };
+    entries.map(|it| it.file_name()).filter(has_ending).collect()
+}
+
+/// What work has left beside its result.
+pub struct Remains {
+    /// The folder.
+    pub folder: PathBuf,
+    /// What was done.
+    pub journal: Journal,
+    passing: Option<HiddenFolder>,
+}
+
+impl Remains {
+    /// Removes what this program has written there. What somebody else has put into the folder stays, and the folder with it.
+    pub fn clear(self) {
+        let Self { folder, journal, passing } = self;
+        set_last_words(String::new());
+        // Some file systems keep a file that is open under another name.
+        drop(journal);
+        if passing.is_some() {
+            return;
+        }
+        for name in names_of_results(&folder).into_iter().chain([JOURNAL.into()]) {
+            let path = folder.join(name);
+            remove(std::fs::remove_file(&path), &path);
+        }
+        let is_empty = std::fs::read_dir(&folder).is_ok_and(|mut it| it.next().is_none());
+        if is_empty {
+            remove(std::fs::remove_dir(&folder), &folder);
+        }
+    }
+}
+
+/// The result is there: what cannot be removed is only in the way.
+fn remove(removed: std::io::Result<()>, path: &Path) {
+    if let Err(error) = removed {
+        print_diagnostic(format_args!("warning: cannot remove {}: {error}", path.display()));
+    }
+}
