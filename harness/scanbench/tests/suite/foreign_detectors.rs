@@ -215,8 +215,8 @@ fn nothing_is_left_behind_whatever_ends_us() {
         assert_eq!(ended.status.code(), exit_code, "{ended:?}");
         check_gone(&behaviour);
         // Nobody cleans up after a kill, but no process is left.
-        let has_partial = place.top_names().iter().any(|it| it.contains("partial"));
-        assert_eq!(has_partial, exit_code.is_none(), "{:?}", place.top_names());
+        let is_unfinished = place.top_names().iter().any(|it| it.contains("unfinished"));
+        assert_eq!(is_unfinished, exit_code.is_none(), "{:?}", place.top_names());
     }
 }
 

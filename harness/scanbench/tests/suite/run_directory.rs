@@ -334,7 +334,6 @@ fn real_scans_give_the_same_numbers_twice() {
 
 #[cfg(unix)]
 mod interrupted {
-    use std::path::PathBuf;
     use std::process::{Child, Command};
     use std::time::{Duration, Instant};
 
@@ -346,19 +345,11 @@ mod interrupted {
         dataset.repeat_first_scan(4000);
         let child = workplace.start(&["run", "street", "-d", "hierarchical,pca", "-o", "out", "--jobs", "1"]);
         let started = Instant::now();
-        while n_partial_bytes(workplace) < 30_000 {
+        while workplace.path("out.unfinished/journal").metadata().map_or(0, |it| it.len()) < 30_000 {
             assert!(started.elapsed() < Duration::from_mins(1), "the run does not get on");
             std::thread::sleep(Duration::from_millis(5));
         }
         child
-    }
-
-    /// Size of everything in hidden folders.
-    fn n_partial_bytes(workplace: &Workplace) -> u64 {
-        let is_hidden = |name: &PathBuf| name.to_string_lossy().starts_with('.');
-        // What was there when listed may be gone.
-        let n_bytes_of = |name: PathBuf| Some(workplace.folder().join(name).metadata().ok()?.len());
-        workplace.names().into_iter().filter(is_hidden).filter_map(n_bytes_of).sum()
     }
 
     fn send(child: &Child, signal: &str) {
@@ -375,7 +366,7 @@ mod interrupted {
         assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(exit_code), ""), "{ended:#?}");
         let is_said = |it: &str| it.starts_with("error: interrupted after ") && it.contains(" of 4000 scans");
         assert!(ended.stderr.lines().any(is_said), "{ended:#?}");
-        assert_eq!(workplace.top_names(), ["street"]);
+        assert_eq!(workplace.top_names(), ["out.unfinished", "street"]);
     }
 
     #[test]
@@ -395,29 +386,37 @@ mod interrupted {
         send(&child, "-INT");
         let ended = Ended::from(child.wait_with_output().expect("it ends"));
         assert_eq!(ended.exit_code, Some(130), "{ended:#?}");
-        assert_eq!(workplace.top_names(), ["street"]);
+        assert_eq!(workplace.top_names(), ["out.unfinished", "street"]);
     }
 
     #[test]
-    fn ctrl_c_leaves_nothing() {
+    fn ctrl_c_leaves_what_is_done() {
         check_interrupted_by("-INT", 130);
     }
 
     #[test]
-    fn a_request_to_end_leaves_nothing() {
+    fn a_request_to_end_leaves_what_is_done() {
         check_interrupted_by("-TERM", 143);
     }
 
     #[test]
-    fn a_kill_leaves_no_run_and_does_not_stand_in_the_way_of_the_next() {
+    fn a_kill_leaves_no_run_and_another_run_has_to_say_that_it_may_go() {
         let workplace = Workplace::new();
         let child = started(&workplace);
         send(&child, "-KILL");
         let ended = Ended::from(child.wait_with_output().expect("it ends"));
         assert_eq!(ended.exit_code, None);
         let names = workplace.top_names();
-        assert!(names.iter().all(|name| name == "street" || name.starts_with(".out.")), "{names:?}");
-        workplace.succeed(&["run", "street", "-d", "pca", "--scans", "0", "-o", "out"]);
+        assert!(
+            names.contains(&"out.unfinished".to_owned()) && !names.contains(&"out".to_owned()),
+            "{names:?}"
+        );
+        let other = ["run", "street", "-d", "pca", "--scans", "0", "-o", "out"];
+        let refused = workplace.run(&other);
+        assert_eq!(refused.exit_code, Some(2), "{refused:#?}");
+        assert!(refused.stderr.contains("start again with --overwrite"), "{refused:#?}");
+        workplace.succeed(&[&other[..], &["--overwrite"]].concat());
         assert!(workplace.path("out/report.json").is_file());
+        assert!(!workplace.path("out.unfinished").exists());
     }
 }
