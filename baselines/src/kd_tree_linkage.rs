@@ -57,7 +57,9 @@ impl KdTreeLinkage {
 const NO_CELL: u32 = u32::MAX;
 
 impl Linkage for KdTreeLinkage {
-    const STAGES: [&'static str; 2] = [COMPONENTS, NESTING];
+    fn stages(&self) -> [&'static str; 2] {
+        [COMPONENTS, NESTING]
+    }
 
     fn fill(&mut self, scan: &LinkedScan<'_>, dense: &mut DenseCells) {
         let point_indices = scan.candidates.point_indices().iter();

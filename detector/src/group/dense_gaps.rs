@@ -262,7 +262,9 @@ impl DenseGaps {
 
 /// The wider a gap is, the later it is closed. At level 0 the sensor cannot resolve one.
 impl Linkage for DenseGaps {
-    const STAGES: [&'static str; 2] = ["dense_level", "gaps"];
+    fn stages(&self) -> [&'static str; 2] {
+        ["dense_level", "gaps"]
+    }
 
     fn fill(&mut self, scan: &LinkedScan<'_>, dense: &mut DenseCells) {
         dense.fill(scan.cloud, scan.grid, scan.terrain, scan.candidates);

@@ -70,7 +70,7 @@ const NO_NODE: u32 = u32::MAX;
 
 impl GroupingTree {
     /// Replaces the content by the groupings of the occupied cells of `dense`, which `linkage` joins.
-    pub fn build(&mut self, dense: &DenseCells, linkage: &impl Linkage) {
+    pub fn build(&mut self, dense: &DenseCells, linkage: &dyn Linkage) {
         self.make_leaves(dense, linkage);
         let n_leaves = self.nodes.len();
         for level in 1..N_LEVELS as u8 {
@@ -80,7 +80,7 @@ impl GroupingTree {
         self.order(n_leaves);
     }
 
-    fn make_leaves(&mut self, dense: &DenseCells, linkage: &impl Linkage) {
+    fn make_leaves(&mut self, dense: &DenseCells, linkage: &dyn Linkage) {
         let group_of_dense = linkage.group_of_dense();
         let n_dense = group_of_dense.len();
         self.nodes.clear();

@@ -23,9 +23,9 @@ pub struct LinkedScan<'a> {
 }
 
 /// Tells which dense cells are one group, and at which level groups are joined.
-pub trait Linkage: Clone + std::fmt::Debug + Send {
+pub trait Linkage: Send {
     /// The names of the stages [`Self::fill`] and [`Self::link`].
-    const STAGES: [&'static str; 2];
+    fn stages(&self) -> [&'static str; 2];
 
     /// Replaces the content of `dense` by the candidates of `scan`.
     fn fill(&mut self, scan: &LinkedScan<'_>, dense: &mut DenseCells);
