@@ -88,7 +88,7 @@ struct Grouping;
 impl Stage for Grouping {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
         let Groups { tree, dense, linkage, .. } = &mut frame.groups;
-        tree.build(dense, &**linkage);
+        tree.build(dense, linkage.links());
     }
 
     fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {

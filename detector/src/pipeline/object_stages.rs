@@ -32,18 +32,27 @@ pub fn object_stages(
 ) -> Stages {
     let mut stages = Stages::default();
     if let Some(model) = model {
+        let (bounds, cluster) = (params.vehicle_bounds, params.cluster.clone());
+        let model = model.within(bounds);
+        let raster = ObjectRaster::new(params.grid.extent_m);
         stages = stages
-            .then(stage::FEATURES, Features::new(model.clone(), params))
-            .then(stage::CLASSIFICATION, Decisions::new(model, params));
+            .then(stage::FEATURES, Features { model: model.clone(), bounds, raster })
+            .then(stage::CLASSIFICATION, Decisions { model, bounds, cluster });
     }
     stages.and(completion_stages(params, box_model))
 }
 
 /// The last two of them.
 pub fn completion_stages(params: &HierarchicalParams, box_model: Option<Arc<BoxModel>>) -> Stages {
-    Stages::default()
-        .then(stage::COMPLETION, CompletedObjects::new(params))
-        .then(stage::REPORTED_BOXES, ReportedBoxes::new(params.boxes).with_model(box_model))
+    let completed = CompletedObjects {
+        cluster: params.cluster.clone(),
+        sizes: params.vehicle_size.clone(),
+        ranked_log_odds: params.grouping.ranked_log_odds(),
+        completion: Completion::new(params.completion.clone()),
+        point_indices: Vec::new(),
+    };
+    let boxes = ReportedBoxes::new(params.boxes).with_model(box_model);
+    Stages::default().then(stage::COMPLETION, completed).then(stage::REPORTED_BOXES, boxes)
 }
 
 /// Fewest points of what becomes an object with a box. Smaller ones than `cluster.min_points` are dropped later, unless `model` takes them
@@ -74,13 +83,6 @@ struct Features {
     raster: ObjectRaster,
 }
 
-impl Features {
-    fn new(model: VehicleModel, params: &HierarchicalParams) -> Self {
-        let bounds = params.vehicle_bounds;
-        Self { model: model.within(bounds), bounds, raster: ObjectRaster::new(params.grid.extent_m) }
-    }
-}
-
 impl Stage for Features {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
         let Self { model, bounds, raster } = self;
@@ -109,12 +111,6 @@ struct Decisions {
     model: VehicleModel,
     bounds: VehicleBoundsParams,
     cluster: ClusterParams,
-}
-
-impl Decisions {
-    fn new(model: VehicleModel, params: &HierarchicalParams) -> Self {
-        Self { model, bounds: params.vehicle_bounds, cluster: params.cluster.clone() }
-    }
 }
 
 impl Stage for Decisions {
@@ -157,16 +153,6 @@ struct CompletedObjects {
 }
 
 impl CompletedObjects {
-    fn new(params: &HierarchicalParams) -> Self {
-        Self {
-            cluster: params.cluster.clone(),
-            sizes: params.vehicle_size.clone(),
-            ranked_log_odds: params.grouping.ranked_log_odds(),
-            completion: Completion::new(params.completion.clone()),
-            point_indices: Vec::new(),
-        }
-    }
-
     /// Drops what is no vehicle, and is worth too little for an object or has too few points. A car far away shows few points.
     fn drop_background(&self, fitted: &mut FittedObjects, output: &mut DetectorOutput) {
         let FittedObjects { objects, members, .. } = fitted;

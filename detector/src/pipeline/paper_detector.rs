@@ -52,7 +52,7 @@ pub fn paper(
         .then(stage::SEPARATION, DenseSeparation::new(separation, &params.grid, &weighting))
         .then(stage::BOXES, OutlineBoxes::new(params.grid.xi, least_points));
     if let Some(model) = model.clone() {
-        stages = stages.then(stage::FEATURES, EightValues(model));
+        stages = stages.then(stage::FEATURES, model);
     }
     let decide = move |fitted: &mut FittedObjects| {
         if let Some(model) = &model {
@@ -67,16 +67,14 @@ pub fn paper(
 /// Computes what the model looks at.
 ///
 /// Paper: VM sections 4 and 5.
-struct EightValues(PaperModel);
-
-impl Stage for EightValues {
+impl Stage for PaperModel {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        frame
-            .fitted
-            .describe(|bounding_box, positions_m| self.0.values(bounding_box, positions_m.iter().copied()));
+        let values =
+            |bounding_box: &_, positions_m: &[_]| self.values(bounding_box, positions_m.iter().copied());
+        frame.fitted.describe(values);
     }
 
     fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
-        vehicle_shapes(self.0.prototypes(), &frame.fitted)
+        vehicle_shapes(self.prototypes(), &frame.fitted)
     }
 }

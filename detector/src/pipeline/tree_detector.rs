@@ -72,7 +72,9 @@ pub fn best_cut(
         .then(stage::BEST_CUT, BestGroups::new(params.grouping.clone(), Arc::clone(&model), vehicles))
         .then(stage::BOXES, GroupBoxes::default());
     if vehicles == VehiclesBy::Model {
-        stages = stages.then(stage::CLASSIFICATION, GroupDecisions::new(model, params.cluster.clone()));
+        let describer = VehicleDescriber::new(model.library.clone());
+        let (cluster, decisions) = (params.cluster.clone(), Vec::new());
+        stages = stages.then(stage::CLASSIFICATION, GroupDecisions { model, cluster, describer, decisions });
     }
     Pipeline { name, frame: grouping.frame, stages: stages.and(completion_stages(params, boxes)) }
 }
@@ -180,13 +182,6 @@ struct GroupDecisions {
     cluster: ClusterParams,
     describer: VehicleDescriber,
     decisions: Vec<f32>,
-}
-
-impl GroupDecisions {
-    fn new(model: Arc<GroupingModel>, cluster: ClusterParams) -> Self {
-        let describer = VehicleDescriber::new(model.library.clone());
-        Self { model, cluster, describer, decisions: Vec::new() }
-    }
 }
 
 impl Stage for GroupDecisions {
