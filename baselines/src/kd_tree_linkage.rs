@@ -1,7 +1,7 @@
 //! Components over a kd-tree, as the groups that trained trees judge.
 
 use detector::group::dense_cells::DenseCells;
-use detector::group::linkage::{Linkage, LinkedScan, N_LEVELS};
+use detector::group::linkage::{Linkage, LinkedScan, Links, N_LEVELS};
 
 use crate::COMPONENTS;
 use crate::nested_components::NestedComponents;
@@ -26,8 +26,7 @@ pub struct KdTreeLinkage {
     labels: Vec<u32>,
     // For every label, the first cell of its component.
     dense_of_label: Vec<u32>,
-    group_of_dense: Vec<u32>,
-    between: [Vec<[u32; 2]>; N_LEVELS],
+    links: Links,
 }
 
 impl KdTreeLinkage {
@@ -48,8 +47,7 @@ impl KdTreeLinkage {
             components: NestedComponents::default(),
             labels: Vec::new(),
             dense_of_label: Vec::new(),
-            group_of_dense: Vec::new(),
-            between: Default::default(),
+            links: Links::default(),
         }
     }
 }
@@ -57,7 +55,9 @@ impl KdTreeLinkage {
 const NO_CELL: u32 = u32::MAX;
 
 impl Linkage for KdTreeLinkage {
-    const STAGES: [&'static str; 2] = [COMPONENTS, NESTING];
+    fn stages(&self) -> [&'static str; 2] {
+        [COMPONENTS, NESTING]
+    }
 
     fn fill(&mut self, scan: &LinkedScan<'_>, dense: &mut DenseCells) {
         let point_indices = scan.candidates.point_indices().iter();
@@ -72,7 +72,8 @@ impl Linkage for KdTreeLinkage {
     }
 
     fn link(&mut self, _: &LinkedScan<'_>, dense: &DenseCells) {
-        let Self { positions_m, components, labels, dense_of_label, group_of_dense, between, .. } = self;
+        let Self { positions_m, components, labels, dense_of_label, links, .. } = self;
+        let Links { group_of_dense, between } = links;
         dense_of_label.clear();
         dense_of_label.resize(labels.len(), NO_CELL);
         group_of_dense.clear();
@@ -92,12 +93,8 @@ impl Linkage for KdTreeLinkage {
         }
     }
 
-    fn group_of_dense(&self) -> &[u32] {
-        &self.group_of_dense
-    }
-
-    fn between(&self, level: u8) -> &[[u32; 2]] {
-        &self.between[usize::from(level)]
+    fn links(&self) -> &Links {
+        &self.links
     }
 
     fn is_nested(&self) -> bool {

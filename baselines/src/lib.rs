@@ -1,9 +1,9 @@
 //! What the detectors of the papers must beat, behind the same trait.
 //!
 //! ```
-//! use baselines::kd_tree_detector::KdTreeDetector;
+//! use baselines::kd_tree_detector::kd_tree;
 //! use baselines::params::BaselineParams;
-//! use baselines::pca_detector::PcaDetector;
+//! use baselines::pca_detector::pca;
 //! use detector::params::HierarchicalParams;
 //! use detector::{Detector, DetectorOutput, PointCloud};
 //!
@@ -13,12 +13,9 @@
 //! let cloud: PointCloud = side(5.0).chain(side(-9.0)).collect();
 //!
 //! let (params, shared) = (BaselineParams::shipped(), HierarchicalParams::shipped());
-//! let rivals: [Box<dyn Detector>; 2] = [
-//!     Box::new(PcaDetector::new(params.pca, shared.vehicle_size.clone())),
-//!     Box::new(KdTreeDetector::new(params.kd_tree, shared, 1.73)),
-//! ];
+//! let by_size = (None, None);
 //! let mut output = DetectorOutput::default();
-//! for mut rival in rivals {
+//! for mut rival in [pca(&params.pca, &shared, None, 1.73), kd_tree(&params.kd_tree, &shared, by_size, 1.73)] {
 //!     rival.detect(&cloud, &mut output);
 //!     assert_eq!(output.detections.len(), 2, "{}", rival.name());
 //! }
@@ -45,6 +42,7 @@ pub mod pca_vehicle_model;
 
 // Their parameters, and how their stages follow each other.
 pub mod params;
+pub mod cluster_boxes;
 pub mod simple_grid_detector;
 pub mod kd_tree_detector;
 pub mod kd_tree_groups;

@@ -14,10 +14,24 @@ pub struct OccupancyParams {
     pub min_points: u32,
 }
 
-/// The occupied cells of one scan after another, and their components.
+/// The occupied cells of `grid`, ascending: those with enough points and a height difference between them.
+///
+/// Occupancy by height difference is that of Himmelsbach et al. 2008, the paper's reference 5; the paper tells
+/// neither cell size nor thresholds, and the minimum of points is ours. Without a terrain it needs no sensor height
+/// and follows any slope, but what hangs over the road counts as standing on it, a flat bonnet at the right height
+/// does not count at all, and the road at an object's feet goes with the object.
+///
+/// Paper: VM section 6, "a simple occupancy grid representation for foreground separation".
+pub fn occupied_cells(grid: &HierarchicalGrid, params: &OccupancyParams) -> impl Iterator<Item = u32> {
+    grid.occupied().iter().copied().filter(|&cell_idx| {
+        let cell = &grid.cells()[cell_idx as usize];
+        cell.n_points >= params.min_points && cell.z_extent_m() > params.min_height_difference_m
+    })
+}
+
+/// The components of the occupied cells of one scan after another.
 #[derive(Debug, Clone, Default)]
 pub struct OccupancyGridComponents {
-    // Ascending.
     occupied: Vec<u32>,
     // Place in `occupied` of every cell of the grid.
     place_of_cell: Vec<u32>,
@@ -31,36 +45,20 @@ pub struct OccupancyGridComponents {
 const NO_PLACE: u32 = u32::MAX;
 
 impl OccupancyGridComponents {
-    /// Replaces the occupied cells by those of `grid`: cells with enough points and a height difference between them.
-    ///
-    /// Occupancy by height difference is that of Himmelsbach et al. 2008, the paper's reference 5; the paper tells
-    /// neither cell size nor thresholds, and the minimum of points is ours. Without a terrain it needs no sensor height
-    /// and follows any slope, but what hangs over the road counts as standing on it, a flat bonnet at the right height
-    /// does not count at all, and the road at an object's feet goes with the object.
-    ///
-    /// Paper: VM section 6, "a simple occupancy grid representation for foreground separation".
-    pub fn find_occupied(&mut self, grid: &HierarchicalGrid, params: &OccupancyParams) {
+    /// Connects `occupied` cells of `grid`, ascending, that share a side or a corner, and hands the points above them to their components.
+    pub fn connect(&mut self, grid: &HierarchicalGrid, occupied: &[u32]) {
         for &cell_idx in &self.occupied {
             self.place_of_cell[cell_idx as usize] = NO_PLACE;
         }
         self.place_of_cell.resize(grid.cells().len(), NO_PLACE);
         self.occupied.clear();
-        for &cell_idx in grid.occupied() {
-            let cell = &grid.cells()[cell_idx as usize];
-            if cell.n_points >= params.min_points && cell.z_extent_m() > params.min_height_difference_m {
-                self.place_of_cell[cell_idx as usize] = self.occupied.len() as u32;
-                self.occupied.push(cell_idx);
-            }
+        self.occupied.extend_from_slice(occupied);
+        for (place, &cell_idx) in (0..).zip(occupied) {
+            self.place_of_cell[cell_idx as usize] = place;
         }
-    }
-
-    /// Connects occupied cells that share a side or a corner, and hands the points above them to their components.
-    ///
-    /// `grid` is the one that [`Self::find_occupied`] saw last.
-    pub fn connect(&mut self, grid: &HierarchicalGrid) {
-        self.components.reset(self.occupied.len());
+        self.components.reset(occupied.len());
         let n = grid.n_columns();
-        for (place, &cell_idx) in (0..).zip(&self.occupied) {
+        for (place, &cell_idx) in (0..).zip(occupied) {
             // The other four neighbours see this pair from their side.
             for neighbor_idx in [cell_idx + 1, cell_idx + n - 1, cell_idx + n, cell_idx + n + 1] {
                 let neighbor = self.place_of_cell[neighbor_idx as usize];
@@ -72,22 +70,12 @@ impl OccupancyGridComponents {
         self.point_indices.clear();
         self.component_of_point.clear();
         for (point_idx, &cell_idx) in (0..).zip(grid.cell_of_point()) {
-            if self.is_occupied(cell_idx) {
-                let place = self.place_of_cell[cell_idx as usize];
+            let place = if cell_idx == NO_CELL { NO_PLACE } else { self.place_of_cell[cell_idx as usize] };
+            if place != NO_PLACE {
                 self.point_indices.push(point_idx);
                 self.component_of_point.push(self.components.representative(place));
             }
         }
-    }
-
-    /// Whether something stands in cell `cell_idx`; not in [`NO_CELL`].
-    pub fn is_occupied(&self, cell_idx: u32) -> bool {
-        cell_idx != NO_CELL && self.place_of_cell[cell_idx as usize] != NO_PLACE
-    }
-
-    /// Numbers of the occupied cells, ascending.
-    pub fn occupied(&self) -> &[u32] {
-        &self.occupied
     }
 
     /// Indices of the points above occupied cells, ascending.
@@ -141,8 +129,8 @@ mod tests {
     fn sizes_after(components: &mut OccupancyGridComponents, drawing: &str) -> Vec<usize> {
         let mut grid = grid();
         grid.fill(&positions_m(drawing).into_iter().collect());
-        components.find_occupied(&grid, &params());
-        components.connect(&grid);
+        let occupied: Vec<u32> = occupied_cells(&grid, &params()).collect();
+        components.connect(&grid, &occupied);
         let mut found: Vec<(u32, usize)> = Vec::new();
         for &component in components.component_of_point() {
             match found.iter_mut().find(|(it, _)| *it == component) {
@@ -203,8 +191,8 @@ mod tests {
         let outside = [[9.0, 0.0, 0.0], [9.0, 0.0, 1.0], [f32::NAN, 0.0, 0.0], [0.0, 0.0, f32::INFINITY]];
         grid.fill(&[positions_m("#").as_slice(), &outside].concat().into_iter().collect());
         let mut components = OccupancyGridComponents::default();
-        components.find_occupied(&grid, &params());
-        components.connect(&grid);
+        let occupied: Vec<u32> = occupied_cells(&grid, &params()).collect();
+        components.connect(&grid, &occupied);
         assert_eq!(components.point_indices(), [0, 1, 2]);
     }
 }

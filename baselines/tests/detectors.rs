@@ -1,29 +1,31 @@
 //! What all baselines must do with whole scans.
 
-use baselines::kd_tree_detector::KdTreeDetector;
-use baselines::kd_tree_groups::{component_stages, kd_tree_trained, kd_tree_tree, nested_stages};
+use baselines::kd_tree_detector::kd_tree;
+use baselines::kd_tree_groups::{component_groups, kd_tree_trained, kd_tree_tree};
 use baselines::kd_tree_linkage::{KdTreeLinkage, NESTED_TOLERANCES_M};
 use baselines::kd_tree_models::{TrainedComponents, shipped_tree};
 use baselines::params::{BaselineParams, ForegroundChoice};
-use baselines::pca_detector::PcaDetector;
+use baselines::pca_detector::pca;
 use baselines::pca_vehicle_model::PcaVehicleModel;
-use baselines::simple_grid_detector::SimpleGridDetector;
+use baselines::simple_grid_detector::simple_grid;
 use detector::classify::vehicle_model::VehicleModel;
-use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
+use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
 use detector::group::grouping_tree::Node;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
-use detector::pipeline::grouping_stages::GroupingStages;
-use detector::pipeline::paper_detector::PaperDetector;
+use detector::pipeline::frame::Groups;
+use detector::pipeline::paper_detector::paper;
+use detector::pipeline::stage_list::Pipeline;
+use detector::pipeline::tree_detector::{GroupModels, VehiclesBy};
 use detector::stage_product::Shape;
 use detector::{DetectedClass, Detector, OrientedBox, PointCloud};
 
 const SENSOR_HEIGHT_M: f32 = 1.73;
 
-fn kd_tree(foreground: ForegroundChoice) -> KdTreeDetector {
+fn kd_tree_over(foreground: ForegroundChoice, model: Option<VehicleModel>) -> Pipeline {
     let mut params = BaselineParams::shipped().kd_tree;
     params.foreground = foreground;
-    KdTreeDetector::new(params, shared(), SENSOR_HEIGHT_M)
+    kd_tree(&params, &shared(), (model, None), SENSOR_HEIGHT_M)
 }
 
 /// Boxes are those of what is seen: drawn cars are hollow, and look like no car that whole boxes were learned from.
@@ -33,24 +35,24 @@ fn shared() -> HierarchicalParams {
     shared
 }
 
-fn pca() -> PcaDetector {
-    PcaDetector::new(BaselineParams::shipped().pca, HierarchicalParams::shipped().vehicle_size)
+fn pca_by(model: Option<PcaVehicleModel>) -> Pipeline {
+    pca(&BaselineParams::shipped().pca, &shared(), model, SENSOR_HEIGHT_M)
 }
 
-fn simple_grid() -> SimpleGridDetector {
-    SimpleGridDetector::new(shared(), SENSOR_HEIGHT_M)
+fn simple_grid_by(model: Option<VehicleModel>) -> Pipeline {
+    simple_grid(&shared(), (model, None), SENSOR_HEIGHT_M)
 }
 
-fn every_detector() -> [Box<dyn Detector>; 4] {
+fn every_detector() -> [Pipeline; 4] {
     [
-        Box::new(kd_tree(ForegroundChoice::Short)),
-        Box::new(kd_tree(ForegroundChoice::All)),
-        Box::new(pca()),
-        Box::new(simple_grid()),
+        kd_tree_over(ForegroundChoice::Short, None),
+        kd_tree_over(ForegroundChoice::All, None),
+        pca_by(None),
+        simple_grid_by(None),
     ]
 }
 
-fn detected(detector: &mut dyn Detector, cloud: &PointCloud) -> DetectorOutput {
+fn detected(detector: &mut Pipeline, cloud: &PointCloud) -> DetectorOutput {
     let mut output = DetectorOutput::default();
     detector.detect(cloud, &mut output);
     output
@@ -111,7 +113,7 @@ fn nothing_is_found_where_there_is_nothing() {
     for mut detector in every_detector() {
         for positions_m in [&[][..], &[[5.0, 1.0, -1.0]], &not_finite] {
             let cloud = positions_m.iter().copied().collect();
-            let found = detected(detector.as_mut(), &cloud);
+            let found = detected(&mut detector, &cloud);
             assert!(found.detections.is_empty(), "{}", detector.name());
             for product in detector.stage_products(&cloud) {
                 if let Shape::Clusters(cluster_of_point) = product.shape {
@@ -125,7 +127,7 @@ fn nothing_is_found_where_there_is_nothing() {
 #[test]
 fn a_lone_point_is_reported_as_too_small_a_cluster() {
     let cloud = [[f32::NAN; 3], [5.0, 1.0, -1.0]].into_iter().collect();
-    let found = detected(&mut kd_tree(ForegroundChoice::All), &cloud);
+    let found = detected(&mut kd_tree_over(ForegroundChoice::All, None), &cloud);
     let expected = DroppedCluster { n_points: 1, reason: DropReason::TooFewPoints };
     assert_eq!(found.dropped_clusters, [expected]);
 }
@@ -135,12 +137,8 @@ fn two_cars_on_a_road_are_two_vehicles() {
     let cars = [([8.0, 3.0], 0.3), ([-9.0, -4.0], -1.2)];
     let points = [road(), car(cars[0].0, cars[0].1), car(cars[1].0, cars[1].1)].concat();
     let cloud = points.into_iter().collect();
-    for mut detector in [
-        Box::new(kd_tree(ForegroundChoice::Short)) as Box<dyn Detector>,
-        Box::new(pca()),
-        Box::new(simple_grid()),
-    ] {
-        check_found(&detected(detector.as_mut(), &cloud), &cars);
+    for mut detector in [kd_tree_over(ForegroundChoice::Short, None), pca_by(None), simple_grid_by(None)] {
+        check_found(&detected(&mut detector, &cloud), &cars);
     }
 }
 
@@ -160,9 +158,9 @@ fn what_the_dense_level_separates_the_simple_grid_joins() {
     params.walls.as_printed = false;
     params.walls.min_support = shared.walls.min_support;
     params.foreground.clearance_m = shared.foreground.clearance_m;
-    let mut of_papers = PaperDetector::new(&params, &shared, SENSOR_HEIGHT_M);
+    let mut of_papers = paper(&params, &shared, None, SENSOR_HEIGHT_M);
     check_found(&detected(&mut of_papers, &cloud), &[([8.0, 2.05], 0.0), ([8.0, 4.25], 0.0)]);
-    let joined = detected(&mut SimpleGridDetector::new(shared, SENSOR_HEIGHT_M), &cloud);
+    let joined = detected(&mut simple_grid(&shared, (None, None), SENSOR_HEIGHT_M), &cloud);
     let n_points: usize = joined.detections.iter().map(|it| it.point_indices.len()).sum();
     assert_eq!(joined.detections.len(), 1);
     let separate: usize =
@@ -175,7 +173,7 @@ fn the_simple_grid_has_one_level_whatever_the_parameters_say() {
     let detections_with = |xi| {
         let mut params = HierarchicalParams::shipped();
         params.grid.xi = xi;
-        detected(&mut SimpleGridDetector::new(params, SENSOR_HEIGHT_M), &two_close_cars()).detections
+        detected(&mut simple_grid(&params, (None, None), SENSOR_HEIGHT_M), &two_close_cars()).detections
     };
     assert_eq!(detections_with(1), detections_with(5));
 }
@@ -194,16 +192,16 @@ fn check_allocates_nothing(mut detector: impl Detector) {
 
 #[test]
 fn grids_allocate_nothing_once_their_buffers_are_sized() {
-    check_allocates_nothing(simple_grid());
-    check_allocates_nothing(pca());
-    check_allocates_nothing(pca().with_vehicle_model(PcaVehicleModel::shipped()));
+    check_allocates_nothing(simple_grid_by(None));
+    check_allocates_nothing(pca_by(None));
+    check_allocates_nothing(pca_by(Some(PcaVehicleModel::shipped())));
 }
 
 #[test]
 fn by_its_model_pca_says_how_sure_it_is() {
     let cloud = [road(), car([8.0, 3.0], 0.3)].concat().into_iter().collect();
-    let by_size = detected(&mut pca(), &cloud);
-    let by_model = detected(&mut pca().with_vehicle_model(PcaVehicleModel::shipped()), &cloud);
+    let by_size = detected(&mut pca_by(None), &cloud);
+    let by_model = detected(&mut pca_by(Some(PcaVehicleModel::shipped())), &cloud);
     assert_eq!(by_size.detections.len(), 1);
     assert_eq!(
         (by_size.detections.get(0).score, by_size.detections.get(0).class),
@@ -219,7 +217,7 @@ fn by_its_model_pca_says_how_sure_it_is() {
 fn the_whole_scan_with_a_road_is_one_cluster_that_is_too_large() {
     let points = [road(), car([8.0, 3.0], 0.3)].concat();
     let n_points = points.len();
-    let mut detector = kd_tree(ForegroundChoice::All);
+    let mut detector = kd_tree_over(ForegroundChoice::All, None);
     let cloud = points.into_iter().collect();
     let found = detected(&mut detector, &cloud);
     assert!(found.detections.is_empty());
@@ -233,7 +231,7 @@ fn the_whole_scan_with_a_road_is_one_cluster_that_is_too_large() {
 fn a_facade_is_too_large_for_the_occupancy_grid_and_the_car_before_it_is_found() {
     let facade = sides([0.0, 10.0], 0.0, [30.0, 0.1], [0.0, 6.0]);
     let points = [road(), car([8.0, 3.0], 0.3), facade].concat();
-    let found = detected(&mut pca(), &points.into_iter().collect());
+    let found = detected(&mut pca_by(None), &points.into_iter().collect());
     check_found(&found, &[([8.0, 3.0], 0.3)]);
     let reasons: Vec<DropReason> = found.dropped_clusters.iter().map(|dropped| dropped.reason).collect();
     assert_eq!(reasons, [DropReason::TooLarge]);
@@ -244,7 +242,7 @@ fn every_point_of_a_detection_is_its_own_and_drawn_with_its_cluster() {
     let points = [road(), car([8.0, 3.0], 0.3), car([-9.0, -4.0], -1.2)].concat();
     let cloud: PointCloud = points.into_iter().collect();
     for mut detector in every_detector() {
-        let found = detected(detector.as_mut(), &cloud);
+        let found = detected(&mut detector, &cloud);
         let products = detector.stage_products(&cloud);
         let clusters = products.iter().find(|product| product.name == "clusters").unwrap();
         let mut expected = vec![None; cloud.len()];
@@ -261,13 +259,13 @@ fn every_point_of_a_detection_is_its_own_and_drawn_with_its_cluster() {
 #[test]
 fn products_have_names_of_their_own_and_stages_that_were_timed() {
     let cloud: PointCloud = [road(), car([8.0, 3.0], 0.3)].concat().into_iter().collect();
-    let with_models: [Box<dyn Detector>; 3] = [
-        Box::new(kd_tree(ForegroundChoice::Short).with_vehicle_model(VehicleModel::shipped())),
-        Box::new(pca().with_vehicle_model(PcaVehicleModel::shipped())),
-        Box::new(simple_grid().with_vehicle_model(VehicleModel::shipped())),
+    let with_models = [
+        kd_tree_over(ForegroundChoice::Short, Some(VehicleModel::shipped())),
+        pca_by(Some(PcaVehicleModel::shipped())),
+        simple_grid_by(Some(VehicleModel::shipped())),
     ];
     for mut detector in every_detector().into_iter().chain(with_models) {
-        let found = detected(detector.as_mut(), &cloud);
+        let found = detected(&mut detector, &cloud);
         let products = detector.stage_products(&cloud);
         let mut names: Vec<&str> = products.iter().map(|product| product.name).collect();
         names.sort_unstable();
@@ -291,8 +289,8 @@ fn a_scan_gives_the_same_whatever_came_before() {
     for (place, mut detector) in fresh.into_iter().enumerate() {
         for scan in &scans {
             let cloud = scan.iter().copied().collect();
-            let mut again = detected(detector.as_mut(), &cloud);
-            let mut first = detected(every_detector()[place].as_mut(), &cloud);
+            let mut again = detected(&mut detector, &cloud);
+            let mut first = detected(&mut every_detector()[place], &cloud);
             (again.stage_times, first.stage_times) = (Vec::new(), Vec::new());
             assert_eq!(again, first, "{}", detector.name());
         }
@@ -300,14 +298,11 @@ fn a_scan_gives_the_same_whatever_came_before() {
 }
 
 /// The points of each of these groups of the latest scan, all in order.
-fn points_of_groups(
-    stages: &GroupingStages<KdTreeLinkage>,
-    is_asked: impl Fn(&Node) -> bool,
-) -> Vec<Vec<u32>> {
-    let (tree, dense_of_point) = (stages.tree(), stages.dense().dense_of_point());
+fn points_of_groups(grouping: &Pipeline, is_asked: impl Fn(&Node) -> bool) -> Vec<Vec<u32>> {
+    let Groups { tree, dense, candidates, .. } = &grouping.frame.groups;
     let points_of = |node: &Node| -> Vec<u32> {
         let cells = tree.cells(node);
-        let points = stages.candidates().point_indices().iter().zip(dense_of_point);
+        let points = candidates.point_indices().iter().zip(dense.dense_of_point());
         points.filter(|(_, dense_idx)| cells.contains(dense_idx)).map(|(&it, _)| it).collect()
     };
     let mut groups: Vec<Vec<u32>> = tree.nodes().iter().filter(|it| is_asked(it)).map(points_of).collect();
@@ -330,14 +325,15 @@ fn components_within_components_are_those_of_each_tolerance() {
             .into_iter()
             .collect();
     let shared = HierarchicalParams::shipped();
-    let run = |mut stages: GroupingStages<KdTreeLinkage>| {
-        stages.run(&cloud, &mut StageClock::start(), &mut Vec::new());
-        stages
+    let grouped = |linkage: KdTreeLinkage| {
+        let mut grouping = component_groups(linkage, &shared, SENSOR_HEIGHT_M);
+        detected(&mut grouping, &cloud);
+        grouping
     };
-    let nested = run(nested_stages(shared.clone(), SENSOR_HEIGHT_M));
+    let nested = grouped(KdTreeLinkage::nested());
     let mut n_groups = Vec::new();
     for (level, &tolerance_m) in NESTED_TOLERANCES_M.iter().enumerate() {
-        let flat = run(component_stages(shared.clone(), tolerance_m, SENSOR_HEIGHT_M));
+        let flat = grouped(KdTreeLinkage::at(tolerance_m));
         let at_level = |it: &Node| usize::from(it.level) <= level && usize::from(it.joined_at) > level;
         let components = points_of_groups(&flat, |_| true);
         assert_eq!(points_of_groups(&nested, at_level), components, "at {tolerance_m} m");
@@ -352,13 +348,15 @@ fn rivals_with_training_find_cars_and_say_how_sure_they_are() {
     let cloud = [road(), car(cars[0].0, cars[0].1), car(cars[1].0, cars[1].1)].concat().into_iter().collect();
     let shared = HierarchicalParams::shipped();
     let components = TrainedComponents::shipped();
-    let trained = kd_tree_trained(shared.clone(), &components, (None, SENSOR_HEIGHT_M)).telling_vehicles();
-    let tree = kd_tree_tree(shared, shipped_tree(), SENSOR_HEIGHT_M).telling_vehicles();
-    for mut detector in [Box::new(trained) as Box<dyn Detector>, Box::new(tree)] {
-        let found = detected(detector.as_mut(), &cloud);
+    let models = |groups| GroupModels { groups, vehicles: VehiclesBy::Model, boxes: None };
+    let tolerance_m = components.tolerance_m(None);
+    let trained = kd_tree_trained(&shared, tolerance_m, models(components.judge), SENSOR_HEIGHT_M);
+    let tree = kd_tree_tree(&shared, models(shipped_tree()), SENSOR_HEIGHT_M);
+    for mut detector in [trained, tree] {
+        let found = detected(&mut detector, &cloud);
         assert_eq!(found.detections.len(), 2, "{}", detector.name());
         assert!(found.detections.iter().all(|it| it.score.is_some()), "{}", detector.name());
-        let nothing = detected(detector.as_mut(), &road().into_iter().collect());
+        let nothing = detected(&mut detector, &road().into_iter().collect());
         assert!(nothing.detections.is_empty(), "{}", detector.name());
     }
 }

@@ -12,7 +12,7 @@ use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::surroundings::ObjectRaster;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
-use detector::pipeline::paper_detector::PaperDetector;
+use detector::pipeline::paper_detector::paper;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
 const N_ROUNDS: usize = 20;
@@ -89,7 +89,7 @@ fn candidates_of_scans(folder: &Path) -> std::io::Result<Vec<Vec<Candidate>>> {
     paths.retain(|path| path.extension().is_some_and(|it| it == "bin"));
     paths.sort();
     let (params, of_sensor) = (PaperParams::shipped(), HierarchicalParams::shipped());
-    let mut detector = PaperDetector::new(&params, &of_sensor, SENSOR_HEIGHT_M);
+    let mut detector = paper(&params, &of_sensor, None, SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();
     let candidates_of = |path: &std::path::PathBuf| {
         let cloud = read_velodyne_bin(path)?;

@@ -1,13 +1,12 @@
-//! A hierarchical grid that finds objects in LiDAR scans, and models that tell which of them are vehicles: `hierarchical`, which is a
-//! [`TreeDetector`](pipeline::tree_detector::TreeDetector), and `paper`, the method to the letter.
+//! A hierarchical grid that finds objects in LiDAR scans, and models that tell which of them are vehicles: [`hierarchical`](pipeline::tree_detector::hierarchical), and
+//! [`paper`](pipeline::paper_detector::paper), the method to the letter. Both are lists of stages.
 //!
 //! This crate knows no files, no annotations and no Rerun. Ground truth cannot be reached from here, so a detector
 //! that peeks does not compile.
 //!
 //! ```
-//! use detector::classify::grouping_model::GroupingModel;
 //! use detector::params::HierarchicalParams;
-//! use detector::pipeline::tree_detector::TreeDetector;
+//! use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
 //! use detector::{DetectedClass, Detector, DetectorOutput, PointCloud};
 //!
 //! // A level road 1.73 m below the sensor, and on it the sides of a thing as long, wide and high as a car.
@@ -18,9 +17,9 @@
 //! let end = |x: f32| steps(2.0, 3.8).flat_map(move |y| steps(-1.5, -0.3).map(move |z| [x, y, z]));
 //! let cloud: PointCloud = road.chain(side(2.0)).chain(side(3.8)).chain(end(4.0)).chain(end(8.0)).collect();
 //!
-//! // A detector and its output are used again for the next scan. It tells vehicles by their size; `telling_vehicles` makes it ask its model.
-//! let (params, model) = (HierarchicalParams::shipped(), GroupingModel::shipped());
-//! let mut detector = TreeDetector::new(params, model, sensor_height_m);
+//! // A detector and its output are used again for the next scan. It tells vehicles by their size; `VehiclesBy::Model` makes it ask its model.
+//! let (params, models) = (HierarchicalParams::shipped(), GroupModels::shipped(VehiclesBy::Size));
+//! let mut detector = hierarchical(&params, models, sensor_height_m);
 //! let mut output = DetectorOutput::default();
 //! detector.detect(&cloud, &mut output);
 //!

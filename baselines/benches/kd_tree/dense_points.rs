@@ -4,9 +4,8 @@
 use std::io::Write;
 
 use baselines::kd_tree_components::{KdTreeScratch, kd_tree_components};
-use detector::classify::grouping_model::GroupingModel;
 use detector::params::HierarchicalParams;
-use detector::pipeline::tree_detector::TreeDetector;
+use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
 use detector::{Detector, DetectorOutput, PointCloud};
 
 use crate::{TOLERANCE_M, median, ms};
@@ -27,8 +26,8 @@ pub fn measure(out: &mut impl Write) -> std::io::Result<()> {
         let kd_tree = median(N_RUNS, || {
             kd_tree_components(&positions_m, TOLERANCE_M, &mut scratch, &mut labels);
         });
-        let (params, model) = (HierarchicalParams::shipped(), GroupingModel::shipped());
-        let mut grid = TreeDetector::new(params, model, SENSOR_HEIGHT_M).telling_vehicles();
+        let (params, models) = (HierarchicalParams::shipped(), GroupModels::shipped(VehiclesBy::Model));
+        let mut grid = hierarchical(&params, models, SENSOR_HEIGHT_M);
         let mut output = DetectorOutput::default();
         let grid = median(N_RUNS, || grid.detect(&cloud, &mut output));
         let n = positions_m.len() as f64;

@@ -2,11 +2,10 @@
 
 use std::io::Write;
 
-use baselines::kd_tree_detector::KdTreeDetector;
+use baselines::kd_tree_detector::kd_tree;
 use baselines::params::{BaselineParams, ForegroundChoice};
-use detector::classify::grouping_model::GroupingModel;
 use detector::params::HierarchicalParams;
-use detector::pipeline::tree_detector::TreeDetector;
+use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
 use detector::{Detector, DetectorOutput, PointCloud};
 
 use crate::{median, ms, read_positions};
@@ -27,9 +26,9 @@ pub fn measure(out: &mut impl Write) -> std::io::Result<()> {
     )?;
     let mut params = BaselineParams::shipped().kd_tree;
     params.foreground = ForegroundChoice::All;
-    let mut kd_tree = KdTreeDetector::new(params, HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
-    let (of_grid, model) = (HierarchicalParams::shipped(), GroupingModel::shipped());
-    let mut grid = TreeDetector::new(of_grid, model, SENSOR_HEIGHT_M).telling_vehicles();
+    let shared = HierarchicalParams::shipped();
+    let mut kd_tree = kd_tree(&params, &shared, (None, None), SENSOR_HEIGHT_M);
+    let mut grid = hierarchical(&shared, GroupModels::shipped(VehiclesBy::Model), SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();
     for scan in SCANS {
         let Some(positions_m) = read_positions(scan, out)? else { continue };

@@ -24,7 +24,7 @@ pub struct BaselineParams {
     pub pca: PcaParams,
 }
 
-/// Tuning of [`KdTreeDetector`](crate::kd_tree_detector::KdTreeDetector).
+/// Tuning of [`kd_tree`](crate::kd_tree_detector::kd_tree).
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KdTreeParams {
@@ -50,7 +50,7 @@ pub enum ForegroundChoice {
     All,
 }
 
-/// Tuning of [`PcaDetector`](crate::pca_detector::PcaDetector).
+/// Tuning of [`pca`](crate::pca_detector::pca).
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PcaParams {

@@ -4,8 +4,9 @@ use crate::fit::fitted_objects::{FittedObject, FittedObjects};
 use crate::stage;
 use crate::stage_product::{Shape, StageProduct};
 
-/// The hulls, ground plans and boxes of `objects`, which are or were among those of `fitted`.
-pub fn fitted_boxes(fitted: &FittedObjects, objects: &[FittedObject]) -> Vec<StageProduct> {
+/// The hulls, ground plans and boxes of `fitted`.
+pub fn fitted_boxes(fitted: &FittedObjects) -> Vec<StageProduct> {
+    let objects = &fitted.objects;
     let hull = |object: &FittedObject| {
         let [_, _, bottom_m] = object.bounding_box.bottom_m()[0];
         fitted.hull_m(object).iter().map(|&[x_m, y_m]| [x_m, y_m, bottom_m]).collect()

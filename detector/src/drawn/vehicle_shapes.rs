@@ -5,26 +5,24 @@ use crate::describe::corner_spheres::CornerSpheres;
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::side_profile::SideProfile;
 use crate::fit::convex_hull::convex_hull;
+use crate::fit::fitted_objects::{FittedObject, FittedObjects};
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::single;
 use crate::stage;
 use crate::stage_product::{ProductSphere, Shape, StageProduct};
 
-/// Spheres at the upper corners, side profiles, and the nearest prototypes in `library` of `objects`, which are boxes with
-/// the positions of their points in the sensor frame, in metres. Objects without points are left out.
+/// Spheres at the upper corners, side profiles, and the nearest prototypes in `library` of `fitted`. Objects without points are left
+/// out.
 ///
 /// Profiles stand on the vertical plane through the middle of the box along its length.
-pub fn vehicle_shapes<P: ExactSizeIterator<Item = [f32; 3]>>(
-    library: &PrototypeLibrary,
-    objects: impl Iterator<Item = (OrientedBox, P)>,
-) -> Vec<StageProduct> {
+pub fn vehicle_shapes(library: &PrototypeLibrary, fitted: &FittedObjects) -> Vec<StageProduct> {
     let mut profile = SideProfile::new(library.column_m());
     let mut points = BoxFramePoints::default();
     let (mut spheres, mut convex, mut concave, mut nearest) = (vec![], vec![], vec![], vec![]);
-    for (bounding_box, positions_m) in objects {
-        points.fill(&bounding_box, positions_m);
-        let Some(of_corners) = corner_spheres(&bounding_box, &points) else { continue };
-        let upright = |contour_m: &[[f32; 2]]| on_main_plane(&bounding_box, contour_m);
+    for FittedObject { bounding_box, members, .. } in &fitted.objects {
+        points.fill(bounding_box, fitted.members.positions_m(members).iter().copied());
+        let Some(of_corners) = corner_spheres(bounding_box, &points) else { continue };
+        let upright = |contour_m: &[[f32; 2]]| on_main_plane(bounding_box, contour_m);
         let concave_m = profile.concave_contour(&points);
         spheres.extend(of_corners);
         convex.push(upright(&convex_contour(&points)));
@@ -85,9 +83,10 @@ mod tests {
         let bounding_box =
             OrientedBox { center_m: [0.0; 3], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
         let notched = [[0.0, 0.0], [0.0, 1.0], [0.3, 0.0], [0.3, 0.4], [0.6, 0.0], [0.6, 1.0]];
-        let positions_m = notched.map(|[along, up]| [along, 0.3, up]);
-        let object = (bounding_box, positions_m.into_iter());
-        let products = vehicle_shapes(&PrototypeLibrary::drawn(), std::iter::once(object));
+        let points = (0..).zip(notched).map(|(point_idx, [along, up])| (point_idx, [along, 0.3, up]));
+        let mut fitted = FittedObjects::default();
+        fitted.add(points, bounding_box, &[]);
+        let products = vehicle_shapes(&PrototypeLibrary::drawn(), &fitted);
         assert_eq!(
             contours(&products, "convex_profiles"),
             [[[0.0, 0.0, 0.0], [0.6, 0.0, 0.0], [0.6, 0.0, 1.0], [0.0, 0.0, 1.0]]]
@@ -100,8 +99,9 @@ mod tests {
     fn what_has_no_points_is_not_drawn() {
         let bounding_box =
             OrientedBox { center_m: [0.0; 3], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
-        let object = (bounding_box, std::iter::empty::<[f32; 3]>());
-        let products = vehicle_shapes(&PrototypeLibrary::drawn(), std::iter::once(object));
+        let mut fitted = FittedObjects::default();
+        fitted.add(std::iter::empty(), bounding_box, &[]);
+        let products = vehicle_shapes(&PrototypeLibrary::drawn(), &fitted);
         assert!(contours(&products, "concave_profiles").is_empty());
     }
 }

@@ -13,6 +13,8 @@ pub struct FittedObjects {
     /// Their points.
     pub members: Members,
     hulls_m: Vec<[f32; 2]>,
+    // What models look at, object by object.
+    values: Vec<f32>,
 }
 
 /// An object: places in the buffers of [`FittedObjects`].
@@ -24,10 +26,18 @@ pub struct FittedObject {
     pub bounding_box: OrientedBox,
     /// How surely it is a vehicle, once that was asked.
     pub decision: Option<f32>,
+    /// Whether it is one only if it is told a vehicle.
+    pub is_doubtful: bool,
     hull: Range<usize>,
+    values: Option<Range<usize>>,
 }
 
 impl FittedObject {
+    /// Whether a model takes it for a vehicle.
+    pub fn is_told_vehicle(&self) -> bool {
+        self.decision.is_some_and(|it| it > 0.0)
+    }
+
     /// What is reported of it, where `members` are its points and those of others.
     pub fn detection<'a>(&self, members: &'a Members, class: DetectedClass) -> Detection<'a> {
         Detection::new(members.point_indices(&self.members), self.bounding_box, class, self.decision)
@@ -40,18 +50,60 @@ impl FittedObjects {
         self.objects.clear();
         self.members.clear();
         self.hulls_m.clear();
+        self.values.clear();
     }
 
-    /// An object of these members, which is not among the objects yet.
-    pub fn object(
+    /// Adds an object of these points, indices ascending, with its box and the hull that was fitted to.
+    pub fn add(
         &mut self,
-        members: Range<usize>,
+        points: impl Iterator<Item = (u32, [f32; 3])> + Clone,
         bounding_box: OrientedBox,
         hull_m: &[[f32; 2]],
-    ) -> FittedObject {
-        let hull_start = self.hulls_m.len();
+    ) -> &mut FittedObject {
+        let (start, hull_start) = (self.members.len(), self.hulls_m.len());
+        self.members.extend(points);
         self.hulls_m.extend_from_slice(hull_m);
-        FittedObject { members, bounding_box, decision: None, hull: hull_start..self.hulls_m.len() }
+        let (members, hull) = (start..self.members.len(), hull_start..self.hulls_m.len());
+        let (decision, is_doubtful, values) = (None, false, None);
+        self.objects.push(FittedObject { members, bounding_box, decision, is_doubtful, hull, values });
+        self.objects.last_mut().expect("it was pushed")
+    }
+
+    /// Notes what a model looks at: the values that `describe` finds for the box and the positions of each object, if any.
+    pub fn describe<const N: usize>(
+        &mut self,
+        mut describe: impl FnMut(&OrientedBox, &[[f32; 3]]) -> Option<[f32; N]>,
+    ) {
+        let Self { objects, members, values, .. } = self;
+        values.clear();
+        for object in objects {
+            let start = values.len();
+            values.extend(
+                describe(&object.bounding_box, members.positions_m(&object.members)).iter().flatten(),
+            );
+            object.values = (values.len() > start).then_some(start..values.len());
+        }
+    }
+
+    /// Decides about each object by the values that [`Self::describe`] noted.
+    pub fn decide<const N: usize>(&mut self, decide: impl Fn(Option<&[f32; N]>) -> f32) {
+        for object in &mut self.objects {
+            let values = object.values.clone().map(|it| &self.values[it]);
+            object.decision = Some(decide(values.and_then(|it| it.as_array())));
+        }
+    }
+
+    /// The values of all described objects, in their order.
+    pub fn values<const N: usize>(&self) -> &[[f32; N]] {
+        self.values.as_chunks().0
+    }
+
+    /// Takes a decision for each of [`Self::values`].
+    pub fn take_decisions(&mut self, decisions: &[f32]) {
+        let described = self.objects.iter_mut().filter(|it| it.values.is_some());
+        for (object, &decision) in described.zip(decisions) {
+            object.decision = Some(decision);
+        }
     }
 
     /// The convex hull of an object on the ground plan, in metres, counter-clockwise.

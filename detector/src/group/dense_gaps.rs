@@ -6,7 +6,7 @@ use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::group::candidates::{Candidates, Doubt};
 use crate::group::dense_cells::DenseCells;
-use crate::group::linkage::{Linkage, LinkedScan, N_LEVELS};
+use crate::group::linkage::{Linkage, LinkedScan, Links, N_LEVELS};
 use crate::segment::disjoint_sets::DisjointSets;
 use crate::segment::expected_density::ExpectedDensity;
 
@@ -50,13 +50,11 @@ pub struct DenseGaps {
     block: Vec<u32>,
     at: Vec<u32>,
     is_conducting: Vec<bool>,
-    home: Vec<u32>,
     groups: DisjointSets,
     // For every block.
     resolved_steps: Vec<u32>,
     is_on_wall: Vec<bool>,
-    // By level, the groups on both sides.
-    between: [Vec<[u32; 2]>; N_LEVELS],
+    links: Links,
 }
 
 /// The dense cell that reached a place first, and its group.
@@ -87,11 +85,10 @@ impl DenseGaps {
             block: Vec::new(),
             at: Vec::new(),
             is_conducting: Vec::new(),
-            home: Vec::new(),
             groups: DisjointSets::default(),
             resolved_steps: Vec::new(),
             is_on_wall: Vec::new(),
-            between: Default::default(),
+            links: Links::default(),
         }
     }
 
@@ -118,7 +115,7 @@ impl DenseGaps {
         for (dense_idx, heap) in dense.heaps().iter().enumerate() {
             if heap.n_points > 0 && !self.is_conducting[dense_idx] {
                 let reached = self.reached[self.at[dense_idx] as usize];
-                self.home[dense_idx] =
+                self.links.group_of_dense[dense_idx] =
                     if reached == Reached::NOTHING { dense_idx as u32 } else { reached.group };
             }
         }
@@ -150,8 +147,8 @@ impl DenseGaps {
                 }
             }
         }
-        self.home.clear();
-        self.home.extend(0..n_dense as u32);
+        self.links.group_of_dense.clear();
+        self.links.group_of_dense.extend(0..n_dense as u32);
         self.groups.reset(n_dense);
         for dense_idx in 0..n_dense {
             if self.is_conducting[dense_idx] {
@@ -165,7 +162,7 @@ impl DenseGaps {
 
     /// Makes one group of neighbours, unless something else than room is between them.
     fn join_touching(&mut self, candidates: &Candidates) {
-        self.between.iter_mut().for_each(Vec::clear);
+        self.links.between.iter_mut().for_each(Vec::clear);
         let n = self.n_along;
         for dense_idx in 0..self.at.len() as u32 {
             if !self.is_conducting[dense_idx as usize] {
@@ -181,19 +178,19 @@ impl DenseGaps {
                 if level == 0 {
                     self.groups.join(dense_idx, other);
                 } else {
-                    self.between[level].push([dense_idx, other]);
+                    self.links.between[level].push([dense_idx, other]);
                 }
             }
         }
         for dense_idx in 0..self.at.len() {
             if self.is_conducting[dense_idx] {
                 let group = self.groups.representative(dense_idx as u32);
-                self.home[dense_idx] = group;
+                self.links.group_of_dense[dense_idx] = group;
                 self.reached[self.at[dense_idx] as usize].group = group;
             }
         }
-        for between in self.between.iter_mut().flatten() {
-            *between = between.map(|it| self.home[it as usize]);
+        for between in self.links.between.iter_mut().flatten() {
+            *between = between.map(|it| self.links.group_of_dense[it as usize]);
         }
     }
 
@@ -255,14 +252,16 @@ impl DenseGaps {
         if other_steps > own_steps || (other_steps == own_steps && own_steps > 0 && neighbor > place) {
             let steps = u32::from(own_steps) + u32::from(other_steps) + 1;
             let level = self.level(candidates, [own.label, other.label], steps);
-            self.between[level].push([own.group, other.group]);
+            self.links.between[level].push([own.group, other.group]);
         }
     }
 }
 
 /// The wider a gap is, the later it is closed. At level 0 the sensor cannot resolve one.
 impl Linkage for DenseGaps {
-    const STAGES: [&'static str; 2] = ["dense_level", "gaps"];
+    fn stages(&self) -> [&'static str; 2] {
+        ["dense_level", "gaps"]
+    }
 
     fn fill(&mut self, scan: &LinkedScan<'_>, dense: &mut DenseCells) {
         dense.fill(scan.cloud, scan.grid, scan.terrain, scan.candidates);
@@ -272,12 +271,8 @@ impl Linkage for DenseGaps {
         self.find(scan.grid, dense, scan.candidates);
     }
 
-    fn group_of_dense(&self) -> &[u32] {
-        &self.home
-    }
-
-    fn between(&self, level: u8) -> &[[u32; 2]] {
-        &self.between[usize::from(level)]
+    fn links(&self) -> &Links {
+        &self.links
     }
 
     fn is_nested(&self) -> bool {
@@ -300,10 +295,10 @@ mod tests {
             let is_there = |it: &[f32; 2]| (it[0] - x_m).abs() < 0.1 && (it[1] - y_m).abs() < 0.1;
             let mut heaps = drawn.dense.heaps().iter();
             let dense_idx = heaps.position(|it| it.n_points > 0 && is_there(&it.middle_m()));
-            drawn.gaps.group_of_dense()[dense_idx.expect("a column stands there")]
+            drawn.gaps.links.group_of_dense[dense_idx.expect("a column stands there")]
         });
         let parts = |level: &u8| {
-            let mut pairs = drawn.gaps.between(*level).iter();
+            let mut pairs = drawn.gaps.links.between[usize::from(*level)].iter();
             pairs.any(|it| *it == groups || *it == [groups[1], groups[0]])
         };
         (groups, (0..N_LEVELS as u8).find(parts))
@@ -361,10 +356,7 @@ mod tests {
     fn nothing_stays_of_the_scan_before() {
         let (mut first, second) = (groups_over(&[[0, 0], [1, 0], [4, 4]]), groups_over(&[[0, 0], [4, 1]]));
         first.gaps.find(&second.grid, &second.dense, &second.candidates);
-        assert_eq!(first.gaps.group_of_dense(), second.gaps.group_of_dense());
-        for level in 0..N_LEVELS as u8 {
-            assert_eq!(first.gaps.between(level), second.gaps.between(level), "at level {level}");
-        }
+        assert_eq!(first.gaps.links, second.gaps.links);
     }
 
     proptest! {

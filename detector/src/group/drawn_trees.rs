@@ -7,6 +7,7 @@ use crate::group::candidates::Candidates;
 use crate::group::dense_cells::DenseCells;
 use crate::group::dense_gaps::DenseGaps;
 use crate::group::grouping_tree::GroupingTree;
+use crate::group::linkage::Linkage;
 use crate::params::HierarchicalParams;
 use crate::point_cloud::PointCloud;
 use crate::segment::terrain::Terrain;
@@ -79,6 +80,6 @@ pub(crate) fn groups_of(cloud: PointCloud) -> DrawnGroups {
     let mut gaps = DenseGaps::new(params.grouping.gaps.clone(), &geometry, &weighting);
     gaps.find(&grid, &dense, &candidates);
     let mut tree = GroupingTree::default();
-    tree.build(&dense, &gaps);
+    tree.build(&dense, gaps.links());
     DrawnGroups { cloud, grid, terrain, classes, walls, candidates, dense, gaps, tree }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::group::dense_cells::{DenseCells, Heap};
-use crate::group::linkage::{Linkage, N_LEVELS};
+use crate::group::linkage::{Links, N_LEVELS};
 use crate::segment::disjoint_sets::DisjointSets;
 
 /// A group of dense cells.
@@ -69,23 +69,23 @@ pub struct GroupingTree {
 const NO_NODE: u32 = u32::MAX;
 
 impl GroupingTree {
-    /// Replaces the content by the groupings of the occupied cells of `dense`, which `linkage` joins.
-    pub fn build(&mut self, dense: &DenseCells, linkage: &impl Linkage) {
-        self.make_leaves(dense, linkage);
+    /// Replaces the content by the groupings of the occupied cells of `dense`, which `links` join.
+    pub fn build(&mut self, dense: &DenseCells, links: &Links) {
+        self.make_leaves(dense, links);
         let n_leaves = self.nodes.len();
         for level in 1..N_LEVELS as u8 {
-            self.join(linkage.between(level), level);
+            self.join(&links.between[usize::from(level)], level);
         }
         self.link();
         self.order(n_leaves);
     }
 
-    fn make_leaves(&mut self, dense: &DenseCells, linkage: &impl Linkage) {
-        let group_of_dense = linkage.group_of_dense();
+    fn make_leaves(&mut self, dense: &DenseCells, links: &Links) {
+        let Links { group_of_dense, between } = links;
         let n_dense = group_of_dense.len();
         self.nodes.clear();
         self.sets.reset(n_dense);
-        for &[a, b] in linkage.between(0) {
+        for &[a, b] in &between[0] {
             self.sets.join(a, b);
         }
         self.node_of_set.clear();

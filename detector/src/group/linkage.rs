@@ -22,10 +22,19 @@ pub struct LinkedScan<'a> {
     pub candidates: &'a Candidates,
 }
 
-/// Tells which dense cells are one group, and at which level groups are joined.
-pub trait Linkage: Clone + std::fmt::Debug + Send {
+/// Which dense cells are one group, and at which level groups are joined.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Links {
+    /// For every dense cell the representative of its smallest group.
+    pub group_of_dense: Vec<u32>,
+    /// By level, representatives of groups that are joined, some pairs more than once.
+    pub between: [Vec<[u32; 2]>; N_LEVELS],
+}
+
+/// Tells what joins dense cells.
+pub trait Linkage: Send {
     /// The names of the stages [`Self::fill`] and [`Self::link`].
-    const STAGES: [&'static str; 2];
+    fn stages(&self) -> [&'static str; 2];
 
     /// Replaces the content of `dense` by the candidates of `scan`.
     fn fill(&mut self, scan: &LinkedScan<'_>, dense: &mut DenseCells);
@@ -33,11 +42,8 @@ pub trait Linkage: Clone + std::fmt::Debug + Send {
     /// Finds what joins the cells of `dense`, which [`Self::fill`] filled.
     fn link(&mut self, scan: &LinkedScan<'_>, dense: &DenseCells);
 
-    /// For every dense cell the representative of its smallest group.
-    fn group_of_dense(&self) -> &[u32];
-
-    /// Representatives of groups that are joined at `level`, some pairs more than once.
-    fn between(&self, level: u8) -> &[[u32; 2]];
+    /// What [`Self::link`] found.
+    fn links(&self) -> &Links;
 
     /// Whether there are groups within groups.
     fn is_nested(&self) -> bool;

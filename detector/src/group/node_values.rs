@@ -190,6 +190,12 @@ impl NodeDescriber {
         }
     }
 
+    /// What was said of a node; `None` if it was not described.
+    pub fn of_node(&self, node_idx: u32) -> Option<&DescribedNode> {
+        let place = self.described.binary_search_by_key(&node_idx, |it| it.node_idx);
+        place.ok().map(|it| &self.described[it])
+    }
+
     /// The nodes that were described, ascending.
     pub fn described(&self) -> &[DescribedNode] {
         &self.described

@@ -131,6 +131,13 @@ pub struct ClusterParams {
     pub min_points: usize,
 }
 
+impl ClusterParams {
+    /// Fewest points of what a vehicle model may take for a vehicle: no more than those of an object.
+    pub fn least_vehicle_points(&self) -> usize {
+        self.min_vehicle_points.min(self.min_points)
+    }
+}
+
 /// The text of `params/hierarchical.toml`, which lacks the density curve: that is the sensor's.
 pub const HIERARCHICAL_TOML: &str = include_str!("hierarchical.toml");
 /// The sensor of the paper, whose density curve stands in where that of the sensor is not known.

@@ -1,21 +1,22 @@
-//! From objects with boxes to detections. Shared with baselines that classify as the paper does.
+//! From objects with boxes to detections.
 
 use std::sync::Arc;
 
-use crate::classify::size_gate::size_gate;
+use crate::classify::paper_model::NO_VEHICLE;
+use crate::classify::size_gate::{SizeGateParams, size_gate};
 use crate::classify::vehicle_model::{VehicleModel, class_by_decision};
 use crate::complete::completed_object::{box_with_points, merge_points};
 use crate::complete::completion::Completion;
+use crate::describe::seen_size::VehicleBoundsParams;
+use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::detection::{DetectedClass, Detection};
-use crate::detector::{DetectorOutput, StageClock};
-use crate::drawn::fitted_boxes::fitted_boxes;
+use crate::detector::DetectorOutput;
 use crate::drawn::point_clusters::point_clusters;
 use crate::drawn::vehicle_shapes::vehicle_shapes;
 use crate::fit::fitted_objects::{FittedObject, FittedObjects};
-use crate::oriented_box::OrientedBox;
-use crate::params::HierarchicalParams;
-use crate::pipeline::foreground_stages::ForegroundStages;
-use crate::pipeline::vehicle_stages::VehicleStages;
+use crate::params::{ClusterParams, HierarchicalParams};
+use crate::pipeline::frame::Frame;
+use crate::pipeline::stage_list::{Stage, Stages};
 use crate::point_cloud::PointCloud;
 use crate::rule::Rule;
 use crate::stage;
@@ -23,119 +24,147 @@ use crate::stage_product::StageProduct;
 use crate::whole::box_model::BoxModel;
 use crate::whole::reported_boxes::ReportedBoxes;
 
-/// Classes and completion of one scan after another.
-#[derive(Debug, Clone)]
-pub struct ObjectStages {
-    params: HierarchicalParams,
-    min_points: usize,
-    min_vehicle_points: usize,
-    fitted: FittedObjects,
-    vehicles: Option<VehicleStages>,
-    completion: Completion,
-    // Log odds of the least likely vehicle that is ranked.
-    ranked_log_odds: f32,
-    point_indices: Vec<u32>,
-    boxes: ReportedBoxes,
+/// Classes, completion and reported boxes. Vehicles are told by `model`, or by their size if there is none; whole boxes come from
+/// `box_model`, or from the model of the program if there is none.
+pub fn object_stages(
+    params: &HierarchicalParams,
+    (model, box_model): (Option<VehicleModel>, Option<Arc<BoxModel>>),
+) -> Stages {
+    let mut stages = Stages::default();
+    if let Some(model) = model {
+        let (bounds, cluster) = (params.vehicle_bounds, params.cluster.clone());
+        let model = model.within(bounds);
+        let raster = ObjectRaster::new(params.grid.extent_m);
+        stages = stages
+            .then(stage::FEATURES, Features { model: model.clone(), bounds, raster })
+            .then(stage::CLASSIFICATION, Decisions { model, bounds, cluster });
+    }
+    stages.and(completion_stages(params, box_model))
 }
 
-impl ObjectStages {
-    /// Stages that tell vehicles by their size. Objects have at least `min_points`.
-    pub fn new(params: &HierarchicalParams, min_points: usize) -> Self {
-        Self {
-            min_points,
-            min_vehicle_points: params.cluster.min_vehicle_points.min(min_points),
-            fitted: FittedObjects::default(),
-            vehicles: None,
-            completion: Completion::new(params.completion.clone()),
-            ranked_log_odds: params.grouping.ranked_log_odds(),
-            point_indices: Vec::new(),
-            boxes: ReportedBoxes::new(params.boxes),
-            params: params.clone(),
+/// The last two of them.
+pub fn completion_stages(params: &HierarchicalParams, box_model: Option<Arc<BoxModel>>) -> Stages {
+    let completed = CompletedObjects {
+        cluster: params.cluster.clone(),
+        sizes: params.vehicle_size.clone(),
+        ranked_log_odds: params.grouping.ranked_log_odds(),
+        completion: Completion::new(params.completion.clone()),
+        point_indices: Vec::new(),
+    };
+    let boxes = ReportedBoxes::new(params.boxes).with_model(box_model);
+    Stages::default().then(stage::COMPLETION, completed).then(stage::REPORTED_BOXES, boxes)
+}
+
+/// Fewest points of what becomes an object with a box. Smaller ones than `cluster.min_points` are dropped later, unless `model` takes them
+/// for vehicles.
+pub fn least_points(cluster: &ClusterParams, model: Option<&VehicleModel>) -> usize {
+    if model.is_some() { cluster.least_vehicle_points() } else { cluster.min_points }
+}
+
+/// The class of an object: by the decision of a model if there is one, and then a vehicle has `least_points`; else by its size.
+fn class_of(object: &FittedObject, sizes: &SizeGateParams, least_points: usize) -> DetectedClass {
+    let n_points = object.members.len();
+    match object.decision {
+        Some(_) => class_by_decision(object.decision, n_points, least_points),
+        None => size_gate(n_points, &object.bounding_box, sizes),
+    }
+}
+
+/// The rule that models have beside their decisions, if there is one.
+pub fn small_vehicles(cluster: &ClusterParams) -> Option<Rule> {
+    let min_points = cluster.least_vehicle_points();
+    (min_points < cluster.min_points).then_some(Rule::SmallVehicles { min_points })
+}
+
+/// Computes what a model of trees looks at.
+struct Features {
+    model: VehicleModel,
+    bounds: VehicleBoundsParams,
+    raster: ObjectRaster,
+}
+
+impl Stage for Features {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+        let Self { model, bounds, raster } = self;
+        let Frame { grid, terrain, fitted, .. } = frame;
+        raster.fill(fitted.members.positions_m(&(0..fitted.members.len())).iter().copied());
+        fitted.describe(|bounding_box, positions_m| {
+            let [x_m, y_m, _] = bounding_box.center_m;
+            let ground_m = terrain.elevation_m(grid.nearest_column_and_row([x_m, y_m]));
+            // Of what the model is not asked about, only the ground is found.
+            let surroundings = if bounds.allow(bounding_box, ground_m) {
+                raster.around(bounding_box, ground_m)
+            } else {
+                Surroundings { ground_m, ..Surroundings::default() }
+            };
+            model.values(bounding_box, &surroundings, positions_m.iter().copied())
+        });
+    }
+
+    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+        vehicle_shapes(self.model.prototypes(), &frame.fitted)
+    }
+}
+
+/// A model of trees decides by these values.
+struct Decisions {
+    model: VehicleModel,
+    bounds: VehicleBoundsParams,
+    cluster: ClusterParams,
+}
+
+impl Stage for Decisions {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+        frame.fitted.decide(|values| self.model.decision_on(values));
+    }
+
+    fn rules(&self, _: &Frame) -> Vec<Rule> {
+        let bounds = self.bounds.enabled.then_some(Rule::SizeBounds);
+        small_vehicles(&self.cluster).into_iter().chain(bounds).collect()
+    }
+}
+
+/// Decides about objects by `decide`, and makes a detection of each as it is. Of what is decided to be a vehicle there are `least_points`;
+/// where nothing is decided vehicles are told by `sizes`.
+pub fn classification(
+    sizes: SizeGateParams,
+    least_points: usize,
+    decide: impl Fn(&mut FittedObjects) + Send,
+) -> impl Stage {
+    move |_: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput| {
+        decide(&mut frame.fitted);
+        let FittedObjects { objects, members, .. } = &frame.fitted;
+        for object in objects {
+            let class = class_of(object, &sizes, least_points);
+            output.push_ranked(object.detection(members, class), NO_VEHICLE);
         }
     }
+}
 
-    /// The same stages, which tell vehicles by `model` instead.
-    pub fn with_vehicle_model(self, model: VehicleModel) -> Self {
-        let vehicles = VehicleStages::new(model, &self.params);
-        Self { vehicles: Some(vehicles), ..self }
-    }
+/// Drops what is too small for an object and no vehicle, and makes detections of the others, with the points in their boxes that are no
+/// foreground.
+struct CompletedObjects {
+    cluster: ClusterParams,
+    sizes: SizeGateParams,
+    // Log odds of the least likely vehicle that is ranked.
+    ranked_log_odds: f32,
+    completion: Completion,
+    point_indices: Vec<u32>,
+}
 
-    /// The same stages, with the boxes of whole vehicles by `model`, if there is one.
-    pub fn with_box_model(self, model: Option<Arc<BoxModel>>) -> Self {
-        Self { boxes: self.boxes.with_model(model), ..self }
-    }
-
-    /// Fewest points of what may become a detection.
-    pub fn min_points(&self) -> usize {
-        if self.vehicles.is_some() { self.min_vehicle_points } else { self.min_points }
-    }
-
-    /// What becomes of clusters beside their class.
-    pub fn rules(&self) -> Vec<Rule> {
-        let mut rules = Vec::new();
-        if self.vehicles.is_some() {
-            if self.min_vehicle_points < self.min_points {
-                rules.push(Rule::SmallVehicles { min_points: self.min_vehicle_points });
-            }
-            if self.params.vehicle_bounds.enabled {
-                rules.push(Rule::SizeBounds);
-            }
-        }
-        if self.completion.is_enabled() {
-            rules.push(Rule::Completion);
-        }
-        if self.boxes.are_whole() {
-            rules.push(Rule::WholeBoxes);
-        }
-        rules
-    }
-
-    /// Forgets the objects of the scan before.
-    pub fn clear(&mut self) {
-        self.fitted.clear();
-    }
-
-    /// Adds an object of these points, indices ascending, with its box and the hull it was fitted to.
-    pub fn add(
-        &mut self,
-        points: impl Iterator<Item = (u32, [f32; 3])> + Clone,
-        bounding_box: OrientedBox,
-        hull_m: &[[f32; 2]],
-    ) {
-        let start = self.fitted.members.len();
-        self.fitted.members.extend(points);
-        let object = self.fitted.object(start..self.fitted.members.len(), bounding_box, hull_m);
-        self.fitted.objects.push(object);
-    }
-
-    /// Makes detections of the objects that were added.
-    pub fn finish(
-        &mut self,
-        cloud: &PointCloud,
-        foreground: &ForegroundStages,
-        clock: &mut StageClock,
-        output: &mut DetectorOutput,
-    ) {
-        if let Some(vehicles) = &mut self.vehicles {
-            vehicles.describe(&self.fitted, foreground);
-            clock.lap(stage::FEATURES, &mut output.stage_times);
-            vehicles.decide(&mut self.fitted);
-            clock.lap(stage::CLASSIFICATION, &mut output.stage_times);
-        }
-        self.drop_small_background(output);
-        self.complete(cloud, foreground);
-        self.report(cloud, output);
-        clock.lap(stage::COMPLETION, &mut output.stage_times);
-        self.boxes.replace(cloud, |it| foreground.ground_below_m(it), output);
-        clock.lap(stage::REPORTED_BOXES, &mut output.stage_times);
-    }
-
-    /// Drops what has too few points for an object and is no vehicle. A car far away shows few points.
-    fn drop_small_background(&mut self, output: &mut DetectorOutput) {
-        let FittedObjects { objects, members, .. } = &mut self.fitted;
+impl CompletedObjects {
+    /// Drops what is no vehicle, and is worth too little for an object or has too few points. A car far away shows few points.
+    fn drop_background(&self, fitted: &mut FittedObjects, output: &mut DetectorOutput) {
+        let FittedObjects { objects, members, .. } = fitted;
         objects.retain(|it| {
-            let n_points = it.members.len();
-            let is_kept = n_points >= self.min_points || it.decision.is_some_and(|decision| decision > 0.0);
+            let is_kept = !it.is_doubtful || it.is_told_vehicle();
+            if !is_kept {
+                output.rank(it.detection(members, DetectedClass::Object), self.ranked_log_odds);
+            }
+            is_kept
+        });
+        objects.retain(|it| {
+            let is_kept = it.members.len() >= self.cluster.min_points || it.is_told_vehicle();
             if !is_kept {
                 output.drop_small(it.detection(members, DetectedClass::Object), self.ranked_log_odds);
             }
@@ -143,59 +172,55 @@ impl ObjectStages {
         });
     }
 
-    /// Finds the points in the boxes of objects that are no foreground.
-    fn complete(&mut self, cloud: &PointCloud, foreground: &ForegroundStages) {
-        let FittedObjects { objects, members, .. } = &self.fitted;
+    /// Indices of the points that were found for an object.
+    fn added_to(&self, object_idx: usize) -> impl Iterator<Item = u32> + Clone {
+        self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx)
+    }
+}
+
+impl Stage for CompletedObjects {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+        self.drop_background(&mut frame.fitted, output);
+        let FittedObjects { objects, members, .. } = &frame.fitted;
         let asked = objects.iter().map(|it| {
-            let ground_m = foreground.ground_below_m(&it.bounding_box);
+            let ground_m = frame.ground_below_m(&it.bounding_box);
             (&it.bounding_box, ground_m, members.point_indices(&it.members))
         });
-        self.completion.find(cloud, foreground.grid(), asked);
-    }
-
-    /// Makes a detection of each object, with its own points and those that were found for it.
-    fn report(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
-        for (object_idx, object) in self.fitted.objects.iter().enumerate() {
-            let added = self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx);
-            let own = self.fitted.members.point_indices(&object.members);
-            merge_points(own, added.clone(), &mut self.point_indices);
-            let detection = Detection::new(
-                &self.point_indices,
-                box_with_points(object.bounding_box, cloud, added),
-                self.class_of(object),
-                object.decision,
-            );
+        self.completion.find(cloud, &frame.grid, asked);
+        let mut point_indices = std::mem::take(&mut self.point_indices);
+        for (object_idx, object) in objects.iter().enumerate() {
+            let added = self.added_to(object_idx);
+            merge_points(members.point_indices(&object.members), added.clone(), &mut point_indices);
+            let bounding_box = box_with_points(object.bounding_box, cloud, added);
+            // Points that were added do not count for the class: no model is trained on them.
+            let class = class_of(object, &self.sizes, self.cluster.least_vehicle_points());
+            let detection = Detection::new(&point_indices, bounding_box, class, object.decision);
             output.push_ranked(detection, self.ranked_log_odds);
         }
+        self.point_indices = point_indices;
     }
 
-    /// By the model if there is one, else by size. Points that completion adds do not count: no model is trained on them.
-    fn class_of(&self, object: &FittedObject) -> DetectedClass {
-        let n_points = object.members.len();
-        match self.vehicles {
-            Some(_) => class_by_decision(object.decision, n_points, self.min_vehicle_points),
-            None => size_gate(n_points, &object.bounding_box, &self.params.vehicle_size),
-        }
-    }
-
-    /// What the stages left behind of the latest scan, which has `n_points` points.
-    pub fn stage_products(&self, n_points: usize) -> Vec<StageProduct> {
-        let FittedObjects { objects, members, .. } = &self.fitted;
-        let mut products = fitted_boxes(&self.fitted, objects);
-        if let Some(vehicles) = &self.vehicles {
-            let described = objects.iter().map(|it| {
-                let positions_m = members.positions_m(&it.members).iter().copied();
-                (it.bounding_box, positions_m)
-            });
-            products.extend(vehicle_shapes(vehicles.prototypes(), described));
-        }
-        let own = |it: &FittedObject| members.point_indices(&it.members).iter().copied();
+    fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+        let FittedObjects { objects, members, .. } = &frame.fitted;
         let completed = objects.iter().enumerate().map(|(object_idx, object)| {
-            let added = self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx);
-            own(object).chain(added)
+            let own = members.point_indices(&object.members).iter().copied();
+            own.chain(self.added_to(object_idx))
         });
-        let shape = point_clusters(n_points, completed);
-        products.push(StageProduct { stage: stage::COMPLETION, name: "objects", shape });
-        products
+        let shape = point_clusters(cloud.len(), completed);
+        vec![StageProduct { stage: stage::COMPLETION, name: "objects", shape }]
+    }
+
+    fn rules(&self, _: &Frame) -> Vec<Rule> {
+        if self.completion.is_enabled() { vec![Rule::Completion] } else { Vec::new() }
+    }
+}
+
+impl Stage for ReportedBoxes {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+        self.replace(cloud, |it| frame.ground_below_m(it), output);
+    }
+
+    fn rules(&self, _: &Frame) -> Vec<Rule> {
+        if self.are_whole() { vec![Rule::WholeBoxes] } else { Vec::new() }
     }
 }

@@ -82,6 +82,24 @@ impl Foreground {
         self.n_points = n_points;
     }
 
+    /// Replaces the cells by others, ascending: where what stands is found in another way.
+    pub fn set_cells(&mut self, cells: impl Iterator<Item = u32>) {
+        self.cells.clear();
+        self.cells.extend(cells);
+    }
+
+    /// Replaces the points by others, ascending.
+    pub fn set_points(&mut self, point_indices: impl Iterator<Item = u32>) {
+        self.point_indices.clear();
+        self.point_indices.extend(point_indices);
+        self.n_points = self.point_indices.len();
+    }
+
+    /// What counts as standing clear of the ground.
+    pub fn params(&self) -> &ForegroundParams {
+        &self.params
+    }
+
     /// The coarse cells that hold foreground points, ascending.
     pub fn cells(&self) -> &[u32] {
         &self.cells

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::point_cloud::PointCloud;
 use crate::segment::dense_level::DenseLevel;
-use crate::segment::dense_separation::{DenseSeparation, NO_OBJECT};
+use crate::segment::dense_separation::NO_OBJECT;
 
 /// Copies of the foreground points in the order of their objects, so that what follows reads them from memory one
 /// after the other.
@@ -33,17 +33,16 @@ pub struct ObjectPoint {
 }
 
 impl ObjectPoints {
-    /// Replaces the content by the points `point_indices` of `cloud`, which `dense` was filled with, in the order of the
-    /// objects that `separation` made of them.
+    /// Replaces the content by the points `point_indices` of `cloud`, which `dense` was filled with, in the order of their objects.
+    /// `object_of_dense` is the object of every dense cell, a number below `n_objects`.
     pub fn fill(
         &mut self,
         cloud: &PointCloud,
         point_indices: &[u32],
         dense: &DenseLevel,
-        separation: &DenseSeparation,
+        (object_of_dense, n_objects): (&[u32], usize),
     ) {
-        let object_of_dense = separation.object_of_dense();
-        self.order_objects(dense, object_of_dense, separation.n_parts());
+        self.order_objects(dense, object_of_dense, n_objects);
         let nowhere = ObjectPoint { position_m: [0.0; 3], dense_idx: 0 };
         self.points.resize(point_indices.len(), nowhere);
         self.point_indices.resize(point_indices.len(), 0);

@@ -98,6 +98,11 @@ impl WallRefinement {
         }
     }
 
+    /// The parameters.
+    pub fn params(&self) -> &WallRefinementParams {
+        &self.params
+    }
+
     /// Turns the short cells among `classes` that lie on walls, or behind one, into tall ones.
     pub fn refine(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &mut [SurfaceClass]) {
         self.refine_on_walls(grid, terrain, |_| false, classes);

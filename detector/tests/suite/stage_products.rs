@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use detector::params::HierarchicalParams;
-use detector::pipeline::paper_detector::PaperDetector;
+use detector::pipeline::paper_detector::paper;
 use detector::stage_product::Shape;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
@@ -13,7 +13,7 @@ use crate::same_as_reference::beyond_papers;
 
 /// Stage products and detections of `cloud` in words, lengths and angles with two decimals.
 fn described(cloud: &PointCloud) -> String {
-    let mut detector = PaperDetector::new(&beyond_papers(), &HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
+    let mut detector = paper(&beyond_papers(), &HierarchicalParams::shipped(), None, SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();
     detector.detect(cloud, &mut output);
     let mut text = String::new();

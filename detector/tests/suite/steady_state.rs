@@ -1,32 +1,32 @@
 //! Once the first scan has sized the buffers, detecting allocates nothing.
 
-use detector::classify::grouping_model::GroupingModel;
 use detector::classify::paper_model::PaperModel;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
-use detector::pipeline::paper_detector::PaperDetector;
-use detector::pipeline::tree_detector::TreeDetector;
+use detector::pipeline::paper_detector::paper;
+use detector::pipeline::stage_list::Pipeline;
+use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
 use detector::{Detector, DetectorOutput, PointCloud};
 use test_data::test_data;
 
 use crate::drawn_street::{SENSOR_HEIGHT_M, main_road};
 use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 
-fn tree_detector() -> TreeDetector {
-    TreeDetector::new(HierarchicalParams::shipped(), GroupingModel::shipped(), SENSOR_HEIGHT_M)
-        .telling_vehicles()
+fn tree_detector() -> Pipeline {
+    let models = GroupModels::shipped(VehiclesBy::Model);
+    hierarchical(&HierarchicalParams::shipped(), models, SENSOR_HEIGHT_M)
 }
 
-fn paper_detector() -> PaperDetector {
-    PaperDetector::new(&PaperParams::shipped(), &HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
+fn paper_detector(model: Option<PaperModel>) -> Pipeline {
+    paper(&PaperParams::shipped(), &HierarchicalParams::shipped(), model, SENSOR_HEIGHT_M)
 }
 
 /// Checks that detectors that have seen `first` allocate nothing on `second`.
 #[track_caller]
 fn check(first: &PointCloud, second: &PointCloud) {
     check_detector(tree_detector(), first, second);
-    check_detector(paper_detector(), first, second);
-    check_detector(paper_detector().with_vehicle_model(PaperModel::shipped()), first, second);
+    check_detector(paper_detector(None), first, second);
+    check_detector(paper_detector(Some(PaperModel::shipped())), first, second);
 }
 
 #[track_caller]
@@ -59,8 +59,8 @@ fn a_drive_seen_before_allocates_nothing() {
     let paths = velodyne_paths(&test_data("data/kitti_tracking/training/velodyne/0000"));
     let scans: Vec<PointCloud> = paths.iter().step_by(5).map(|path| read_velodyne_bin(path)).collect();
     assert!(scans.len() > 1, "too few scans");
-    for mut detector in [Box::new(tree_detector()) as Box<dyn Detector>, Box::new(paper_detector())] {
-        check_drive(&mut *detector, &scans);
+    for mut detector in [tree_detector(), paper_detector(None)] {
+        check_drive(&mut detector, &scans);
     }
 }
 

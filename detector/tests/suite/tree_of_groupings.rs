@@ -2,22 +2,22 @@
 
 use std::collections::BTreeSet;
 
-use detector::classify::grouping_model::GroupingModel;
 use detector::params::HierarchicalParams;
-use detector::pipeline::tree_detector::TreeDetector;
+use detector::pipeline::stage_list::Pipeline;
+use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
 use detector::{DetectedClass, Detector, DetectorOutput, PointCloud, Rule};
 use test_data::test_data;
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
 use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 
-fn detector(change: impl Fn(&mut HierarchicalParams)) -> TreeDetector {
+fn detector(change: impl Fn(&mut HierarchicalParams)) -> Pipeline {
     let mut params = HierarchicalParams::shipped();
     change(&mut params);
-    TreeDetector::new(params, GroupingModel::shipped(), SENSOR_HEIGHT_M).telling_vehicles()
+    hierarchical(&params, GroupModels::shipped(VehiclesBy::Model), SENSOR_HEIGHT_M)
 }
 
-fn found(detector: &mut TreeDetector, cloud: &PointCloud) -> DetectorOutput {
+fn found(detector: &mut Pipeline, cloud: &PointCloud) -> DetectorOutput {
     let mut output = DetectorOutput::default();
     detector.detect(cloud, &mut output);
     output

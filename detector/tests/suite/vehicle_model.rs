@@ -1,8 +1,10 @@
 //! The vehicle model inside the detector of the papers.
 
+use detector::classify::paper_model::PaperModel;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::params::HierarchicalParams;
-use detector::pipeline::paper_detector::PaperDetector;
+use detector::pipeline::paper_detector::paper;
+use detector::pipeline::stage_list::Pipeline;
 use detector::stage;
 use detector::stage_product::{Shape, StageProduct};
 use detector::{DetectedClass, Detector, DetectorOutput, PointCloud};
@@ -17,16 +19,14 @@ fn street() -> PointCloud {
     DrawnStreet::road().vehicle([7.0, 3.0], hatchback).block([5.0, 9.0], [-5.0, -3.2], 1.5).cloud()
 }
 
-fn by_size() -> PaperDetector {
-    PaperDetector::new(&beyond_papers(), &HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
+fn detector_by(model: Option<PaperModel>) -> Pipeline {
+    paper(&beyond_papers(), &HierarchicalParams::shipped(), model, SENSOR_HEIGHT_M)
 }
 
 #[test]
 fn a_car_is_told_from_a_box_of_its_size() {
-    let by_size = by_size();
-    let by_model = by_size.clone().with_vehicle_model(vehicle_model());
     let mut found = Vec::new();
-    for mut detector in [by_size, by_model] {
+    for mut detector in [None, Some(vehicle_model())].map(detector_by) {
         let mut output = DetectorOutput::default();
         detector.detect(&street(), &mut output);
         let mut objects: Vec<_> =
@@ -49,7 +49,7 @@ fn a_car_is_told_from_a_box_of_its_size() {
 
 /// The street with the products of the detector with a model, and what it found.
 fn products_of_street() -> (PointCloud, Vec<StageProduct>, DetectorOutput) {
-    let mut detector = by_size().with_vehicle_model(vehicle_model());
+    let mut detector = detector_by(Some(vehicle_model()));
     let mut output = DetectorOutput::default();
     detector.detect(&street(), &mut output);
     (street(), detector.stage_products(&street()), output)
@@ -92,7 +92,7 @@ fn what_the_model_looked_at_is_drawn_where_the_object_is() {
 
 #[test]
 fn every_stage_has_one_name_for_its_time_and_its_products() {
-    let mut detector = by_size().with_vehicle_model(vehicle_model());
+    let mut detector = detector_by(Some(vehicle_model()));
     let mut output = DetectorOutput::default();
     detector.detect(&street(), &mut output);
     let timed: Vec<&str> = output.stage_times.iter().map(|it| it.stage).collect();

@@ -1,10 +1,10 @@
 //! Holding the detectors against the reference.
 
-use detector::classify::grouping_model::GroupingModel;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
-use detector::pipeline::paper_detector::PaperDetector;
-use detector::pipeline::tree_detector::TreeDetector;
+use detector::pipeline::paper_detector::paper;
+use detector::pipeline::stage_list::Pipeline;
+use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
 use detector::stage_product::{Shape, StageProduct};
 use detector::surface_class::SurfaceClass;
 use detector::whole::reported_boxes::BoxParams;
@@ -16,14 +16,14 @@ use super::{Found, FoundObject, Params};
 pub struct Twins {
     params: Params,
     sensor_height_m: f32,
-    detector: PaperDetector,
+    detector: Pipeline,
     output: DetectorOutput,
 }
 
 impl Twins {
     pub fn new(params: PaperParams, sensor_height_m: f32) -> Self {
         let of_sensor = HierarchicalParams::shipped();
-        let detector = PaperDetector::new(&params, &of_sensor, sensor_height_m);
+        let detector = paper(&params, &of_sensor, None, sensor_height_m);
         let params = Params::new(params, &of_sensor);
         Self { params, sensor_height_m, detector, output: DetectorOutput::default() }
     }
@@ -69,18 +69,19 @@ impl Twins {
 pub struct CompletionTwins {
     params: HierarchicalParams,
     sensor_height_m: f32,
-    whole: TreeDetector,
-    as_cut: TreeDetector,
+    whole: Pipeline,
+    as_cut: Pipeline,
 }
 
 impl CompletionTwins {
     pub fn new(mut params: HierarchicalParams, sensor_height_m: f32) -> Self {
         // Boxes as completion leaves them.
         params.boxes = BoxParams { outline: false, whole: false };
-        let detector = |params| TreeDetector::new(params, GroupingModel::shipped(), sensor_height_m);
+        let models = || GroupModels::shipped(VehiclesBy::Size);
+        let detector = |params| hierarchical(params, models(), sensor_height_m);
         let mut without = params.clone();
         without.completion.enabled = false;
-        Self { whole: detector(params.clone()), as_cut: detector(without), params, sensor_height_m }
+        Self { whole: detector(&params), as_cut: detector(&without), params, sensor_height_m }
     }
 
     /// Checks that both give the objects of `cloud` the same points. Returns how many they give.
@@ -96,7 +97,7 @@ impl CompletionTwins {
     }
 }
 
-fn found_by(detector: &mut TreeDetector, cloud: &PointCloud) -> Vec<(Vec<u32>, OrientedBox)> {
+fn found_by(detector: &mut Pipeline, cloud: &PointCloud) -> Vec<(Vec<u32>, OrientedBox)> {
     let mut output = DetectorOutput::default();
     detector.detect(cloud, &mut output);
     output.detections.iter().map(|it| (it.point_indices.to_vec(), it.bounding_box)).collect()

@@ -1,6 +1,6 @@
 //! What the cells of the ground plan hold.
 
-use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::frame::Frame;
 use detector::surface_class::SurfaceClass;
 use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
@@ -15,11 +15,11 @@ const LEAST_CELLS: u64 = 100;
 pub struct CellCounts([u64; CLASSES.len()]);
 
 impl CellCounts {
-    /// Counts the cells of the scan that `stages` ran on last.
-    pub fn of(stages: &ForegroundStages) -> Self {
-        let occupied = stages.grid().occupied();
+    /// Counts the cells of the latest scan of `frame`.
+    pub fn of(frame: &Frame) -> Self {
+        let occupied = frame.grid.occupied();
         Self(CLASSES.map(|class| {
-            let is_of_class = |&&cell_idx: &&u32| stages.cell_classes()[cell_idx as usize] == class;
+            let is_of_class = |&&cell_idx: &&u32| frame.classes[cell_idx as usize] == class;
             occupied.iter().filter(is_of_class).count() as u64
         }))
     }
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn the_drawn_scan_has_cells_of_road_car_post_and_façade() {
-        let CellCounts([n_clutter, n_ground, n_tall, n_short]) = CellCounts::of(&drawn_scan::stages());
+        let CellCounts([n_clutter, n_ground, n_tall, n_short]) = CellCounts::of(&drawn_scan::frame());
         assert_eq!((n_clutter, n_tall, n_short), (1, 1, 2));
         assert_eq!(n_ground, drawn_scan::N_CELLS - 4);
     }

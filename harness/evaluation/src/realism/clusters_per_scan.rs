@@ -2,7 +2,7 @@
 
 use baselines::kd_tree_components::{KdTreeScratch, kd_tree_components};
 use detector::PointCloud;
-use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::frame::Frame;
 use detector::segment::clusters::Clusters;
 use reports::numbers::curve_pair::{CurvePair, Sides};
 
@@ -13,10 +13,10 @@ const TOLERANCE_M: f32 = 0.5;
 /// Fewest points of a piece that counts.
 const LEAST_POINTS: usize = 10;
 
-/// Number of pieces, within a tolerance of 0.5 m and of at least ten points, of the foreground that `stages` found in
+/// Number of pieces, within a tolerance of 0.5 m and of at least ten points, of the foreground that `frame` has of
 /// `cloud`.
-pub fn n_clusters(cloud: &PointCloud, stages: &ForegroundStages) -> u64 {
-    let foreground = stages.point_indices().iter();
+pub fn n_clusters(cloud: &PointCloud, frame: &Frame) -> u64 {
+    let foreground = frame.foreground.point_indices().iter();
     let positions_m: Vec<[f32; 3]> =
         foreground.map(|&point_idx| cloud.position_m(point_idx as usize)).collect();
     let mut labels = Vec::new();
@@ -47,7 +47,7 @@ mod tests {
 
     #[test]
     fn the_car_and_the_post_of_the_drawn_scan_are_two_pieces() {
-        assert_eq!(n_clusters(&drawn_scan::scan().cloud, &drawn_scan::stages()), 2);
+        assert_eq!(n_clusters(&drawn_scan::scan().cloud, &drawn_scan::frame()), 2);
     }
 
     #[test]

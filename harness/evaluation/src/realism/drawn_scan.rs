@@ -2,10 +2,10 @@
 //!
 //! Everything but the road is one cell wide. Cells of the grid have their centres at multiples of 0.6 m from 0.7 m.
 
-use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
-use detector::pipeline::foreground_stages::ForegroundStages;
-use detector::{OrientedBox, PointCloud};
+use detector::pipeline::foreground_stages::foreground;
+use detector::pipeline::frame::Frame;
+use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 
@@ -51,11 +51,11 @@ pub fn scan() -> LabeledScan {
     }
 }
 
-/// The stages after they ran on the scan.
-pub fn stages() -> ForegroundStages {
-    let mut stages = ForegroundStages::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
-    stages.run(&cloud(), &mut StageClock::start(), &mut Vec::new());
-    stages
+/// What the stages up to the foreground know of the scan.
+pub fn frame() -> Frame {
+    let mut stages = foreground(&HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
+    stages.detect(&cloud(), &mut DetectorOutput::default());
+    stages.frame
 }
 
 fn cloud() -> PointCloud {

@@ -1,6 +1,6 @@
 //! How much of a scan is ground.
 
-use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::frame::Frame;
 use detector::surface_class::SurfaceClass;
 use reports::numbers::curve_pair::{CurvePair, Sides};
 
@@ -16,9 +16,9 @@ pub struct GroundCount {
 }
 
 impl GroundCount {
-    /// Counts in the scan that `stages` ran on last.
-    pub fn of(stages: &ForegroundStages) -> Self {
-        let classes = stages.point_classes();
+    /// Counts in the latest scan of `frame`.
+    pub fn of(frame: &Frame) -> Self {
+        let classes = frame.point_classes();
         let n_ground = classes.iter().filter(|&&class| class == SurfaceClass::Ground).count();
         Self { n_ground: n_ground as u64, n_points: classes.len() as u64 }
     }
@@ -48,9 +48,9 @@ mod tests {
 
     #[test]
     fn the_road_of_the_drawn_scan_is_ground_and_what_stands_on_it_is_not() {
-        let stages = drawn_scan::stages();
+        let frame = drawn_scan::frame();
         let expected = GroundCount { n_ground: drawn_scan::N_ROAD, n_points: drawn_scan::N_POINTS };
-        assert_eq!(GroundCount::of(&stages), expected);
+        assert_eq!(GroundCount::of(&frame), expected);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use detector::PointCloud;
 use detector::grid::hierarchical_grid::NO_CELL;
-use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::frame::Frame;
 use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
 /// The lowest bin begins this far above the ground, in metres.
@@ -24,16 +24,16 @@ pub struct HeightCounts {
 }
 
 impl HeightCounts {
-    /// Counts the points of `cloud`, which `stages` ran on last, by their height above the terrain below their cells.
-    pub fn of(cloud: &PointCloud, stages: &ForegroundStages) -> Self {
+    /// Counts the points of `cloud`, the latest scan of `frame`, by their height above the terrain below their cells.
+    pub fn of(cloud: &PointCloud, frame: &Frame) -> Self {
         let mut counts = Self { n_in_bin: [0; N_BINS], n_points: 0 };
-        let grid = stages.grid();
+        let Frame { grid, terrain, .. } = frame;
         for (&z_m, &cell_idx) in cloud.z_m().iter().zip(grid.cell_of_point()) {
             if cell_idx == NO_CELL {
                 continue;
             }
             counts.n_points += 1;
-            let height_m = z_m - stages.terrain().elevation_m(grid.column_and_row(cell_idx));
+            let height_m = z_m - terrain.elevation_m(grid.column_and_row(cell_idx));
             let bin = ((height_m - LOWEST_M) / BIN_M).floor();
             if (0.0..N_BINS as f32).contains(&bin) {
                 counts.n_in_bin[bin as usize] += 1;
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn the_drawn_scan_has_its_road_at_height_0_and_a_car_above() {
-        let counts = HeightCounts::of(&drawn_scan::scan().cloud, &drawn_scan::stages());
+        let counts = HeightCounts::of(&drawn_scan::scan().cloud, &drawn_scan::frame());
         assert_eq!(counts.n_points, drawn_scan::N_POINTS);
         // Rounding may put the road in the bin below 0 or above.
         assert_eq!(counts.n_in_bin[3] + counts.n_in_bin[4], drawn_scan::N_ROAD);

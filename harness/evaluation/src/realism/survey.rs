@@ -1,9 +1,10 @@
 //! What all statistics take from the scans of a data set.
 
-use detector::detector::StageClock;
 use detector::grid::ring_density::RingCounts;
 use detector::params::HierarchicalParams;
-use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::foreground_stages::foreground;
+use detector::pipeline::stage_list::Pipeline;
+use detector::{Detector, DetectorOutput};
 use scans::annotation::LabeledScan;
 
 use super::cell_classes::CellCounts;
@@ -44,23 +45,24 @@ pub fn survey(pass: ScanPass<'_>) -> Result<Vec<SurveyedScan>, ScanPassError> {
     // What is clutter follows no curve here, which belongs to one sensor.
     params.density_weighting.enabled = false;
     let sensor_height_m = pass.dataset.description().sensor_height_m;
-    let new_stages = || ForegroundStages::new(params.clone(), sensor_height_m);
+    let new_stages = || foreground(&params, sensor_height_m);
     pass.over(new_stages, |stages, it| SurveyedScan::of(it.scan, stages))
 }
 
 impl SurveyedScan {
     /// Looks at `scan`, whose ground and foreground `stages` find.
-    fn of(scan: &LabeledScan, stages: &mut ForegroundStages) -> Self {
+    fn of(scan: &LabeledScan, stages: &mut Pipeline) -> Self {
         let cloud = &scan.cloud;
-        stages.run(cloud, &mut StageClock::start(), &mut Vec::new());
+        stages.detect(cloud, &mut DetectorOutput::default());
+        let frame = &stages.frame;
         Self {
             n_returns: n_returns(cloud),
-            ground: GroundCount::of(stages),
+            ground: GroundCount::of(frame),
             rings: RingCounts::of(cloud),
             cars: CarsInScan::of(scan),
-            n_clusters: n_clusters(cloud, stages),
-            heights: HeightCounts::of(cloud, stages),
-            cells: CellCounts::of(stages),
+            n_clusters: n_clusters(cloud, frame),
+            heights: HeightCounts::of(cloud, frame),
+            cells: CellCounts::of(frame),
         }
     }
 }

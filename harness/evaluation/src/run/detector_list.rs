@@ -1,15 +1,18 @@
 //! The detectors there are.
 
-use baselines::kd_tree_detector::KdTreeDetector;
+use std::sync::Arc;
+
+use baselines::kd_tree_detector::{kd_tree, kd_tree_same_walls};
 use baselines::kd_tree_groups::{kd_tree_trained, kd_tree_tree};
 use baselines::kd_tree_models::{TrainedComponents, shipped_tree};
-use baselines::pca_detector::PcaDetector;
-use baselines::simple_grid_detector::SimpleGridDetector;
+use baselines::pca_detector::pca;
+use baselines::simple_grid_detector::simple_grid;
 use detector::Detector;
 use detector::classify::grouping_model::GroupingModel;
-use detector::group::linkage::Linkage;
-use detector::pipeline::paper_detector::PaperDetector;
-use detector::pipeline::tree_detector::TreeDetector;
+use detector::classify::vehicle_model::VehicleModel;
+use detector::pipeline::paper_detector::paper;
+use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
+use detector::whole::box_model::BoxModel;
 
 use crate::run::config::{DETECTOR_TABLE, RunConfig, TrainedModel, VehicleModels};
 use crate::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
@@ -34,11 +37,8 @@ pub const PAPER: ListedDetector = ListedDetector {
     fixed: &[],
     model: TrainedModel::Paper,
     build: |config, sensor_height_m| {
-        let by_size = PaperDetector::new(&config.paper, &config.hierarchical, sensor_height_m);
-        match &config.vehicle_models {
-            Some(models) => Box::new(by_size.with_vehicle_model(models.paper())),
-            None => Box::new(by_size),
-        }
+        let model = config.vehicle_models.as_ref().map(VehicleModels::paper);
+        Box::new(paper(&config.paper, &config.hierarchical, model, sensor_height_m))
     },
 };
 
@@ -51,10 +51,9 @@ pub const DETECTORS: &[ListedDetector] = &[
         fixed: &[],
         model: TrainedModel::Groupings,
         build: |config, sensor_height_m| {
-            let params = config.hierarchical.clone();
             let groupings = config.vehicle_models.as_ref().map(VehicleModels::groupings);
-            let model = groupings.unwrap_or_else(GroupingModel::shipped);
-            tree_detector(config, TreeDetector::new(params, model, sensor_height_m))
+            let models = group_models(config, groupings.unwrap_or_else(GroupingModel::shipped));
+            Box::new(hierarchical(&config.hierarchical, models, sensor_height_m))
         },
     },
     ListedDetector {
@@ -63,11 +62,11 @@ pub const DETECTORS: &[ListedDetector] = &[
         fixed: &[],
         model: TrainedModel::Components,
         build: |config, sensor_height_m| {
-            let params = config.hierarchical.clone();
             let components = config.vehicle_models.as_ref().map(VehicleModels::components);
-            let model = components.unwrap_or_else(TrainedComponents::shipped);
-            let sensor = (config.sensor.as_deref(), sensor_height_m);
-            tree_detector(config, kd_tree_trained(params, &model, sensor))
+            let components = components.unwrap_or_else(TrainedComponents::shipped);
+            let tolerance_m = components.tolerance_m(config.sensor.as_deref());
+            let models = group_models(config, components.judge);
+            Box::new(kd_tree_trained(&config.hierarchical, tolerance_m, models, sensor_height_m))
         },
     },
     ListedDetector {
@@ -76,10 +75,9 @@ pub const DETECTORS: &[ListedDetector] = &[
         fixed: &[],
         model: TrainedModel::NestedComponents,
         build: |config, sensor_height_m| {
-            let params = config.hierarchical.clone();
             let nested = config.vehicle_models.as_ref().map(VehicleModels::nested_components);
-            let model = nested.unwrap_or_else(shipped_tree);
-            tree_detector(config, kd_tree_tree(params, model, sensor_height_m))
+            let models = group_models(config, nested.unwrap_or_else(shipped_tree));
+            Box::new(kd_tree_tree(&config.hierarchical, models, sensor_height_m))
         },
     },
     PAPER,
@@ -90,14 +88,13 @@ pub const DETECTORS: &[ListedDetector] = &[
         fixed: &[("foreground", "refined")],
         model: TrainedModel::Clusters,
         build: |config, sensor_height_m| {
-            let params = config.baselines.kd_tree.clone();
-            let by_size =
-                KdTreeDetector::with_same_walls(params, config.hierarchical.clone(), sensor_height_m)
-                    .with_box_model(config.box_model());
-            match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.clusters())),
-                None => Box::new(by_size),
-            }
+            let params = &config.baselines.kd_tree;
+            Box::new(kd_tree_same_walls(
+                params,
+                &config.hierarchical,
+                cluster_models(config),
+                sensor_height_m,
+            ))
         },
     },
     ListedDetector {
@@ -106,13 +103,8 @@ pub const DETECTORS: &[ListedDetector] = &[
         fixed: &[],
         model: TrainedModel::Clusters,
         build: |config, sensor_height_m| {
-            let params = config.baselines.kd_tree.clone();
-            let by_size = KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m)
-                .with_box_model(config.box_model());
-            match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.clusters())),
-                None => Box::new(by_size),
-            }
+            let params = &config.baselines.kd_tree;
+            Box::new(kd_tree(params, &config.hierarchical, cluster_models(config), sensor_height_m))
         },
     },
     ListedDetector {
@@ -120,13 +112,9 @@ pub const DETECTORS: &[ListedDetector] = &[
         table: "pca",
         fixed: &[],
         model: TrainedModel::Pca,
-        build: |config, _| {
-            let vehicle_size = config.hierarchical.vehicle_size.clone();
-            let by_size = PcaDetector::new(config.baselines.pca.clone(), vehicle_size);
-            match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.pca())),
-                None => Box::new(by_size),
-            }
+        build: |config, sensor_height_m| {
+            let model = config.vehicle_models.as_ref().map(VehicleModels::pca);
+            Box::new(pca(&config.baselines.pca, &config.hierarchical, model, sensor_height_m))
         },
     },
     // The ablation of the first has its parameters.
@@ -136,22 +124,20 @@ pub const DETECTORS: &[ListedDetector] = &[
         fixed: &[],
         model: TrainedModel::Clusters,
         build: |config, sensor_height_m| {
-            let by_size = SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m)
-                .with_box_model(config.box_model());
-            match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.clusters())),
-                None => Box::new(by_size),
-            }
+            Box::new(simple_grid(&config.hierarchical, cluster_models(config), sensor_height_m))
         },
     },
 ];
 
-fn tree_detector<L: Linkage + 'static>(config: &RunConfig, by_size: TreeDetector<L>) -> Box<dyn Detector> {
-    let by_size = by_size.with_box_model(config.box_model());
-    match config.vehicle_models {
-        Some(_) => Box::new(by_size.telling_vehicles()),
-        None => Box::new(by_size),
-    }
+/// What a detector of groups decides by, if `groups` judges these.
+fn group_models(config: &RunConfig, groups: Arc<GroupingModel>) -> GroupModels {
+    let vehicles = if config.vehicle_models.is_some() { VehiclesBy::Model } else { VehiclesBy::Size };
+    GroupModels { groups, vehicles, boxes: config.box_model() }
+}
+
+/// What a detector of clusters decides by.
+fn cluster_models(config: &RunConfig) -> (Option<VehicleModel>, Option<Arc<BoxModel>>) {
+    (config.vehicle_models.as_ref().map(VehicleModels::clusters), config.box_model())
 }
 
 /// The detectors that run if none are asked for: the method, its strongest rival, which has the same training, the method of the papers,

@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use detector::classify::size_gate::{SizeGateParams, size_gate};
 use detector::classify::vehicle_model::VehicleModel;
-use detector::detector::StageClock;
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
-use detector::pipeline::foreground_stages::ForegroundStages;
-use detector::pipeline::object_stages::ObjectStages;
+use detector::pipeline::foreground_stages::foreground;
+use detector::pipeline::object_stages::object_stages;
+use detector::pipeline::stage_list::{Pipeline, Stages};
 use detector::whole::box_model::BoxModel;
 use detector::whole::reported_boxes::{BoxParams, ReportedBoxes};
-use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, PointCloud};
+use detector::{DetectedClass, Detection, Detector, DetectorOutput, OrientedBox, PointCloud};
 use reports::vocabulary::class::AnnotationClass;
 use scans::foreign::points_in_boxes::PointsAlongX;
 
@@ -53,7 +53,7 @@ pub fn members_of(clusters: &[u32]) -> BTreeMap<u32, Vec<u32>> {
 pub struct ForeignVehicles {
     size: SizeGateParams,
     hull_fit: ConvexHullBox,
-    foreground: ForegroundStages,
+    foreground: Pipeline,
     by_model: Option<ByModel>,
     boxes: ReportedBoxes,
     // The objects that come without a box.
@@ -62,7 +62,7 @@ pub struct ForeignVehicles {
 
 /// Our own stages on their objects.
 struct ByModel {
-    objects: ObjectStages,
+    stages: Stages,
     output: DetectorOutput,
 }
 
@@ -90,7 +90,7 @@ impl ForeignVehicles {
         Self {
             size: params.vehicle_size.clone(),
             hull_fit: ConvexHullBox::default(),
-            foreground: ForegroundStages::new(params.clone(), sensor_height_m),
+            foreground: foreground(params, sensor_height_m),
             by_model: None,
             boxes: ReportedBoxes::new(params.boxes).with_model(box_model),
             fitted: DetectorOutput::default(),
@@ -107,8 +107,9 @@ impl ForeignVehicles {
         // Objects stay as their detector found them.
         as_found.completion.enabled = false;
         as_found.boxes = BoxParams { outline: false, whole: false };
-        let objects = ObjectStages::new(&as_found, 1).with_vehicle_model(model);
-        let by_model = ByModel { objects, output: DetectorOutput::default() };
+        as_found.cluster.min_points = 1;
+        let stages = object_stages(&as_found, (Some(model), None));
+        let by_model = ByModel { stages, output: DetectorOutput::default() };
         Self { by_model: Some(by_model), ..Self::by_size(params, box_model, sensor_height_m) }
     }
 
@@ -141,7 +142,7 @@ impl ForeignVehicles {
             prepared.push(PreparedObject { points, bounding_box, is_fitted, class, score });
         }
         if prepared.iter().any(|it| it.is_fitted || it.class.is_none() && self.by_model.is_some()) {
-            self.foreground.run(cloud, &mut StageClock::start(), &mut Vec::new());
+            self.foreground.detect(cloud, &mut DetectorOutput::default());
         }
         let told = self.classes_of(&prepared, cloud);
         self.fitted.clear();
@@ -152,8 +153,8 @@ impl ForeignVehicles {
         for (_, detection) in detections.clone().filter(|(is_fitted, _)| **is_fitted) {
             self.fitted.detections.push(detection);
         }
-        let foreground = &self.foreground;
-        self.boxes.replace(cloud, |it| foreground.ground_below_m(it), &mut self.fitted);
+        let frame = &self.foreground.frame;
+        self.boxes.replace(cloud, |it| frame.ground_below_m(it), &mut self.fitted);
         let mut fitted = self.fitted.detections.iter();
         for ((is_fitted, detection), object) in detections.zip(&prepared) {
             let mut reported = if *is_fitted { fitted.next() } else { None }.unwrap_or(detection);
@@ -206,9 +207,9 @@ impl ForeignVehicles {
             return None;
         }
         let mut by_model = self.by_model.take()?;
-        let ByModel { objects: stages, output } = &mut by_model;
+        let ByModel { stages, output } = &mut by_model;
         output.clear();
-        stages.clear();
+        self.foreground.frame.fitted.clear();
         let mut has_points = Vec::new();
         for PreparedObject { points, bounding_box, .. } in objects {
             has_points.push(!points.is_empty());
@@ -218,9 +219,9 @@ impl ForeignVehicles {
             // For its outline.
             self.fit(points, cloud);
             let positions = points.iter().map(|&it| (it, cloud.position_m(it as usize)));
-            stages.add(positions, *bounding_box, self.hull_fit.hull_m());
+            self.foreground.frame.fitted.add(positions, *bounding_box, self.hull_fit.hull_m());
         }
-        stages.finish(cloud, &self.foreground, &mut StageClock::start(), output);
+        stages.run(cloud, &mut self.foreground.frame, output);
         let mut judged: Vec<_> = output.detections.iter().map(|it| (it.class, it.score)).collect();
         judged.reverse();
         self.by_model = Some(by_model);

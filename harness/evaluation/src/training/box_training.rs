@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use detector::classify::forest::Forest;
-use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
-use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::foreground_stages::foreground;
+use detector::pipeline::frame::Frame;
+use detector::pipeline::stage_list::Pipeline;
 use detector::whole::box_model::BoxModel;
 use detector::whole::box_values::{IS_TURNED, N_BOX_VALUES};
 use detector::whole::reported_boxes::BoxParams;
@@ -53,7 +54,7 @@ pub struct VehicleExample {
 
 /// What every thread looks at its scans with.
 struct Looker {
-    foreground: ForegroundStages,
+    foreground: Pipeline,
     detectors: Vec<Box<dyn Detector>>,
 }
 
@@ -76,12 +77,10 @@ pub fn collect_vehicles(
     matching: &MatchingParams,
 ) -> Result<Vec<VehicleExample>, ScanPassError> {
     let description = pass.dataset.description();
-    let new_looker = || Looker {
-        foreground: ForegroundStages::new(params.clone(), description.sensor_height_m),
-        detectors: new_detectors(),
-    };
+    let new_looker =
+        || Looker { foreground: foreground(params, description.sensor_height_m), detectors: new_detectors() };
     let look = |looker: &mut Looker, PassedScan { scan, .. }: PassedScan<'_>| {
-        looker.foreground.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
+        looker.foreground.detect(&scan.cloud, &mut DetectorOutput::default());
         let mut found = Vec::new();
         for detector in &mut looker.detectors {
             let mut output = DetectorOutput::default();
@@ -91,7 +90,7 @@ pub fn collect_vehicles(
             found.extend(assignment.annotations.iter().enumerate().filter_map(
                 |(annotation_idx, outcome)| {
                     let AnnotationOutcome::Matched { detection_idx, .. } = *outcome else { return None };
-                    example((scan, &output, &looker.foreground), annotation_idx, detection_idx)
+                    example((scan, &output, &looker.foreground.frame), annotation_idx, detection_idx)
                 },
             ));
         }
@@ -102,7 +101,7 @@ pub fn collect_vehicles(
 
 /// `None` if the annotation is no vehicle, or has no box.
 fn example(
-    (scan, output, foreground): (&LabeledScan, &DetectorOutput, &ForegroundStages),
+    (scan, output, frame): (&LabeledScan, &DetectorOutput, &Frame),
     annotation_idx: usize,
     detection_idx: usize,
 ) -> Option<VehicleExample> {
@@ -111,7 +110,7 @@ fn example(
     let detection = output.detections.get(detection_idx);
     let positions_m: Vec<[f32; 3]> =
         detection.point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
-    let ground_m = foreground.ground_below_m(&detection.bounding_box);
+    let ground_m = frame.ground_below_m(&detection.bounding_box);
     let seen = SeenVehicle::new(detection.bounding_box, ground_m, &positions_m);
     Some(VehicleExample { sequence: scan.id.sequence.clone(), seen, whole })
 }

@@ -1,9 +1,9 @@
 //! The objects that a vehicle model is trained on and judged by.
 
 use detector::describe::surroundings::{ObjectRaster, Surroundings};
-use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
-use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::foreground_stages::foreground;
+use detector::pipeline::stage_list::Pipeline;
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -50,7 +50,7 @@ pub struct CandidateSource<'a> {
 }
 
 /// What every thread looks at its scans with.
-type State = (Box<dyn Detector>, ForegroundStages, ObjectRaster);
+type State = (Box<dyn Detector>, Pipeline, ObjectRaster);
 
 /// What `kept` makes of the candidates of the scans of `pass`, in their order: what the detector of `source` finds in them, and regions cut
 /// out of it.
@@ -69,13 +69,13 @@ pub fn collect_candidates<T: Send>(
 ) -> Result<Vec<T>, ScanPassError> {
     let sensor_height_m = pass.dataset.description().sensor_height_m;
     let new_state = || {
-        let ground = ForegroundStages::new(source.ground.clone(), sensor_height_m);
+        let ground = foreground(source.ground, sensor_height_m);
         ((source.new_detector)(), ground, ObjectRaster::new(source.ground.grid.extent_m))
     };
     let of_scan = |(detector, ground, raster): &mut State, PassedScan { scan_idx, scan }: PassedScan<'_>| {
         let mut output = DetectorOutput::default();
         detector.detect(&scan.cloud, &mut output);
-        ground.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
+        ground.detect(&scan.cloud, &mut DetectorOutput::default());
         // A stream for every scan, so that the order in which they are looked at does not matter.
         let mut rng = ChaCha8Rng::seed_from_u64(source.seed);
         rng.set_stream(scan_idx as u64);
@@ -84,7 +84,7 @@ pub fn collect_candidates<T: Send>(
         let on_objects = output.detections.iter().flat_map(|it| it.point_indices.iter());
         raster.fill(on_objects.map(|&it| scan.cloud.position_m(it as usize)));
         for Candidate { bounding_box, surroundings, .. } in &mut found {
-            *surroundings = raster.around(bounding_box, ground.ground_below_m(bounding_box));
+            *surroundings = raster.around(bounding_box, ground.frame.ground_below_m(bounding_box));
         }
         kept(found)
     };

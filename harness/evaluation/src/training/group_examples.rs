@@ -4,11 +4,11 @@ use detector::classify::grouping_model::{N_VEHICLE_VALUES, vehicle_values};
 use detector::classify::object_looks::{LookBuffers, ObjectLooks};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::vehicle_features::VehicleDescriber;
-use detector::detector::StageClock;
 use detector::fit::convex_hull_box::ConvexHullBox;
-use detector::group::linkage::Linkage;
 use detector::group::node_values::{JOINED_AT, LEVEL, N_NODE_VALUES};
-use detector::pipeline::grouping_stages::GroupingStages;
+use detector::pipeline::frame::Groups;
+use detector::pipeline::stage_list::Pipeline;
+use detector::{Detector, DetectorOutput};
 use scans::annotation::{LabeledScan, PointRegion};
 
 use crate::matching::eligibility::{counts_as_vehicle, may_be_vehicle};
@@ -75,21 +75,21 @@ impl ScanGroups {
 }
 
 /// What every thread looks at its scans with.
-struct Looker<L> {
-    grouping: GroupingStages<L>,
+struct Looker {
+    grouping: Pipeline,
     describer: VehicleDescriber,
     box_fit: ConvexHullBox,
 }
 
-/// The groups of the scans of `pass` that a detector of the stages that `new_grouping` makes would look at, scan by scan; side profiles are
+/// The groups of the scans of `pass` that a detector over the grouping that `new_grouping` makes would look at, scan by scan; side profiles are
 /// compared with those of `library`.
 ///
 /// # Errors
 ///
 /// As [`ScanPass::over`] says.
-pub fn collect_groups<L: Linkage>(
+pub fn collect_groups(
     pass: ScanPass<'_>,
-    new_grouping: &(dyn Fn() -> GroupingStages<L> + Sync),
+    new_grouping: &(dyn Fn() -> Pipeline + Sync),
     library: &PrototypeLibrary,
 ) -> Result<Vec<ScanGroups>, ScanPassError> {
     let new_looker = || Looker {
@@ -100,15 +100,17 @@ pub fn collect_groups<L: Linkage>(
     pass.over(new_looker, |looker, it| groups_of(it.scan, looker))
 }
 
-fn groups_of<L: Linkage>(scan: &LabeledScan, looker: &mut Looker<L>) -> ScanGroups {
+fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
     let Looker { grouping, describer, box_fit } = looker;
-    grouping.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
+    grouping.detect(&scan.cloud, &mut DetectorOutput::default());
+    let grouped = &grouping.frame.groups;
+    let tree = &grouped.tree;
     let annotations_of_point = annotations_of_points(scan);
-    let points_of_dense = points_of_dense_cells(grouping);
+    let points_of_dense = points_of_dense_cells(grouped);
     let mut n_shared = vec![0_usize; scan.annotations.len()];
     let mut groups = Vec::new();
-    for node in grouping.described() {
-        let cells = grouping.tree().cells(&grouping.tree().nodes()[node.node_idx as usize]);
+    for node in grouped.describer.described() {
+        let cells = tree.cells(&tree.nodes()[node.node_idx as usize]);
         let mut point_indices: Vec<u32> =
             cells.iter().flat_map(|&it| points_of_dense[it as usize].iter().copied()).collect();
         point_indices.sort_unstable();
@@ -148,8 +150,8 @@ fn groups_of<L: Linkage>(scan: &LabeledScan, looker: &mut Looker<L>) -> ScanGrou
         });
     }
     let mut upward = Vec::new();
-    grouping.tree().upward(&mut upward);
-    let wholes = grouping.tree().nodes().iter().map(|it| it.parent).collect();
+    tree.upward(&mut upward);
+    let wholes = tree.nodes().iter().map(|it| it.parent).collect();
     ScanGroups { sequence: scan.id.sequence.clone(), upward, wholes, groups }
 }
 
@@ -164,11 +166,10 @@ fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
     annotations
 }
 
-/// The points of each dense cell of the latest scan that `grouping` saw, ascending.
-fn points_of_dense_cells<L: Linkage>(grouping: &GroupingStages<L>) -> Vec<Vec<u32>> {
-    let mut points = vec![Vec::new(); grouping.dense().heaps().len()];
-    let point_indices = grouping.candidates().point_indices();
-    for (&point_idx, &dense_idx) in point_indices.iter().zip(grouping.dense().dense_of_point()) {
+/// The points of each dense cell, ascending.
+fn points_of_dense_cells(Groups { dense, candidates, .. }: &Groups) -> Vec<Vec<u32>> {
+    let mut points = vec![Vec::new(); dense.heaps().len()];
+    for (&point_idx, &dense_idx) in candidates.point_indices().iter().zip(dense.dense_of_point()) {
         points[dense_idx as usize].push(point_idx);
     }
     points

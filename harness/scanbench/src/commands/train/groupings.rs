@@ -8,9 +8,10 @@ use detector::classify::model_file::ModelFile;
 use detector::classify::object_looks::LookBuffers;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::prototype_library::PrototypeLibrary;
-use detector::group::linkage::Linkage;
 use detector::params::HierarchicalParams;
-use detector::pipeline::grouping_stages::GroupingStages;
+use detector::pipeline::frame::Frame;
+use detector::pipeline::grouping_stages::grouping;
+use detector::pipeline::stage_list::Pipeline;
 use evaluation::run::config::{GROUPINGS_FILE, RunConfig};
 use evaluation::training::CHOICE_SEED;
 use evaluation::training::calibration::{CalibrationBin, calibration};
@@ -49,14 +50,9 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let data = TrainingData::open(&arguments.data, &arguments.sensors, &arguments.judging)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
-    let stages = |params: &HierarchicalParams, height_m| GroupingStages::new(params.clone(), height_m);
-    let scans = groups_of_all(
-        data.opened(),
-        &config,
-        &library,
-        &|_, params, height_m| stages(params, height_m),
-        interrupted,
-    )?;
+    let by_gaps =
+        |_: &str, params: &HierarchicalParams, height_m| grouping(Frame::new(params, height_m), params);
+    let scans = groups_of_all(data.opened(), &config, &library, &by_gaps, interrupted)?;
     let trained = TrainedTrees::of(&data, &scans, config.hierarchical.grouping.rounds, library)?;
     let made = data.provenance("train groupings", &options(arguments), &arguments.judging, CHOICE_SEED);
     let file = trained.model.to_file(GROUPING_MODEL, made, toml::Table::new()).with_parameters(parameters);
@@ -99,15 +95,15 @@ pub fn drives(parted: &HeldOut) -> String {
     )
 }
 
-/// Makes the stages whose groups are learned from, for a sensor of this name and height above the road.
-pub type StagesFor<'a, L> = &'a (dyn Fn(&str, &HierarchicalParams, f32) -> GroupingStages<L> + Sync);
+/// Makes the grouping whose groups are learned from, for a sensor of this name and height above the road.
+pub type GroupingFor<'a> = &'a (dyn Fn(&str, &HierarchicalParams, f32) -> Pipeline + Sync);
 
 /// The groups of all scans, with their data sets.
-pub fn groups_of_all<'a, L: Linkage>(
+pub fn groups_of_all<'a>(
     opened: impl Iterator<Item = &'a OpenedDataset>,
     config: &RunConfig,
     library: &PrototypeLibrary,
-    new_stages: StagesFor<'_, L>,
+    grouping_for: GroupingFor<'_>,
     interrupted: &AtomicBool,
 ) -> Result<Vec<(&'a OpenedDataset, ScanGroups)>, Failure> {
     let mut scans = Vec::new();
@@ -115,7 +111,7 @@ pub fn groups_of_all<'a, L: Linkage>(
         let description = it.dataset.description();
         warn_of_unknown_sensor(config, description);
         let of_sensor = config.for_scans_of(description).hierarchical;
-        let new_grouping = || new_stages(&description.sensor, &of_sensor, description.sensor_height_m);
+        let new_grouping = || grouping_for(&description.sensor, &of_sensor, description.sensor_height_m);
         let found = it.look(interrupted, |pass| collect_groups(pass, &new_grouping, library))?;
         scans.extend(found.into_iter().map(|found| (it, found)));
     }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use baselines::kd_tree_groups::{component_stages, nested_stages};
-use baselines::kd_tree_linkage::NESTED_TOLERANCES_M;
+use baselines::kd_tree_groups::component_groups;
+use baselines::kd_tree_linkage::{KdTreeLinkage, NESTED_TOLERANCES_M};
 use baselines::kd_tree_models::{KD_TREE_TREE, TrainedComponents};
 use detector::classify::model_file::ModelFile;
 use detector::classify::vehicle_model::VehicleModel;
@@ -85,15 +85,16 @@ impl Rivals {
     ) -> Result<Self, Failure> {
         let rounds = config.hierarchical.grouping.rounds;
         let clusters = TrainedClusters::of(data, config, &library, interrupted)?;
-        let nested_for =
-            |_: &str, params: &HierarchicalParams, height_m| nested_stages(params.clone(), height_m);
+        let nested_for = |_: &str, params: &HierarchicalParams, height_m| {
+            component_groups(KdTreeLinkage::nested(), params, height_m)
+        };
         let scans = groups_of_all(data.opened(), config, &library, &nested_for, interrupted)?;
         let tolerances_m = chosen_tolerances(data, &scans)?;
         let nested = TrainedTrees::of(data, &scans, rounds, library.clone())?;
         drop(scans);
         let components_for = |sensor: &str, params: &HierarchicalParams, height_m| {
             let tolerance_m = tolerances_m.get(sensor).unwrap_or(&tolerances_m[PAPER_SENSOR]);
-            component_stages(params.clone(), *tolerance_m, height_m)
+            component_groups(KdTreeLinkage::at(*tolerance_m), params, height_m)
         };
         let scans = groups_of_all(data.opened(), config, &library, &components_for, interrupted)?;
         let components = TrainedTrees::of(data, &scans, rounds, library)?;

@@ -1,0 +1,141 @@
+//! What the stages of a detector hand on to each other.
+
+use crate::drawn::surfaces::class_by_cell;
+use crate::fit::fitted_objects::FittedObjects;
+use crate::grid::density_weighting::DensityWeighting;
+use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::group::candidates::Candidates;
+use crate::group::dense_cells::DenseCells;
+use crate::group::dense_gaps::DenseGaps;
+use crate::group::doubtful_groups::DoubtfulGroups;
+use crate::group::grouping_tree::GroupingTree;
+use crate::group::linkage::Linkage;
+use crate::group::node_points::NodePoints;
+use crate::group::node_values::NodeDescriber;
+use crate::oriented_box::OrientedBox;
+use crate::params::HierarchicalParams;
+use crate::point_cloud::PointCloud;
+use crate::segment::clusters::Clusters;
+use crate::segment::dense_level::DenseLevel;
+use crate::segment::foreground::Foreground;
+use crate::segment::ground_points::ground_points;
+use crate::segment::object_points::ObjectPoints;
+use crate::segment::terrain::Terrain;
+use crate::segment::wall_refinement::WallRefinement;
+use crate::surface_class::SurfaceClass;
+
+/// What is known of one scan after another, in the order in which it is found, in reusable buffers.
+///
+/// What a detector has no stage for stays as it was made.
+pub struct Frame {
+    /// The points in cells.
+    pub grid: HierarchicalGrid,
+    /// The ground below them.
+    pub terrain: Terrain,
+    /// The class of every cell of the grid; empty cells are unseen. There is none if no stage looks for the ground.
+    pub classes: Vec<SurfaceClass>,
+    /// The walls.
+    pub walls: WallRefinement,
+    /// The points that may belong to objects.
+    pub foreground: Foreground,
+    /// The dense cells below them.
+    pub dense: DenseLevel,
+    /// Neighbouring blocks of dense cells that belong to the same blob, each pair once, ascending.
+    pub links: Vec<[u32; 2]>,
+    /// The object of every dense cell.
+    pub object_of_dense: Vec<u32>,
+    /// The points of these objects.
+    pub object_points: ObjectPoints,
+    /// The places of foreground points in their list, cluster by cluster.
+    pub clusters: Clusters,
+    /// Groups within groups, of which some are objects.
+    pub groups: Groups,
+    /// Objects with their boxes, what is asked about them and what models say.
+    pub fitted: FittedObjects,
+}
+
+/// Groups within groups.
+pub struct Groups {
+    /// The points that are grouped, in place of a foreground.
+    pub candidates: Candidates,
+    /// Their dense cells.
+    pub dense: DenseCells,
+    /// What joins these.
+    pub linkage: Box<dyn Linkage>,
+    /// All groupings.
+    pub tree: GroupingTree,
+    /// The groups that may be objects by their size.
+    pub describer: NodeDescriber,
+    /// Those that are taken for objects, or for vehicles if a model says so: nodes of the tree, ascending, of which none holds another.
+    pub taken: Vec<u32>,
+    /// Which of them are taken only if a model takes them for vehicles.
+    pub doubtful: DoubtfulGroups,
+    /// The points of those that are taken.
+    pub points: NodePoints,
+}
+
+impl Frame {
+    /// A frame for a sensor `sensor_height_m` above the road. Gaps part groups.
+    pub fn new(params: &HierarchicalParams, sensor_height_m: f32) -> Self {
+        let weighting = DensityWeighting::new(&params.density_weighting);
+        let gaps = DenseGaps::new(params.grouping.gaps.clone(), &params.grid, &weighting);
+        Self::over(Box::new(gaps), params, sensor_height_m)
+    }
+
+    /// The same, with groups that `linkage` joins.
+    pub fn over(linkage: Box<dyn Linkage>, params: &HierarchicalParams, sensor_height_m: f32) -> Self {
+        let grid = HierarchicalGrid::new(params.grid.clone());
+        let candidates = params.grouping.candidates.clone();
+        Self {
+            terrain: Terrain::new(params.terrain.clone(), &grid, sensor_height_m),
+            classes: Vec::new(),
+            walls: WallRefinement::new(params.walls.clone(), &grid),
+            foreground: Foreground::new(params.foreground.clone()),
+            dense: DenseLevel::default(),
+            links: Vec::new(),
+            object_of_dense: Vec::new(),
+            object_points: ObjectPoints::default(),
+            clusters: Clusters::default(),
+            groups: Groups {
+                candidates: Candidates::new(
+                    candidates,
+                    params.foreground.clone(),
+                    params.ground.tall_height_m,
+                ),
+                dense: DenseCells::default(),
+                linkage,
+                tree: GroupingTree::default(),
+                describer: NodeDescriber::default(),
+                taken: Vec::new(),
+                doubtful: DoubtfulGroups::default(),
+                points: NodePoints::default(),
+            },
+            fitted: FittedObjects::default(),
+            grid,
+        }
+    }
+
+    /// Elevation of the ground below the middle of a box, in metres.
+    pub fn ground_below_m(&self, bounding_box: &OrientedBox) -> f32 {
+        let [x_m, y_m, _] = bounding_box.center_m;
+        self.terrain.elevation_m(self.grid.nearest_column_and_row([x_m, y_m]))
+    }
+
+    /// The class of every point: that of its cell, except that points of short cells that lie below the foreground are ground.
+    pub fn point_classes(&self) -> Vec<SurfaceClass> {
+        let mut classes = class_by_cell(&self.grid, |cell_idx| match self.classes[cell_idx as usize] {
+            SurfaceClass::Short => SurfaceClass::Ground,
+            class => class,
+        });
+        for &point_idx in self.foreground.point_indices() {
+            classes[point_idx as usize] = SurfaceClass::Short;
+        }
+        classes
+    }
+
+    /// Whether each point of `cloud`, the latest scan, is ground; `None` if no stage looks for the ground.
+    pub fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        let Self { grid, classes, terrain, foreground, .. } = self;
+        (!classes.is_empty()).then(|| ground_points(cloud, grid, classes, terrain, foreground.params()))
+    }
+}

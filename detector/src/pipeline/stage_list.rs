@@ -1,0 +1,117 @@
+//! A detector as a list of stages.
+
+use crate::detector::{Detector, DetectorOutput, StageClock};
+use crate::pipeline::frame::Frame;
+use crate::point_cloud::PointCloud;
+use crate::rule::Rule;
+use crate::stage_product::StageProduct;
+
+/// One step from a scan to detections.
+///
+/// It has parameters and buffers of its own. What other stages need of its work it leaves in the frame.
+pub trait Stage: Send {
+    /// Does its work on `cloud` and on what earlier stages left in `frame`. The last stages write `output`.
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput);
+
+    /// What it left behind of the latest scan, which is `cloud`. Asked when all stages have run.
+    fn products(&self, _cloud: &PointCloud, _frame: &Frame) -> Vec<StageProduct> {
+        Vec::new()
+    }
+
+    /// What it does beside finding clusters.
+    fn rules(&self, _frame: &Frame) -> Vec<Rule> {
+        Vec::new()
+    }
+}
+
+/// A function is a stage that shows nothing.
+impl<F: FnMut(&PointCloud, &mut Frame, &mut DetectorOutput) + Send> Stage for F {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+        self(cloud, frame, output);
+    }
+}
+
+/// Stages under their names, in the order in which they run.
+#[derive(Default)]
+pub struct Stages(Vec<(&'static str, Box<dyn Stage>)>);
+
+impl Stages {
+    /// The same, and then `stage`; `name` is one of [`stage`](crate::stage) or of the detector's own.
+    pub fn then(mut self, name: &'static str, stage: impl Stage + 'static) -> Self {
+        self.0.push((name, Box::new(stage)));
+        self
+    }
+
+    /// The same, and then all of `others`.
+    pub fn and(mut self, others: Self) -> Self {
+        self.0.extend(others.0);
+        self
+    }
+
+    /// Runs them on `cloud`, and adds the time of each to `output`.
+    pub fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+        let mut clock = StageClock::start();
+        for (name, stage) in &mut self.0 {
+            stage.run(cloud, frame, output);
+            clock.lap(name, &mut output.stage_times);
+        }
+    }
+}
+
+/// A detector that is nothing but a frame and stages over it.
+///
+/// ```
+/// use detector::detector::DetectorOutput;
+/// use detector::params::HierarchicalParams;
+/// use detector::pipeline::foreground_stages::foreground_stages;
+/// use detector::pipeline::frame::Frame;
+/// use detector::pipeline::stage_list::Pipeline;
+/// use detector::{DetectedClass, Detection, Detector, OrientedBox, PointCloud};
+///
+/// // Takes all of the foreground for one object.
+/// fn report(_: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+///     let bounding_box =
+///         OrientedBox { center_m: [8.0, 0.0, -1.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
+///     let points = frame.foreground.point_indices();
+///     output.detections.push(Detection::new(points, bounding_box, DetectedClass::Object, None));
+/// }
+///
+/// let params = HierarchicalParams::shipped();
+/// let stages = foreground_stages(&params).then("report", report);
+/// let mut detector = Pipeline { name: "foreground", frame: Frame::new(&params, 1.73), stages };
+/// let mut output = DetectorOutput::default();
+/// detector.detect(&PointCloud::default(), &mut output);
+/// let names: Vec<&str> = output.stage_times.iter().map(|it| it.stage).collect();
+/// assert_eq!(names, ["grid", "ground", "walls", "foreground", "report"]);
+/// ```
+pub struct Pipeline {
+    /// The name on the command line.
+    pub name: &'static str,
+    /// What its stages know of the latest scan.
+    pub frame: Frame,
+    /// They.
+    pub stages: Stages,
+}
+
+impl Detector for Pipeline {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn detect(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+        output.clear();
+        self.stages.run(cloud, &mut self.frame, output);
+    }
+
+    fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
+        self.stages.0.iter().flat_map(|(_, stage)| stage.products(cloud, &self.frame)).collect()
+    }
+
+    fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        self.frame.ground_points(cloud)
+    }
+
+    fn rules(&self) -> Vec<Rule> {
+        self.stages.0.iter().flat_map(|(_, stage)| stage.rules(&self.frame)).collect()
+    }
+}
