@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::document::document;
-use super::markup::{commands, panel_of_file, sentences, table};
+use super::markup::{commands, sentences, table, wide_picture};
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
 use crate::reproduction::judged_claim::JudgedClaim;
@@ -58,14 +58,9 @@ impl ReproductionPage<'_> {
             @if let Some(svg) = self.settings_svg {
                 section #settings aria-label="Settings" {
                     h2 { "Under every setting" }
-                    figure.sweep {
-                        @if let Some(panel) = panel_of_file("settings", svg) {
-                            div.scroll tabindex="0" role="region" aria-label="Rates over all settings" { (PreEscaped(panel.inline())) }
-                        }
-                        figcaption {
-                            "The median over all joint settings, with the range of nine in ten of them; of rivals the rate under each criterion."
-                        }
-                    }
+                    (wide_picture("Rates over all settings", svg, &html! {
+                        "The median over all joint settings, with the range of nine in ten of them; of rivals the rate under each criterion."
+                    }))
                 }
             }
             section #reproduce aria-label="Reproduce" {

@@ -1,6 +1,7 @@
 //! The plot of the fitness of cells over their size.
 
-use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
+use super::curve_panels::{CurvePanel, Note, NoteShape, curve_figure};
+use super::series::{Place, Series};
 use super::sweep_panels::{about_bars, curves_of, heading, words};
 use crate::numbers::sweep_curve::{SweepCurve, highest};
 use crate::numbers::sweep_score::{FitnessValue, SweepScores};
@@ -48,19 +49,19 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
                 notes.push(Note { place: (*x, edge), text: String::new(), shape: NoteShape::Cross });
             }
         }
-        Panel {
+        CurvePanel {
             title: panel_title(name, &of_first),
             x_title: sweep.axis_title(),
             y_title: reading_unit(name).to_owned(),
             x_words: words(first),
             series,
             notes,
-            thread: Vec::new(),
             y_range,
+            ..CurvePanel::default()
         }
     });
     let title = format!("Cell fitness, {}. Ring: best fitness. {}", heading(&curves), about_bars(&curves));
-    Some(panels_svg(&panels.collect::<Vec<_>>(), &title))
+    Some(curve_figure(&panels.collect::<Vec<_>>(), &title).panel(title).document())
 }
 
 fn readings<'a>(

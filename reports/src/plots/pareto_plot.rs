@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
+use super::curve_panels::{CurvePanel, Note, NoteShape, curve_figure};
+use super::series::{Place, Series};
 use super::sweep_panels::{curves_of, heading};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
@@ -44,19 +45,18 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
                 .collect(),
         });
         let notes = front_notes(&points, &front);
-        panels.push(Panel {
+        panels.push(CurvePanel {
             title: task.name().to_owned(),
             x_title: "time of a scan (ms): median of the shortest of each".to_owned(),
             y_title: format!("{} (%)", of_task[0].points[0].score.rate_name()),
-            x_words: None,
             series: series.collect(),
             notes,
             thread: front.iter().map(|&it| (points[it].0, points[it].1)).collect(),
-            y_range: None,
+            ..CurvePanel::default()
         });
     }
     let title = format!("{}. Ring and {}: Pareto front", heading(&curves), sweep.axis_title());
-    (!panels.is_empty()).then(|| panels_svg(&panels, &title))
+    (!panels.is_empty()).then(|| curve_figure(&panels, &title).panel(title).document())
 }
 
 /// A ring around every point of the front, and its values unless they would run into those of the one before.

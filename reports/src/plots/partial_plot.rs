@@ -1,6 +1,8 @@
 //! Plots of how objects are told of which a part has been seen.
 
-use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
+use super::curve_panels::{CurvePanel, Note, NoteShape, curve_figure};
+use super::figure::Figure;
+use super::series::{Place, Series};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::vocabulary::partial_class::PartialClass;
 
@@ -8,7 +10,7 @@ use crate::vocabulary::partial_class::PartialClass;
 /// the first step at which all of them could be judged.
 ///
 /// Paper: BG Figs. 4 to 7.
-pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> String {
+pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> Figure {
     let there = |class: &PartialClass| curve.steps.iter().any(|it| it.classes.contains_key(class));
     let panels = PartialClass::LEARNT.into_iter().filter(there).map(|of| {
         let series = PartialClass::LEARNT.into_iter().map(|to| Series {
@@ -21,19 +23,21 @@ pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> String {
             shape: NoteShape::Upright,
         };
         let notes = curve.first_step_all_judged(of).map(note).into_iter().collect();
-        panel(
-            format!("objects that are: {}", of.name()),
-            "step",
-            ("mean L1 error", None),
-            (series.collect(), notes),
-        )
+        CurvePanel {
+            title: format!("objects that are: {}", of.name()),
+            x_title: "step".to_owned(),
+            y_title: "mean L1 error".to_owned(),
+            series: series.collect(),
+            notes,
+            ..CurvePanel::default()
+        }
     });
-    panels_svg(&panels.collect::<Vec<_>>(), title)
+    curve_figure(&panels.collect::<Vec<_>>(), title)
 }
 
 /// The mean of recalls over the steps with its interval over objects: a series for each curve, at most four of one data set
 /// and direction to a panel.
-pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> String {
+pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> Figure {
     let of_same = |a: &PartialCurve, b: &PartialCurve| (&a.data, &a.direction) == (&b.data, &b.direction);
     let panels = curves.chunk_by(of_same).flat_map(|same| same.chunks(4)).map(|few| {
         let series = few.iter().map(|curve| Series {
@@ -45,26 +49,40 @@ pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> String {
         let series: Vec<Series> = series.collect();
         let names: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
         let title = format!("{} from {}: {}", few[0].data, few[0].direction, names.join(", "));
-        panel(title, "step", ("mean of recalls (%)", Some([0.0, 100.0])), (series, Vec::new()))
+        CurvePanel {
+            title,
+            x_title: "step".to_owned(),
+            y_title: "mean of recalls (%)".to_owned(),
+            series,
+            y_range: Some([0.0, 100.0]),
+            ..CurvePanel::default()
+        }
     });
-    panels_svg(&panels.collect::<Vec<_>>(), title)
+    curve_figure(&panels.collect::<Vec<_>>(), title)
 }
 
 /// How often what was told with some chance was right; the thin line is where both are the same.
-pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> String {
+pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> Figure {
     let panels = curves.iter().filter(|it| !it.calibration.is_empty()).map(|curve| {
         let place = |&(chance, right, _): &(f64, f64, u64)| {
             Some(Place { x: 100.0 * chance, y: 100.0 * right, within: None })
         };
         let series =
             Series { name: curve.method.clone(), places: curve.calibration.iter().map(place).collect() };
-        let title =
-            format!("{} from {}, {} ({})", curve.data, curve.direction, curve.method, curve.trained_on);
-        let range = ("share that was right (%)", Some([0.0, 100.0]));
-        let thread = vec![(0.0, 0.0), (100.0, 100.0)];
-        Panel { thread, ..panel(title, "chance of what was told (%)", range, (vec![series], Vec::new())) }
+        CurvePanel {
+            title: format!(
+                "{} from {}, {} ({})",
+                curve.data, curve.direction, curve.method, curve.trained_on
+            ),
+            x_title: "chance of what was told (%)".to_owned(),
+            y_title: "share that was right (%)".to_owned(),
+            series: vec![series],
+            thread: vec![(0.0, 0.0), (100.0, 100.0)],
+            y_range: Some([0.0, 100.0]),
+            ..CurvePanel::default()
+        }
     });
-    panels_svg(&panels.collect::<Vec<_>>(), title)
+    curve_figure(&panels.collect::<Vec<_>>(), title)
 }
 
 fn places(
@@ -76,16 +94,6 @@ fn places(
         Some(Place { x: f64::from(step.step), y, within })
     };
     curve.steps.iter().map(place).collect()
-}
-
-fn panel(
-    title: String,
-    x_title: &str,
-    (y_title, y_range): (&str, Option<[f64; 2]>),
-    (series, notes): (Vec<Series>, Vec<Note>),
-) -> Panel {
-    let (x_title, y_title) = (x_title.to_owned(), y_title.to_owned());
-    Panel { title, x_title, y_title, x_words: None, series, notes, thread: Vec::new(), y_range }
 }
 
 #[cfg(test)]
@@ -103,7 +111,7 @@ mod tests {
     #[test]
     fn every_class_has_a_panel_and_every_axis_a_unit() {
         let curves = PartialCurve::all(&rows());
-        let errors = partial_error_plot(&curves[0], "Errors (simulated)");
+        let errors = partial_error_plot(&curves[0], "Errors (simulated)").svg();
         check(
             &errors,
             &[
@@ -115,14 +123,17 @@ mod tests {
                 "Errors (simulated)",
             ],
         );
-        check(&partial_accuracy_plot(&curves, "Accuracy"), &["mean of recalls (%)", "street from below"]);
-        check(&partial_calibration_plot(&curves, "Calibration"), &["chance of what was told (%)"]);
+        check(
+            &partial_accuracy_plot(&curves, "Accuracy").svg(),
+            &["mean of recalls (%)", "street from below"],
+        );
+        check(&partial_calibration_plot(&curves, "Calibration").svg(), &["chance of what was told (%)"]);
     }
 
     #[test]
     fn nothing_can_be_drawn() {
         for svg in [partial_accuracy_plot(&[], "Nothing"), partial_calibration_plot(&[], "Nothing")] {
-            assert!(svg.contains("</svg>"));
+            assert!(svg.svg().contains("</svg>"));
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Rates over the range from the sensor.
 
-use super::curve_panel::{Place, Series};
-use super::small_panel::{Points, SmallPanel, Words};
-use super::themed_svg::ThemedPanel;
+use super::figure::{Axis, Labels};
+use super::series::{Place, Points, Series};
+use super::small_panel::small_panel;
+use super::themed_panel::ThemedPanel;
 
 /// A rate with its interval, in percent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,19 +34,11 @@ pub fn range_plot(rate: &str, names: &[String], of_detectors: &[RatesOverRange])
         Series { name: detector.clone(), places: rates.iter().enumerate().map(place).collect() }
     };
     let series: Vec<Series> = of_detectors.iter().map(series).collect();
-    let x_text = |value: f64| names.get(value as usize).map_or_else(String::new, |it| it.replace('-', "–"));
     let detectors: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
     let label = format!("{rate} in percent over range from the sensor, of {}", detectors.join(", "));
-    SmallPanel {
-        title: rate,
-        x_title: "range from the sensor (m)",
-        y_title: "%",
-        x: Words::new(names.len()),
-        y: [0.0, 100.0],
-        x_text: &x_text,
-        n_x_labels: names.len(),
-        series: &series,
-        points: Points::Marked,
-    }
-    .draw(label)
+    let x = Axis {
+        labels: Labels::Words(names.iter().map(|it| it.replace('-', "–")).collect()),
+        ..Axis::linear("range from the sensor (m)", [-0.5, names.len().max(1) as f64 - 0.5], names.len())
+    };
+    small_panel(rate, x, "%", &series, Points::Marked { apart: 0.09 }).panel(label)
 }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
+use super::curve_panels::{CurvePanel, Note, NoteShape, curve_figure};
+use super::series::{Place, Series};
 use super::sweep_panels::{about_bars, curves_of, heading, words};
 use crate::numbers::sweep_curve::{CurvePoint, SweepCurve};
 use crate::numbers::sweep_score::SweepScores;
@@ -15,19 +16,16 @@ use crate::vocabulary::task::Task;
 /// Paper: HG Fig. 6 b.
 pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
     let curves = curves_of(sweep, extent);
-    let mut panels: BTreeMap<(usize, usize), Panel> = BTreeMap::new();
+    let mut panels: BTreeMap<(usize, usize), CurvePanel> = BTreeMap::new();
     let places = PanelPlaces::of(&curves);
     for curve in &curves {
         let first = curve.points[0].score;
-        let panel = panels.entry(places.of_curve(curve)).or_insert_with(|| Panel {
+        let panel = panels.entry(places.of_curve(curve)).or_insert_with(|| CurvePanel {
             title: [vec![first.task.name().to_owned()], curve.others.clone()].concat().join(", "),
             x_title: sweep.axis_title(),
             y_title: format!("{} (%)", first.rate_name()),
             x_words: words(curve),
-            series: Vec::new(),
-            notes: Vec::new(),
-            thread: Vec::new(),
-            y_range: None,
+            ..CurvePanel::default()
         });
         let place = |it: &CurvePoint<'_>| {
             let percent = |it: f64| 100.0 * it;
@@ -48,7 +46,7 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
         panel.series.push(series);
     }
     let title = format!("{}. Ring: best. {}", heading(&curves), about_bars(&curves));
-    panels_svg(&panels.into_values().collect::<Vec<_>>(), &title)
+    curve_figure(&panels.into_values().collect::<Vec<_>>(), &title).panel(title).document()
 }
 
 /// Tasks from above, and for each the combinations of other parameters.
@@ -88,7 +86,7 @@ mod tests {
     fn rates_have_units_and_the_best_is_named() {
         let sweep = cell_sizes(&[(4, Some(6), None, 0.1), (8, Some(2), None, 0.3), (7, Some(2), None, 0.2)]);
         let svg = rate_plot(&sweep, &street());
-        check_holds(&svg, &["street (simulated)", "cell size (m)", "F-rate (%)", "objects", "\n0.4\n"]);
+        check_holds(&svg, &["street (simulated)", "cell size (m)", "F-rate (%)", "objects", ">0.4<"]);
         let recall = cell_sizes(&[(4, None, None, 0.1), (8, None, None, 0.3)]);
         check_holds(&rate_plot(&recall, &street()), &["recall (%)"]);
     }

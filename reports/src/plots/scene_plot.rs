@@ -4,15 +4,16 @@
 
 use std::fmt::Write as _;
 
-use super::series_marks::SeriesMark;
-use super::style::{BLACK_HEX, QUIET, hex};
-use super::themed_svg::{KEY_SIZE_PX, KeyEntry, ThemedPanel};
-use crate::plots::palette::{DETECTOR_HUES, detector_hue};
+use super::marks::SeriesMark;
+use super::palette::{DETECTOR_HUES, QUIET, detector_hue};
+use super::theme::hex;
+use super::themed_panel::{KEY_SIZE_PX, KeyEntry, ThemedPanel};
 use crate::rows::match_outcome::BoxFacts;
 use crate::worst::places::PlanWindow;
 use crate::worst::points::{PLAN_CELL_M, PlanCells};
 
 const SIDE_PX: u32 = 200;
+const BLACK_HEX: &str = "#000000";
 /// Behind what a scene is about: yellow, as what is missed in the viewer.
 const SUBJECT_HEX: &str = "#F0E442";
 
@@ -114,7 +115,7 @@ pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
     }
     elements.push_str(&scale_bar(scene.window, scale));
     elements.push_str(&sensor_mark(scene.window));
-    ThemedPanel::of_elements(elements, [SIDE_PX, SIDE_PX], label)
+    ThemedPanel { size_px: [SIDE_PX, SIDE_PX], label, elements }
 }
 
 /// The key to scenes of the detectors of these names.
@@ -124,13 +125,13 @@ pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
             r#"<path class="{class}" d="M1 8h34" fill="none" stroke="{color}" stroke-width="{width}"{dashes}/>"#
         );
         let name = name.to_owned();
-        KeyEntry { swatch: ThemedPanel::of_elements(elements, KEY_SIZE_PX, name.clone()), name }
+        KeyEntry { swatch: ThemedPanel { size_px: KEY_SIZE_PX, label: name.clone(), elements }, name }
     };
     let subject = format!(
         r#"<rect class="f-subject" x="6" y="1" width="24" height="14" fill="{SUBJECT_HEX}" opacity="0.35"/>"#
     );
     let name = "missed or false object".to_owned();
-    let swatch = ThemedPanel::of_elements(subject, KEY_SIZE_PX, name.clone());
+    let swatch = ThemedPanel { size_px: KEY_SIZE_PX, label: name.clone(), elements: subject };
     let mut keys = vec![KeyEntry { name, swatch }, sample("annotated", "k-ink", BLACK_HEX, 1.8, "")];
     keys.extend(names.iter().enumerate().map(|(idx, name)| {
         let dashes = SeriesMark(idx).dashes_px();

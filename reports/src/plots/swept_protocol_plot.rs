@@ -1,6 +1,7 @@
 //! The plot of the principal numbers of a protocol over the first parameter of a sweep.
 
-use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
+use super::curve_panels::{CurvePanel, Note, NoteShape, curve_figure};
+use super::series::{Place, Series};
 use crate::numbers::sweep_curve::axis_title;
 use crate::protocols::swept_number_curves::{NumberCurve, NumberPoint};
 use crate::protocols::swept_numbers::SweptNumbers;
@@ -17,7 +18,7 @@ pub fn swept_protocol_plot(swept: &SweptNumbers, protocol: Protocol, extent: &Ex
     };
     let curves: Vec<NumberCurve<'_>> = swept.principal_curves().into_iter().filter(is_asked).collect();
     let title = title(curves.first()?);
-    let mut panels: Vec<Panel> = Vec::new();
+    let mut panels: Vec<CurvePanel> = Vec::new();
     for curve in &curves {
         let place = panels.iter().position(|it| it.title == panel_title(curve)).unwrap_or_else(|| {
             panels.push(panel(curve, &swept.parameters));
@@ -25,7 +26,7 @@ pub fn swept_protocol_plot(swept: &SweptNumbers, protocol: Protocol, extent: &Ex
         });
         add(&mut panels[place], curve);
     }
-    Some(panels_svg(&panels, &title))
+    Some(curve_figure(&panels, &title).panel(title).document())
 }
 
 fn title(first: &NumberCurve<'_>) -> String {
@@ -45,23 +46,20 @@ fn panel_title(curve: &NumberCurve<'_>) -> String {
     [vec![format!("{} {}", metric.class, metric.id)], curve.others.clone()].concat().join(", ")
 }
 
-fn panel(curve: &NumberCurve<'_>, parameters: &[String]) -> Panel {
+fn panel(curve: &NumberCurve<'_>, parameters: &[String]) -> CurvePanel {
     let is_numeric = curve.points.iter().all(|it| it.x_text.parse::<f64>().is_ok());
     let words = || curve.points.iter().map(|it| it.x_text.to_owned()).collect();
     let metric = &curve.first().number.metric;
-    Panel {
+    CurvePanel {
         title: panel_title(curve),
         x_title: axis_title(parameters),
         y_title: format!("{} ({})", metric.id, metric.unit),
         x_words: (!is_numeric).then(words),
-        series: Vec::new(),
-        notes: Vec::new(),
-        thread: Vec::new(),
-        y_range: None,
+        ..CurvePanel::default()
     }
 }
 
-fn add(panel: &mut Panel, curve: &NumberCurve<'_>) {
+fn add(panel: &mut CurvePanel, curve: &NumberCurve<'_>) {
     let place = |it: &NumberPoint<'_>| {
         let number = &it.swept.number;
         Some(Place { x: it.x, y: number.value?, within: number.interval.map(|it| it.ends) })
@@ -91,7 +89,7 @@ mod tests {
             "present ap",
             "ap (ratio)",
             "ranked probability",
-            "\n0.2\n",
+            ">0.2<",
         ];
         check_holds(&svg, &parts);
         assert!(!svg.contains("ase"));
