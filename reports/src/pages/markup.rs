@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::plots::themed_panel::{KeyEntry, ThemedPanel, sheet};
+use crate::plots::themed_panel::{Arrangement, KeyEntry, ThemedPanel, sheet};
 use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
 use crate::tables::notes::Notes;
 
@@ -32,7 +32,7 @@ impl FigureMarkup<'_> {
         // Names come from files, too.
         let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
         let file_stem = self.file_stem.chars().map(safe).collect();
-        files.push(Figure { svg: sheet(self.panels, self.key, self.title), file_stem });
+        files.push(Figure { svg: sheet(self.panels, Arrangement::Row, self.key, self.title), file_stem });
         html! {
             figure {
                 (key(self.key))

@@ -18,21 +18,12 @@ pub(crate) fn bar_chart(curves: &CurvePair) -> Chart {
     let values = curves.bins.iter().flat_map(|bin| [bin.measured.left.value, bin.measured.right.value]);
     let greatest = values.flatten().fold(0.0, f64::max);
     let top = if greatest > 0.0 { 1.12 * greatest } else { 1.0 };
-    let title = format!("{} ({})", curves.title, curves.unit);
-    let x = Axis::linear("", [0.0, curves.bins.len() as f64], 11);
-    Chart {
-        caption: None,
-        frame: Frame {
-            margins_px: [6, 20, 0, LEFT_MARGIN_PX],
-            room_px: [56, LEFT_ROOM_PX],
-            grid: Grid::Level,
-            ..USUAL_FRAME
-        },
-        x: Axis { labels: Labels::NoAxis, ..x },
-        y: Axis::linear(title, [0.0, top], 8),
-        band: None,
-        marks: (0..curves.bins.len()).flat_map(|it| bin_marks(curves, it)).collect(),
-    }
+    let x = Axis::linear("", [0.0, curves.bins.len() as f64], 11).labelled(Labels::NoAxis);
+    let y = Axis::linear(format!("{} ({})", curves.title, curves.unit), [0.0, top], 8);
+    let (margins_px, room_px) = ([6, 20, 0, LEFT_MARGIN_PX], [56, LEFT_ROOM_PX]);
+    let frame = Frame { margins_px, room_px, grid: Grid::Level, ..USUAL_FRAME };
+    let marks = (0..curves.bins.len()).flat_map(|it| bin_marks(curves, it)).collect();
+    Chart { frame, ..Chart::new(x, y, marks) }
 }
 
 fn bin_marks(curves: &CurvePair, bin_idx: usize) -> Vec<Mark> {

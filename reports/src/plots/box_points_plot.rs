@@ -77,14 +77,10 @@ fn panel(points: &BoxPoints, [half_length_m, half_width_m]: [f64; 2]) -> Panel {
     let front = [(length_m, -width_m), (length_m, width_m)];
     marks.push(Mark::line(front, color(VERMILION), 2 * LINE_WIDTH_PX));
     let caption = format!("{}, {} (n {})", points.class.name(), points.frame, points.n_vehicles);
-    Panel::of(Chart {
-        caption: Some((caption, TEXT_PX + 1)),
-        frame: FRAME,
-        x: Axis::linear("to the front (m)", [-half_length_m, half_length_m], 7),
-        y: Axis::linear("to the left (m)", [-half_width_m, half_width_m], 5),
-        band: None,
-        marks,
-    })
+    let x = Axis::linear("to the front (m)", [-half_length_m, half_length_m], 7);
+    let y = Axis::linear("to the left (m)", [-half_width_m, half_width_m], 5);
+    let caption = Some((caption, TEXT_PX + 1));
+    Chart { caption, frame: FRAME, ..Chart::new(x, y, marks) }.into()
 }
 
 /// 1 to [`N_SHADES`] for what holds so much of what the fullest cell holds; nothing for less than the lightest.

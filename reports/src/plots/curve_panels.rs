@@ -14,24 +14,17 @@ const PANEL_PX: u32 = 300;
 /// Room above and below the values, as a share of their spread.
 const HEADROOM: f64 = 0.08;
 
-/// Something that is pointed at.
+/// Something that is pointed at, with what is said about it.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Note {
-    pub(crate) place: (f64, f64),
-    pub(crate) text: String,
-    pub(crate) shape: NoteShape,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum NoteShape {
+pub(crate) enum Note {
     /// A ring around the place.
-    Ring,
+    Ring((f64, f64), String),
     /// A small ring around the place, with the text aside.
-    Front,
+    Front((f64, f64), String),
     /// A dotted line through the panel.
-    Upright,
+    Upright(f64, String),
     /// A cross, for values that lie off the panel.
-    Cross,
+    Cross((f64, f64)),
 }
 
 /// One panel.
@@ -48,6 +41,13 @@ pub(crate) struct CurvePanel {
     pub(crate) thread: Vec<(f64, f64)>,
     /// The ends of the y axis, unless they follow from the values.
     pub(crate) y_range: Option<[f64; 2]>,
+}
+
+impl CurvePanel {
+    /// A panel with these titles of axes, without anything in it.
+    pub(crate) fn over(x_title: impl Into<String>, y_title: impl Into<String>) -> Self {
+        Self { x_title: x_title.into(), y_title: y_title.into(), ..Self::default() }
+    }
 }
 
 /// The panels below each other, under a `title` and the key to the series of the first.
@@ -77,37 +77,32 @@ fn drawn(panel: &CurvePanel) -> Panel {
     let x_axis = match &panel.x_words {
         None => Axis::linear(&panel.x_title, x, 12),
         Some(words) => {
-            Axis { labels: Labels::Words(words.clone()), ..Axis::linear(&panel.x_title, x, words.len() + 1) }
+            Axis::linear(&panel.x_title, x, words.len() + 1).labelled(Labels::Words(words.clone()))
         }
     };
-    Panel::of(Chart {
-        caption: Some((panel.title.clone(), TEXT_PX + 1)),
-        frame: Frame { margins_px: [4, 20, 0, LEFT_MARGIN_PX], room_px: [44, LEFT_ROOM_PX], ..USUAL_FRAME },
-        x: x_axis,
-        y: Axis::linear(&panel.y_title, y, 6),
-        band: None,
-        marks,
-    })
+    let frame = Frame { margins_px: [4, 20, 0, LEFT_MARGIN_PX], room_px: [44, LEFT_ROOM_PX], ..USUAL_FRAME };
+    let caption = Some((panel.title.clone(), TEXT_PX + 1));
+    Chart { caption, frame, ..Chart::new(x_axis, Axis::linear(&panel.y_title, y, 6), marks) }.into()
 }
 
-fn note_marks(Note { place, text, shape }: &Note, y: [f64; 2]) -> Vec<Mark> {
-    let text = |place, aside_px, horizontal, vertical| {
+fn note_marks(note: &Note, y: [f64; 2]) -> Vec<Mark> {
+    let text = |place, aside_px, text: &str, (horizontal, vertical)| {
         Mark::text(place, aside_px, text, text_style(TEXT_PX - 1, horizontal, vertical))
     };
-    match shape {
-        NoteShape::Ring => vec![
+    match note {
+        Note::Ring(place, said) => vec![
             Mark::circle(*place, 9, BLACK.stroke_width(2)),
-            text(*place, [0, -12], HPos::Center, VPos::Bottom),
+            text(*place, [0, -12], said, (HPos::Center, VPos::Bottom)),
         ],
-        NoteShape::Front => vec![
+        Note::Front(place, said) => vec![
             Mark::circle(*place, 7, BLACK.stroke_width(1)),
-            text(*place, [-7, -3], HPos::Right, VPos::Bottom),
+            text(*place, [-7, -3], said, (HPos::Right, VPos::Bottom)),
         ],
-        NoteShape::Upright => vec![
-            Mark::line(y.map(|it| (place.0, it)), BLACK, 1).dashed(Some([2, 4])),
-            text((place.0, y[1]), [5, 10], HPos::Left, VPos::Center),
+        Note::Upright(x, said) => vec![
+            Mark::line(y.map(|it| (*x, it)), BLACK, 1).dashed(Some([2, 4])),
+            text((*x, y[1]), [5, 10], said, (HPos::Left, VPos::Center)),
         ],
-        NoteShape::Cross => vec![Mark::cross((place.0, place.1.clamp(y[0], y[1])))],
+        Note::Cross((x, at_y)) => vec![Mark::cross((*x, at_y.clamp(y[0], y[1])))],
     }
 }
 
@@ -118,7 +113,9 @@ fn ranges(panel: &CurvePanel) -> Option<[[f64; 2]; 2]> {
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], it| [low.min(it), high.max(it)])
     };
     let ys = |it: &Place| [it.y, it.within.map_or(it.y, |it| it[0]), it.within.map_or(it.y, |it| it[1])];
-    let noted_x = panel.notes.iter().map(|it| it.place.0);
+    let noted_x = panel.notes.iter().map(|it| match it {
+        Note::Ring((x, _), _) | Note::Front((x, _), _) | Note::Upright(x, _) | Note::Cross((x, _)) => *x,
+    });
     let x = spread(&mut places().map(|it| it.x).chain(noted_x));
     let y = panel.y_range.unwrap_or_else(|| spread(&mut places().flat_map(ys)));
     let padded = |[low, high]: [f64; 2], share: f64| {
@@ -138,10 +135,8 @@ mod tests {
         let places = places.iter().map(place).collect();
         CurvePanel {
             title: "objects".to_owned(),
-            x_title: "cell size (m)".to_owned(),
-            y_title: "F-rate (%)".to_owned(),
             series: vec![Series { name: "hierarchical".to_owned(), places }],
-            ..CurvePanel::default()
+            ..CurvePanel::over("cell size (m)", "F-rate (%)")
         }
     }
 
@@ -155,11 +150,10 @@ mod tests {
         let single = svg(&[two.clone()], "Street (simulated)");
         assert!(!single.contains("hierarchical"), "{single}");
         two.series.push(Series { name: "pca".to_owned(), places: two.series[0].places.clone() });
-        let both = svg(&[two.clone()], "Street (simulated)");
+        let both = svg(&[two], "Street (simulated)");
         for part in ["cell size (m)", "F-rate (%)", "hierarchical", "pca", "Street (simulated)", "objects"] {
             assert!(both.contains(part), "no {part} in {both}");
         }
-        assert_eq!(both, svg(&[two], "Street (simulated)"));
     }
 
     #[test]

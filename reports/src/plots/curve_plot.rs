@@ -5,8 +5,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use super::bar_chart::{bar_chart, bar_key};
 use super::figure::{
-    Axis, Chart, Figure, Frame, LEFT_MARGIN_PX, LEFT_PX, LEFT_ROOM_PX, Labels, Panel, Scale, TEXT_PX,
-    USUAL_FRAME,
+    Axis, Chart, Figure, Frame, LEFT_MARGIN_PX, LEFT_PX, LEFT_ROOM_PX, Labels, Scale, TEXT_PX, USUAL_FRAME,
 };
 use super::marks::{BLACK, Mark, color, text_style};
 use super::series::{Place, Points, Series, key_lines, series_marks};
@@ -36,12 +35,12 @@ pub fn curve_plot(curves: &CurvePair, names: Sides<&str>) -> String {
     let rows = if let Some(ends_m) = ends_m {
         heading.extend(key_lines(names.iter().map(String::as_str), 48.0));
         vec![
-            (CURVES_PX, vec![Panel::of(line_chart(curves, ends_m))]),
-            (PANELS_PX - CURVES_PX, vec![Panel::of(ratio_chart(curves, ends_m))]),
+            (CURVES_PX, vec![line_chart(curves, ends_m).into()]),
+            (PANELS_PX - CURVES_PX, vec![ratio_chart(curves, ends_m).into()]),
         ]
     } else {
         heading.extend(bar_key(&names, 48.0));
-        vec![(PANELS_PX, vec![Panel::of(bar_chart(curves))])]
+        vec![(PANELS_PX, vec![bar_chart(curves).into()])]
     };
     Figure { width_px: 900, heading_px: HEADING_PX, heading, rows }.svg()
 }
@@ -51,15 +50,11 @@ fn line_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
     let ends = value_range(curves);
     let sides: [fn(&CurveBin) -> Measured; 2] = [|bin| bin.measured.left, |bin| bin.measured.right];
     let series = sides.map(|side| Series { name: String::new(), places: places(curves, side) });
-    let title = format!("{} ({})", curves.title, curves.unit);
-    Chart {
-        caption: None,
-        frame: Frame { margins_px: [6, 20, 0, LEFT_MARGIN_PX], room_px: [8, LEFT_ROOM_PX], ..USUAL_FRAME },
-        x: Axis { labels: Labels::Blank, ..Axis::linear("", ends_m, 16) },
-        y: Axis { scale: Scale::Logarithmic(ends), ..Axis::linear(title, ends, 11) },
-        band: None,
-        marks: series_marks(&series, Points::Marked { apart: 0.0 }, ends),
-    }
+    let x = Axis::linear("", ends_m, 16).labelled(Labels::Blank);
+    let y = Axis::linear(format!("{} ({})", curves.title, curves.unit), ends, 11);
+    let y = Axis { scale: Scale::Logarithmic(ends), ..y };
+    let frame = Frame { margins_px: [6, 20, 0, LEFT_MARGIN_PX], room_px: [8, LEFT_ROOM_PX], ..USUAL_FRAME };
+    Chart { frame, ..Chart::new(x, y, series_marks(&series, Points::Marked { apart: 0.0 }, ends)) }
 }
 
 /// Left over right for every bin that has a ratio, with the band in which two values pass for alike.
@@ -82,16 +77,11 @@ fn ratio_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
         let style = text_style(TEXT_PX, HPos::Center, VPos::Top);
         marks.push(Mark::text(place, [0, 4], "hollow: off the scale", style));
     }
-    let x_title = format!("{} (m)", curves.bins_of.unwrap_or_default());
-    let y = Axis::linear("ratio, left / right", [-reach, reach], 7);
-    Chart {
-        caption: None,
-        frame: Frame { margins_px: [0, 20, 0, LEFT_MARGIN_PX], ..USUAL_FRAME },
-        x: Axis::linear(x_title, ends_m, 16),
-        y: Axis { labels: Labels::Ratios, ..y },
-        band: Some(Mark::rectangle([(ends_m[0], -band), (ends_m[1], band)], color([225; 3]))),
-        marks,
-    }
+    let x = Axis::linear(format!("{} (m)", curves.bins_of.unwrap_or_default()), ends_m, 16);
+    let y = Axis::linear("ratio, left / right", [-reach, reach], 7).labelled(Labels::Ratios);
+    let frame = Frame { margins_px: [0, 20, 0, LEFT_MARGIN_PX], ..USUAL_FRAME };
+    let band = Mark::rectangle([(ends_m[0], -band), (ends_m[1], band)], color([225; 3]));
+    Chart { frame, band: Some(band), ..Chart::new(x, y, marks) }
 }
 
 /// The middle of a bin with ends.

@@ -233,9 +233,16 @@ fn draw_chart(area: &Area<'_>, chart: &Chart) -> Drawn {
     chart.marks.iter().try_for_each(|it| axes.plotting_area().draw(it))
 }
 
-impl Panel {
-    pub(crate) fn of(chart: Chart) -> Self {
+impl From<Chart> for Panel {
+    fn from(chart: Chart) -> Self {
         Self { marks: Vec::new(), chart: Some(chart) }
+    }
+}
+
+impl Chart {
+    /// A chart that is as wide as a page.
+    pub(crate) fn new(x: Axis, y: Axis, marks: Vec<Mark>) -> Self {
+        Self { caption: None, frame: USUAL_FRAME, x, y, band: None, marks }
     }
 }
 
@@ -243,6 +250,11 @@ impl Axis {
     /// An axis of numbers.
     pub(crate) fn linear(title: impl Into<String>, ends: [f64; 2], n_ticks: usize) -> Self {
         Self { title: title.into(), scale: Scale::Linear(ends), n_ticks, labels: Labels::Numbers }
+    }
+
+    /// The same with other labels.
+    pub(crate) fn labelled(self, labels: Labels) -> Self {
+        Self { labels, ..self }
     }
 
     fn label(&self, value: f64) -> String {

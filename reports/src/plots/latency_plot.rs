@@ -16,12 +16,10 @@ pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<
         .iter()
         .map(|(name, times)| Series { name: name.clone(), places: steps(times) })
         .collect();
-    let detectors: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
-    let label =
-        format!("share of scans that finish within a time in milliseconds, of {}", detectors.join(", "));
+    let about = "share of scans that finish within a time in milliseconds";
     let scale = Scale::Logarithmic([from, to]);
     let x = Axis { scale, ..Axis::linear("time of a scan (ms), logarithmic", [from, to], 5) };
-    Some(small_panel(title, x, "scans (%)", &series, Points::Line).panel(label))
+    Some(small_panel([title, about], x, "scans (%)", &series, Points::Line))
 }
 
 /// More steps than this cannot be seen.

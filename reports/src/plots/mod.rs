@@ -16,7 +16,7 @@ pub mod operating_plot;
 pub mod plan_plot;
 mod small_panel;
 pub mod standing_plot;
-pub mod range_plot;
+pub(crate) mod range_plot;
 pub mod recall_plot;
 pub mod stage_plot;
 pub mod latency_plot;

@@ -1,6 +1,6 @@
 //! The plot of what a classifier gains and loses as its threshold falls.
 
-use super::figure::{Axis, Chart, Figure, LEFT_PX, Panel, USUAL_FRAME};
+use super::figure::{Axis, Chart, Figure, LEFT_PX, Panel};
 use super::marks::{Mark, SeriesMark};
 use crate::numbers::operating_curve::OperatingRow;
 
@@ -18,8 +18,7 @@ pub fn operating_plot(rows: &[OperatingRow], title: &str) -> String {
 
 fn panel(places: impl Iterator<Item = (f64, f64)>, names: [&str; 2]) -> Panel {
     let [x, y] = names.map(|it| Axis::linear(it, [-0.01, 1.01], 6));
-    let marks = vec![SeriesMark(0).line(places)];
-    Panel::of(Chart { caption: None, frame: USUAL_FRAME, x, y, band: None, marks })
+    Chart::new(x, y, vec![SeriesMark(0).line(places)]).into()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Plots of how objects are told of which a part has been seen.
 
-use super::curve_panels::{CurvePanel, Note, NoteShape, curve_figure};
+use super::curve_panels::{CurvePanel, Note, curve_figure};
 use super::figure::Figure;
 use super::series::{Place, Series};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
@@ -17,19 +17,13 @@ pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> Figure {
             name: format!("to {}", to.name()),
             places: places(curve, |step| Some((step.classes.get(&of)?.mean_error(to)?, None))),
         });
-        let note = |step: u32| Note {
-            place: (f64::from(step), 0.0),
-            text: "all judged".to_owned(),
-            shape: NoteShape::Upright,
-        };
+        let note = |step: u32| Note::Upright(f64::from(step), "all judged".to_owned());
         let notes = curve.first_step_all_judged(of).map(note).into_iter().collect();
         CurvePanel {
             title: format!("objects that are: {}", of.name()),
-            x_title: "step".to_owned(),
-            y_title: "mean L1 error".to_owned(),
             series: series.collect(),
             notes,
-            ..CurvePanel::default()
+            ..CurvePanel::over("step", "mean L1 error")
         }
     });
     curve_figure(&panels.collect::<Vec<_>>(), title)
@@ -51,11 +45,9 @@ pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> Figure {
         let title = format!("{} from {}: {}", few[0].data, few[0].direction, names.join(", "));
         CurvePanel {
             title,
-            x_title: "step".to_owned(),
-            y_title: "mean of recalls (%)".to_owned(),
             series,
             y_range: Some([0.0, 100.0]),
-            ..CurvePanel::default()
+            ..CurvePanel::over("step", "mean of recalls (%)")
         }
     });
     curve_figure(&panels.collect::<Vec<_>>(), title)
@@ -74,12 +66,10 @@ pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> Figure 
                 "{} from {}, {} ({})",
                 curve.data, curve.direction, curve.method, curve.trained_on
             ),
-            x_title: "chance of what was told (%)".to_owned(),
-            y_title: "share that was right (%)".to_owned(),
             series: vec![series],
             thread: vec![(0.0, 0.0), (100.0, 100.0)],
             y_range: Some([0.0, 100.0]),
-            ..CurvePanel::default()
+            ..CurvePanel::over("chance of what was told (%)", "share that was right (%)")
         }
     });
     curve_figure(&panels.collect::<Vec<_>>(), title)

@@ -60,14 +60,14 @@ fn panel(plan: &Plan, [x, y]: [[f64; 2]; 2]) -> Panel {
         Mark::line(corners, BLACK, LINE_WIDTH_PX)
     };
     marks.extend(plan.outlines.iter().map(closed));
-    Panel::of(Chart {
+    let x = Axis::linear("forward of the sensor (m)", x, 8);
+    let y = Axis::linear("left of the sensor (m)", y, 8);
+    let chart = Chart {
         caption: Some((plan.title.clone(), TEXT_PX + 2)),
         frame: Frame { margins_px: [12; 4], room_px: [40, 56], grid: Grid::None, ..USUAL_FRAME },
-        x: Axis::linear("forward of the sensor (m)", x, 8),
-        y: Axis::linear("left of the sensor (m)", y, 8),
-        band: None,
-        marks,
-    })
+        ..Chart::new(x, y, marks)
+    };
+    chart.into()
 }
 
 /// The grids of all sizes; the widest is darker.

@@ -15,10 +15,9 @@ pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedP
             Series { name: name.clone(), places }
         })
         .collect();
-    let detectors: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
-    let label = format!("precision over recall on {title}, both in percent, of {}", detectors.join(", "));
+    let about = format!("precision over recall on {title}, both in percent");
     let x = Axis::linear("recall (%)", [0.0, 100.0], 6);
-    small_panel(title, x, "precision (%)", &series, Points::Line).panel(label)
+    small_panel([title, &about], x, "precision (%)", &series, Points::Line)
 }
 
 /// The places that can be told apart on a panel: hundreds of detections lie on a pixel.

@@ -3,6 +3,7 @@
 use super::figure::{Axis, Chart, Figure, Frame, Grid, Panel};
 use super::marks::{Mark, QUIET, bold_style};
 use super::series::{Points, Series, series_marks};
+use super::themed_panel::ThemedPanel;
 
 pub(crate) const WIDTH_PX: u32 = 360;
 const HEIGHT_PX: u32 = 250;
@@ -16,18 +17,21 @@ const FRAME: Frame = Frame {
     grid: Grid::Both,
 };
 
-/// A panel of percentages; `series` are in the order of the detectors of the run.
-pub(crate) fn small_panel(title: &str, x: Axis, y_title: &str, series: &[Series], points: Points) -> Figure {
+/// A panel of percentages, called `title`; `about` says what is seen of the detectors, whose `series` are in the order of the run.
+pub(crate) fn small_panel(
+    [title, about]: [&str; 2],
+    x: Axis,
+    y_title: &str,
+    series: &[Series],
+    points: Points,
+) -> ThemedPanel {
     let percent = [0.0, 100.0];
-    let chart = Chart {
-        caption: None,
-        frame: FRAME,
-        x,
-        y: Axis::linear(y_title, percent, 6),
-        band: None,
-        marks: series_marks(series, points, percent),
-    };
+    let marks = series_marks(series, points, percent);
+    let chart = Chart { frame: FRAME, ..Chart::new(x, Axis::linear(y_title, percent, 6), marks) };
     let title = Mark::text((52.0, 10.0), [0, 0], title, bold_style(SMALL_TEXT_PX));
     let panel = Panel { marks: vec![title], chart: Some(chart) };
-    Figure { width_px: WIDTH_PX, heading_px: 0, heading: Vec::new(), rows: vec![(HEIGHT_PX, vec![panel])] }
+    let rows = vec![(HEIGHT_PX, vec![panel])];
+    let detectors: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
+    Figure { width_px: WIDTH_PX, heading_px: 0, heading: Vec::new(), rows }
+        .panel(format!("{about}, of {}", detectors.join(", ")))
 }

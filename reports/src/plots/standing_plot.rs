@@ -7,7 +7,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::figure::Figure;
 use super::marks::{LINE_WIDTH_PX, Mark, QUIET, SeriesMark, bold_style, text_style};
 use super::small_panel::SMALL_TEXT_PX;
-use super::themed_panel::{ThemedPanel, stack};
+use super::themed_panel::{Arrangement, ThemedPanel, sheet};
 use crate::files::fixed_decimals::fixed_decimals;
 
 /// One detector.
@@ -53,7 +53,7 @@ pub fn standing_plot(title: &str, rate: &str, rows: &[StandingRow]) -> ThemedPan
 pub fn study_plot(title: &str, rate: &str, parts: &[(String, Vec<StandingRow>)]) -> String {
     let panels: Vec<ThemedPanel> =
         parts.iter().map(|(title, rows)| panel(title, rate, rows, &ALONE)).collect();
-    stack(&panels, title)
+    sheet(&panels, Arrangement::Column, &[], title)
 }
 
 fn panel(title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> ThemedPanel {

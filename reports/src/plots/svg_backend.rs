@@ -1,6 +1,6 @@
 //! What the drawing library draws, as elements of SVG.
 
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{
@@ -9,7 +9,7 @@ use plotters_backend::{
 };
 use quick_xml::escape::escape;
 
-use super::theme::{hex, role_of};
+use super::theme::{Paint, class_of, hex};
 
 /// Which colours elements have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,76 +28,44 @@ pub(crate) struct SvgBackend<'a> {
     pub(crate) colours: Colours,
 }
 
-/// What of an element has its colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Paint {
-    Fill,
-    Stroke,
-}
-
 type Written = Result<(), DrawingErrorKind<std::fmt::Error>>;
-
-impl Paint {
-    fn of(is_filled: bool) -> Self {
-        if is_filled { Self::Fill } else { Self::Stroke }
-    }
-
-    /// The colours of the inside and of the line.
-    fn fill_and_stroke(self, color: BackendColor) -> [String; 2] {
-        let (color, none) = (hex(color.rgb.into()), "none".to_owned());
-        if self == Self::Fill { [color, none] } else { [none, color] }
-    }
-}
+type Attributes<'a> = [(&'static str, &'a dyn Display)];
 
 impl SvgBackend<'_> {
+    /// Writes an element that is painted in `color`; nothing if that cannot be seen.
     fn element(
         &mut self,
         name: &str,
         (paint, color): (Paint, BackendColor),
-        attributes: &[(&str, String)],
+        attributes: &Attributes<'_>,
         content: Option<&str>,
     ) -> Written {
         if color.alpha == 0.0 {
             return Ok(());
         }
-        self.write_element(name, (paint, color), attributes, content).map_err(DrawingErrorKind::DrawingError)
-    }
-
-    fn write_element(
-        &mut self,
-        name: &str,
-        (paint, color): (Paint, BackendColor),
-        attributes: &[(&str, String)],
-        content: Option<&str>,
-    ) -> std::fmt::Result {
+        let mut tag = format!("<{name}");
         let is_themed = self.colours == Colours::Themed;
-        let line_end = if is_themed { "" } else { "\n" };
-        write!(self.elements, "<{name}")?;
         // Full opacity goes without saying.
         for (key, value) in attributes.iter().filter(|(key, _)| !(is_themed && *key == "opacity")) {
-            write!(self.elements, " {key}=\"{value}\"")?;
+            write!(tag, " {key}=\"{value}\"").map_err(DrawingErrorKind::DrawingError)?;
         }
-        if let Some(role) = role_of(color.rgb.into()).filter(|_| is_themed) {
-            let letter = if paint == Paint::Fill { 'f' } else { 'k' };
-            write!(self.elements, " class=\"{letter}-{role}\"")?;
+        if let Some(class) = class_of(paint, color.rgb.into()).filter(|_| is_themed) {
+            tag.extend([" class=\"", &class, "\""]);
         }
-        match content {
-            None => write!(self.elements, "/>{line_end}"),
-            Some(text) => {
-                write!(self.elements, ">{line_end}{}{line_end}</{name}>{line_end}", escape(text))
-            }
-        }
+        let end = if is_themed { "" } else { "\n" };
+        let rest = match content {
+            None => format!("/>{end}"),
+            Some(text) => format!(">{end}{}{end}</{name}>{end}", escape(text)),
+        };
+        self.elements.extend([tag, rest]);
+        Ok(())
     }
 }
 
-fn opacity(color: BackendColor) -> (&'static str, String) {
-    ("opacity", color.alpha.to_string())
-}
-
-/// Places as paths and polygons have them.
-fn points(path: impl IntoIterator<Item = BackendCoord>) -> (&'static str, String) {
-    let points: Vec<String> = path.into_iter().map(|(x, y)| format!("{x},{y} ")).collect();
-    ("points", points.concat())
+/// What of an area is painted, and the colours of its inside and of its line.
+fn paint(color: BackendColor, is_filled: bool) -> (Paint, [String; 2]) {
+    let (color, none) = (hex(color.rgb.into()), "none".to_owned());
+    if is_filled { (Paint::Fill, [color, none]) } else { (Paint::Stroke, [none, color]) }
 }
 
 impl DrawingBackend for SvgBackend<'_> {
@@ -120,14 +88,11 @@ impl DrawingBackend for SvgBackend<'_> {
     }
 
     fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Written {
-        let ends = [("x1", from.0), ("y1", from.1), ("x2", to.0), ("y2", to.1)];
-        let mut attributes = vec![
-            opacity(style.color()),
-            ("stroke", hex(style.color().rgb.into())),
-            ("stroke-width", style.stroke_width().to_string()),
-        ];
-        attributes.extend(ends.map(|(key, px)| (key, px.to_string())));
-        self.element("line", (Paint::Stroke, style.color()), &attributes, None)
+        let (color, width) = (style.color(), style.stroke_width());
+        let (stroke, opacity) = (hex(color.rgb.into()), color.alpha);
+        let style: &Attributes<'_> = &[("opacity", &opacity), ("stroke", &stroke), ("stroke-width", &width)];
+        let ends: &Attributes<'_> = &[("x1", &from.0), ("y1", &from.1), ("x2", &to.0), ("y2", &to.1)];
+        self.element("line", (Paint::Stroke, color), &[style, ends].concat(), None)
     }
 
     fn draw_rect<S: BackendStyle>(
@@ -137,12 +102,11 @@ impl DrawingBackend for SvgBackend<'_> {
         style: &S,
         is_filled: bool,
     ) -> Written {
-        let (paint, color) = (Paint::of(is_filled), style.color());
-        let [fill, stroke] = paint.fill_and_stroke(color);
-        let sides = [("x", left), ("y", top), ("width", right - left), ("height", bottom - top)];
-        let mut attributes = sides.map(|(key, px)| (key, px.to_string())).to_vec();
-        attributes.extend([opacity(color), ("fill", fill), ("stroke", stroke)]);
-        self.element("rect", (paint, color), &attributes, None)
+        let (painted, [fill, stroke]) = paint(style.color(), is_filled);
+        let (width, height, opacity) = (right - left, bottom - top, style.color().alpha);
+        let place: &Attributes<'_> = &[("x", &left), ("y", &top), ("width", &width), ("height", &height)];
+        let style_of: &Attributes<'_> = &[("opacity", &opacity), ("fill", &fill), ("stroke", &stroke)];
+        self.element("rect", (painted, style.color()), &[place, style_of].concat(), None)
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
@@ -150,24 +114,18 @@ impl DrawingBackend for SvgBackend<'_> {
         path: I,
         style: &S,
     ) -> Written {
-        let [fill, stroke] = Paint::Stroke.fill_and_stroke(style.color());
-        let width = ("stroke-width", style.stroke_width().to_string());
-        let attributes = [("fill", fill), opacity(style.color()), ("stroke", stroke), width, points(path)];
-        self.element("polyline", (Paint::Stroke, style.color()), &attributes, None)
-    }
-
-    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
-        &mut self,
-        path: I,
-        style: &S,
-    ) -> Written {
-        let fill = ("fill", hex(style.color().rgb.into()));
-        self.element(
-            "polygon",
-            (Paint::Fill, style.color()),
-            &[opacity(style.color()), fill, points(path)],
-            None,
-        )
+        let (color, width) = (style.color(), style.stroke_width());
+        let (stroke, opacity) = (hex(color.rgb.into()), color.alpha);
+        let points: Vec<String> = path.into_iter().map(|(x, y)| format!("{x},{y} ")).collect();
+        let points = points.concat();
+        let attributes: &Attributes<'_> = &[
+            ("fill", &"none"),
+            ("opacity", &opacity),
+            ("stroke", &stroke),
+            ("stroke-width", &width),
+            ("points", &points),
+        ];
+        self.element("polyline", (Paint::Stroke, color), attributes, None)
     }
 
     fn draw_circle<S: BackendStyle>(
@@ -177,18 +135,11 @@ impl DrawingBackend for SvgBackend<'_> {
         style: &S,
         is_filled: bool,
     ) -> Written {
-        let (paint, color) = (Paint::of(is_filled), style.color());
-        let [fill, stroke] = paint.fill_and_stroke(color);
-        let attributes = [
-            ("cx", x.to_string()),
-            ("cy", y.to_string()),
-            ("r", radius_px.to_string()),
-            opacity(color),
-            ("fill", fill),
-            ("stroke", stroke),
-            ("stroke-width", style.stroke_width().to_string()),
-        ];
-        self.element("circle", (paint, color), &attributes, None)
+        let (painted, [fill, stroke]) = paint(style.color(), is_filled);
+        let (opacity, width) = (style.color().alpha, style.stroke_width());
+        let place: &Attributes<'_> = &[("cx", &x), ("cy", &y), ("r", &radius_px), ("opacity", &opacity)];
+        let style_of: &Attributes<'_> = &[("fill", &fill), ("stroke", &stroke), ("stroke-width", &width)];
+        self.element("circle", (painted, style.color()), &[place, style_of].concat(), None)
     }
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Written {
@@ -202,23 +153,19 @@ impl DrawingBackend for SvgBackend<'_> {
             VPos::Center => "0.5ex",
             VPos::Bottom => "-0.5ex",
         };
-        let mut attributes = vec![
-            ("x", x.to_string()),
-            ("y", y.to_string()),
-            ("dy", down.to_owned()),
-            ("text-anchor", anchor.to_owned()),
-            ("font-family", style.family().as_str().to_owned()),
-            // The library counts the height of lines, browsers that of letters.
-            ("font-size", (style.size() / 1.24).to_string()),
-            opacity(style.color()),
-            ("fill", hex(style.color().rgb.into())),
-        ];
+        let (font, color) = (style.family(), style.color());
+        // The library counts the height of lines, browsers that of letters.
+        let (family, size_px) = (font.as_str(), style.size() / 1.24);
+        let (fill, turned) = (hex(color.rgb.into()), format!("rotate(270, {x}, {y})"));
+        let place: &Attributes<'_> = &[("x", &x), ("y", &y), ("dy", &down), ("text-anchor", &anchor)];
+        let letters: &Attributes<'_> = &[("font-family", &family), ("font-size", &size_px)];
+        let mut attributes = [place, letters, &[("opacity", &color.alpha), ("fill", &fill)]].concat();
         if matches!(style.style(), FontStyle::Bold) {
-            attributes.push(("font-weight", "bold".to_owned()));
+            attributes.push(("font-weight", &"bold"));
         }
         if matches!(style.transform(), FontTransform::Rotate270) {
-            attributes.push(("transform", format!("rotate(270, {x}, {y})")));
+            attributes.push(("transform", &turned));
         }
-        self.element("text", (Paint::Fill, style.color()), &attributes, Some(text))
+        self.element("text", (Paint::Fill, color), &attributes, Some(text))
     }
 }

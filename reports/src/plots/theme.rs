@@ -25,14 +25,34 @@ pub fn theme_css(selector: &str) -> String {
     format!("{light}@media screen and (prefers-color-scheme: dark){{{dark}}}{}", classes.concat())
 }
 
-/// What `color` is on a page, as classes name it; `None` if it is the same on every page.
-pub(crate) fn role_of(color: Rgb) -> Option<String> {
+/// What of an element has a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Paint {
+    /// Its inside.
+    Fill,
+    /// Its line.
+    Stroke,
+}
+
+/// The class of what is painted; `None` if its colour is the same on every page.
+pub(crate) fn class_of(paint: Paint, color: Rgb) -> Option<String> {
+    let letter = if paint == Paint::Fill { 'f' } else { 'k' };
     match color {
-        BLACK => Some("ink".to_owned()),
-        WHITE => Some("paper".to_owned()),
-        QUIET => Some("grid".to_owned()),
-        _ => DETECTOR_HUES.iter().position(|it| it.on_light == color).map(|hue| format!("d{hue}")),
+        BLACK => Some(format!("{letter}-ink")),
+        WHITE => Some(format!("{letter}-paper")),
+        QUIET => Some(format!("{letter}-grid")),
+        _ => {
+            let hue = DETECTOR_HUES.iter().position(|it| it.on_light == color)?;
+            Some(format!("{letter}-d{hue}"))
+        }
     }
+}
+
+/// Class and colour as attributes of an element.
+pub(crate) fn painted(paint: Paint, color: Rgb) -> String {
+    let attribute = if paint == Paint::Fill { "fill" } else { "stroke" };
+    let class = class_of(paint, color).map_or_else(String::new, |it| format!("class=\"{it}\" "));
+    format!("{class}{attribute}=\"{}\"", hex(color))
 }
 
 /// The colour as SVG has it.

@@ -62,41 +62,37 @@ impl ThemedPanel {
     }
 }
 
-/// Panels side by side under a title and a key, as a document that stands alone.
-pub fn sheet(panels: &[ThemedPanel], key: &[KeyEntry], title: &str) -> String {
-    let mut x_px = MARGIN_PX;
-    let places = panels.iter().map(|it| {
-        let place = [x_px, 0];
-        x_px += it.size_px[0] + MARGIN_PX;
-        place
-    });
-    sheet_with(panels, &places.collect::<Vec<_>>(), key, title)
-}
-
-/// The same with one panel below the other, and without a key.
-pub fn stack(panels: &[ThemedPanel], title: &str) -> String {
-    let mut y_px = 0;
-    let places = panels.iter().map(|it| {
-        let place = [MARGIN_PX, y_px];
-        y_px += it.size_px[1] + MARGIN_PX;
-        place
-    });
-    sheet_with(panels, &places.collect::<Vec<_>>(), &[], title)
+/// How panels stand on a sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arrangement {
+    /// Side by side.
+    Row,
+    /// One below the other.
+    Column,
 }
 
 const MARGIN_PX: u32 = 16;
 
-/// Panels with their upper left corners at `places_px` below title and key.
-fn sheet_with(panels: &[ThemedPanel], places_px: &[[u32; 2]], key: &[KeyEntry], title: &str) -> String {
+/// Panels under a title and a key, as a document that stands alone.
+pub fn sheet(panels: &[ThemedPanel], arrangement: Arrangement, key: &[KeyEntry], title: &str) -> String {
     const KEY_Y_PX: u32 = 40;
-    let placed = || panels.iter().zip(places_px);
-    let panels_width = placed().map(|(it, [x, _])| x + it.size_px[0]).max().unwrap_or(0);
+    let mut corner_px = [MARGIN_PX, 0];
+    let placed: Vec<(&ThemedPanel, [u32; 2])> = panels
+        .iter()
+        .map(|it| {
+            let here_px = corner_px;
+            let axis = usize::from(arrangement == Arrangement::Column);
+            corner_px[axis] += it.size_px[axis] + MARGIN_PX;
+            (it, here_px)
+        })
+        .collect();
+    let panels_width = placed.iter().map(|(it, [x, _])| x + it.size_px[0]).max().unwrap_or(0);
     let key_width = |it: &KeyEntry| KEY_SIZE_PX[0] + 10 + 8 * it.name.chars().count() as u32 + 24;
     let keys_width: u32 = key.iter().map(key_width).sum();
     let title_width = 9 * title.chars().count() as u32;
     let width = (panels_width.max(keys_width).max(title_width) + MARGIN_PX).max(200);
     let top = if key.is_empty() { KEY_Y_PX } else { KEY_Y_PX + 28 };
-    let height = top + placed().map(|(it, [_, y])| y + it.size_px[1]).max().unwrap_or(0) + MARGIN_PX;
+    let height = top + placed.iter().map(|(it, [_, y])| y + it.size_px[1]).max().unwrap_or(0) + MARGIN_PX;
     let (title, style, ink) = (escape(title), theme_css("svg.sheet"), hex(BLACK));
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"sheet\" role=\"img\" width=\"{width}\" height=\"{height}\" \
@@ -120,7 +116,7 @@ fn sheet_with(panels: &[ThemedPanel], places_px: &[[u32; 2]], key: &[KeyEntry], 
         );
         x += key_width(entry);
     }
-    for (panel, [x, y]) in placed() {
+    for (panel, [x, y]) in placed {
         let [w, h] = panel.size_px;
         let y = top + y;
         let _ = writeln!(
@@ -149,7 +145,8 @@ mod tests {
             elements: format!("<text>{text}</text>"),
         };
         let key = [KeyEntry { name: "a & b".to_owned(), swatch: panel("") }];
-        let svg = sheet(&[panel("one"), panel("other")], &key, "Both <simulated>");
+        let panels = [panel("one"), panel("other")];
+        let svg = sheet(&panels, Arrangement::Row, &key, "Both <simulated>");
         let mut reader = Reader::from_str(&svg);
         while reader.read_event().unwrap() != Event::Eof {}
         let parts = ["prefers-color-scheme: dark", "a &amp; b", "Both &lt;simulated&gt;", "one", "other"];
