@@ -142,3 +142,27 @@ fn section(id: &str, title: &str, sheet: &Sheet) -> Markup {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plots::standing_plot::study_plot;
+
+    #[test]
+    fn the_figure_of_the_settings_stands_on_the_page_as_it_is_in_its_file() {
+        let parts = ["objects", "vehicles"].map(|it| (it.to_owned(), Vec::new()));
+        let svg = study_plot("Settings", "F-rate (%)", &parts);
+        let (scans, command) = ("12 scans", "scanbench reproduce");
+        let page = ReproductionPage {
+            scans,
+            claims: &[],
+            notes: &[],
+            tables: &[],
+            settings_svg: Some(&svg),
+            command,
+        };
+        // Each panel has its place.
+        assert!(page.html().contains(&svg) && svg.matches("<svg x=").count() == 2, "{svg}");
+        assert!(!ReproductionPage { settings_svg: None, ..page }.html().contains("#settings"));
+    }
+}
