@@ -5,8 +5,8 @@ use maud::{Markup, html};
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{DatasetCurves, RunFacts};
 use crate::plots::recall_plot::recall_plot;
-use crate::plots::small_panel::key;
-use crate::plots::themed_svg::ThemedPanel;
+use crate::plots::series::key;
+use crate::plots::themed_panel::ThemedPanel;
 
 /// Nothing if no detection has a score, or false ones are unknown.
 pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {

@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::plots::themed_svg::theme_css;
+use crate::plots::theme::theme_css;
 
 /// A page of `sections`; of `links`, ids and names of sections, those are at its top whose section is there.
 pub(super) fn document(title: &str, links: &[(&str, &str)], sections: &Markup) -> Markup {

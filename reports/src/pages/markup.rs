@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::plots::themed_svg::{KeyEntry, ThemedPanel, sheet};
+use crate::plots::themed_panel::{Arrangement, KeyEntry, ThemedPanel, sheet};
 use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
 use crate::tables::notes::Notes;
 
@@ -32,7 +32,7 @@ impl FigureMarkup<'_> {
         // Names come from files, too.
         let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
         let file_stem = self.file_stem.chars().map(safe).collect();
-        files.push(Figure { svg: sheet(self.panels, self.key, self.title), file_stem });
+        files.push(Figure { svg: sheet(self.panels, Arrangement::Row, self.key, self.title), file_stem });
         html! {
             figure {
                 (key(self.key))
@@ -45,15 +45,14 @@ impl FigureMarkup<'_> {
     }
 }
 
-/// A picture for a page from the file `name`; `None` if it is no picture.
-pub(super) fn panel_of_file(name: &str, svg: &str) -> Option<ThemedPanel> {
-    // The size is in the first tag, as the library writes it.
-    let size = |key: &str| {
-        let value = svg.split(&format!("{key}=\"")).nth(1)?.split('"').next()?;
-        value.parse().ok()
-    };
-    let size_px = [size("width").unwrap_or(900), size("height").unwrap_or(620)];
-    ThemedPanel::of_file(svg, size_px, name.trim_end_matches(".svg").replace('_', " "))
+/// A picture that is too wide for small screens, with what is said about it; `svg` is a document, or part of one.
+pub(super) fn wide_picture(name: &str, svg: &str, caption: &Markup) -> Markup {
+    html! {
+        figure.sweep {
+            div.scroll tabindex="0" role="region" aria-label=(name) { (PreEscaped(svg)) }
+            figcaption { (caption) }
+        }
+    }
 }
 
 /// What the lines and markers of a figure stand for.

@@ -88,7 +88,7 @@ fn unbroken(sentence: &str) -> String {
         .fold(sentence.to_owned(), |text, unit| text.replace(unit, &format!("\u{a0}{}", unit.trim_start())))
 }
 
-fn plot(facts: &RunFacts, standing: &Standing) -> crate::plots::themed_svg::ThemedPanel {
+fn plot(facts: &RunFacts, standing: &Standing) -> crate::plots::themed_panel::ThemedPanel {
     let paper = paper_rows(facts, standing);
     let percent = |it: f64| 100.0 * it;
     let row = |name: &&str| {

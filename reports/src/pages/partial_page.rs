@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::document::document;
-use super::markup::{commands, panel_of_file, sentences, table};
+use super::markup::{commands, sentences, table, wide_picture};
 use crate::files::archive::ArchiveError;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::files::whole_file::write_whole;
 use crate::partial_study::partial_curves::PartialCurve;
+use crate::plots::figure::Figure;
 use crate::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
 use crate::run_folder::command_line::shell_word;
 use crate::run_folder::partial_archive::PartialArchive;
@@ -98,25 +99,17 @@ fn verdict(curves: &[PartialCurve], method: &str) -> Markup {
     }
 }
 
-fn figure(id: &str, title: &str, svg: &str, caption: &str) -> Markup {
+fn figure(id: &str, title: &str, figure: &Figure, caption: &str) -> Markup {
     html! {
         section id=(id) aria-label=(title) {
             h2 { (title) }
-            (picture(id, svg, caption))
+            (picture(id, figure, caption))
         }
     }
 }
 
-fn picture(name: &str, svg: &str, caption: &str) -> Markup {
-    let panel = panel_of_file(name, svg);
-    html! {
-        figure.sweep {
-            @if let Some(panel) = panel {
-                div.scroll tabindex="0" role="region" aria-label=(name) { (PreEscaped(panel.inline())) }
-            }
-            figcaption { (caption) }
-        }
-    }
+fn picture(name: &str, figure: &Figure, caption: &str) -> Markup {
+    wide_picture(name, &figure.panel(name.to_owned()).inline(), &html! { (caption) })
 }
 
 fn tables(manifest: &PartialManifest, curves: &[PartialCurve], method: &str) -> Markup {

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{RunFacts, TaskRanges};
 use crate::plots::range_plot::range_plot;
-use crate::plots::small_panel::key;
+use crate::plots::series::key;
 
 pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let key = key(&facts.detectors());

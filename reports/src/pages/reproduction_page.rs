@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::document::document;
-use super::markup::{commands, panel_of_file, sentences, table};
+use super::markup::{commands, sentences, table, wide_picture};
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
 use crate::reproduction::judged_claim::JudgedClaim;
@@ -58,14 +58,9 @@ impl ReproductionPage<'_> {
             @if let Some(svg) = self.settings_svg {
                 section #settings aria-label="Settings" {
                     h2 { "Under every setting" }
-                    figure.sweep {
-                        @if let Some(panel) = panel_of_file("settings", svg) {
-                            div.scroll tabindex="0" role="region" aria-label="Rates over all settings" { (PreEscaped(panel.inline())) }
-                        }
-                        figcaption {
-                            "The median over all joint settings, with the range of nine in ten of them; of rivals the rate under each criterion."
-                        }
-                    }
+                    (wide_picture("Rates over all settings", svg, &html! {
+                        "The median over all joint settings, with the range of nine in ten of them; of rivals the rate under each criterion."
+                    }))
                 }
             }
             section #reproduce aria-label="Reproduce" {
@@ -145,5 +140,29 @@ fn section(id: &str, title: &str, sheet: &Sheet) -> Markup {
             }
             (sentences(&sheet.notes))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plots::standing_plot::study_plot;
+
+    #[test]
+    fn the_figure_of_the_settings_stands_on_the_page_as_it_is_in_its_file() {
+        let parts = ["objects", "vehicles"].map(|it| (it.to_owned(), Vec::new()));
+        let svg = study_plot("Settings", "F-rate (%)", &parts);
+        let (scans, command) = ("12 scans", "scanbench reproduce");
+        let page = ReproductionPage {
+            scans,
+            claims: &[],
+            notes: &[],
+            tables: &[],
+            settings_svg: Some(&svg),
+            command,
+        };
+        // Each panel has its place.
+        assert!(page.html().contains(&svg) && svg.matches("<svg x=").count() == 2, "{svg}");
+        assert!(!ReproductionPage { settings_svg: None, ..page }.html().contains("#settings"));
     }
 }

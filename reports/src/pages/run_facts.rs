@@ -11,7 +11,7 @@ use crate::numbers::precision_recall_row::PrecisionRecallRow;
 use crate::numbers::run_report::{RunReport, Subject};
 use crate::numbers::sums::Term;
 use crate::numbers::tally::Tally;
-use crate::plots::range_plot::{RateInRange, RatesOverRange};
+use crate::plots::series::{Place, Series};
 use crate::protocols::protocol_report::ProtocolReport;
 use crate::rows::match_outcome::{BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
@@ -95,8 +95,8 @@ pub(super) struct TaskRanges {
     pub(super) bins: Vec<String>,
     /// Number of annotations that count in each.
     pub(super) n_annotations: Vec<u64>,
-    /// Name of the rate, and its values for every detector and bin.
-    pub(super) rates: Vec<(&'static str, Vec<RatesOverRange>)>,
+    /// Name of the rate, and its values in percent of every detector over the bins.
+    pub(super) rates: Vec<(&'static str, Vec<Series>)>,
 }
 
 /// Precision over recall on one data set.
@@ -262,16 +262,16 @@ fn task_ranges(
         let of_detectors = detectors.iter().filter_map(|it| sample(it, slice));
         of_detectors.map(|it| it.total.of(Term::Annotations) as u64).max().unwrap_or(0)
     };
-    let rate = |detector: &str, slice: Slice, metric: &Metric| {
-        let sample = sample(detector, slice)?;
-        let interval = Distribution::new(sample.resampled_values(metric), sample.blocks)
+    let rate = |detector: &str, (bin, slice): (u32, &Slice), metric: &Metric| {
+        let sample = sample(detector, *slice)?;
+        let within = Distribution::new(sample.resampled_values(metric), sample.blocks)
             .map(|it| it.interval().ends.map(|it| 100.0 * it));
-        Some(RateInRange { percent: 100.0 * sample.value(metric)?, interval_percent: interval })
+        Some(Place { x: bin.into(), y: 100.0 * sample.value(metric)?, within })
     };
     let of_detectors = |metric: &Metric| {
         let of_detector = |it: &String| {
-            let rates = slices.iter().map(|slice| rate(it, *slice, metric));
-            RatesOverRange { detector: it.clone(), rates: rates.collect() }
+            let rates = (0..).zip(&slices).map(|bin| rate(it, bin, metric));
+            Series { name: it.clone(), places: rates.collect() }
         };
         detectors.iter().map(of_detector).collect::<Vec<_>>()
     };
@@ -279,7 +279,7 @@ fn task_ranges(
     let rates = rates.into_iter().map(|(name, metric)| (name, of_detectors(&metric)));
     // What is undefined everywhere, as precision where false objects are unknown, is not drawn.
     let is_defined =
-        |(_, rates): &(_, Vec<RatesOverRange>)| rates.iter().flat_map(|it| &it.rates).any(Option::is_some);
+        |(_, rates): &(_, Vec<Series>)| rates.iter().flat_map(|it| &it.places).any(Option::is_some);
     let rates: Vec<_> = rates.filter(is_defined).collect();
     let bins = slices.iter().map(|it| it.name().trim_start_matches("range/").to_owned()).collect();
     let n_annotations = slices.iter().map(n_annotations).collect();

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::document::document;
-use super::markup::panel_of_file;
+use super::markup::wide_picture;
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
 use crate::run_folder::run_directory::{REPORT_HTML, SWEEP_CSV, SWEEP_PROTOCOLS_CSV, SWEEP_TIMES_CSV};
@@ -63,12 +63,10 @@ impl SweepPage {
                     section #{ "plots-" (number) } aria-label=(title) {
                         h2 { (title) }
                         @for (name, svg) in of_kind {
-                            figure.sweep {
-                                @match panel_of_file(name, svg) {
-                                    Some(panel) => div.scroll tabindex="0" role="region" aria-label=(name) { (PreEscaped(panel.inline())) },
-                                    None => p { (name) " is damaged." },
-                                }
-                                figcaption { (about) " " code { (name) } }
+                            @if is_whole(svg) {
+                                (wide_picture(name, svg, &html! { (about) " " code { (name) } }))
+                            } @else {
+                                p { (name) " is damaged." }
                             }
                         }
                     }
@@ -116,6 +114,11 @@ fn names_of_plots(directory: &Path) -> Result<Vec<String>, ArchiveError> {
     }
     names.sort();
     Ok(names)
+}
+
+/// Whether a document ends as it began, so that it can stand in a page.
+fn is_whole(svg: &str) -> bool {
+    svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>")
 }
 
 /// A CSV file as it is.
@@ -173,7 +176,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, content: &str| std::fs::write(folder.path().join(name), content).unwrap();
         write(SWEEP_CSV, "dataset,hierarchical.grid.cell_size_m,f_rate\na<b,0.6,0.7\n");
-        let svg = "<svg width=\"90\" height=\"40\"><rect fill=\"#FFFFFF\"/><text fill=\"#000000\">\nF &amp; x\n</text></svg>";
+        let svg = "<svg viewBox=\"0 0 90 40\"><rect fill=\"#FFFFFF\"/><text fill=\"#000000\">\nF &amp; x\n</text></svg>";
         write("f_rate_street.svg", svg);
         write("pareto_street.svg", "<svg <");
         write("protocol_nuscenes_street.svg", svg);

@@ -1,9 +1,10 @@
 //! All points of a class, laid over one another in the frames of boxes.
 
-use plotters::prelude::*;
-use plotters::style::text_anchor::HPos;
+use plotters::style::RGBColor;
 
-use super::style::{Area, Drawn, LEFT_COLOR, LINE_WIDTH_PX, RIGHT_COLOR, TEXT_PX, axis_text, outline, text};
+use super::figure::{Axis, Chart, Figure, Frame, Grid, Panel, TEXT_PX, USUAL_FRAME};
+use super::marks::{LINE_WIDTH_PX, Mark, color};
+use super::palette::{BLUE, VERMILION};
 use crate::numbers::box_points::{BoxPoints, CELL_M};
 
 const PANEL_WIDTH_PX: u32 = 420;
@@ -11,6 +12,13 @@ const HEADING_PX: u32 = 44;
 /// Room of a panel for its caption and the description of its axes.
 const AROUND_PX: u32 = 84;
 const LEFT_PX: u32 = 52;
+const FRAME: Frame = Frame {
+    margins_px: [0, 16, 0, 8],
+    room_px: [44, LEFT_PX - 8],
+    text_px: [TEXT_PX - 2, TEXT_PX - 2],
+    grid: Grid::None,
+    ..USUAL_FRAME
+};
 /// What is shown beyond the box, as a share of its length and of its width.
 const BEYOND: [f64; 2] = [0.3, 0.5];
 /// Shades of the cells. The darkest is for the fullest, and each holds half of what the next one does.
@@ -19,31 +27,17 @@ const N_SHADES: u32 = 7;
 /// The panels of each class in a row, to the same scale within the row, as an SVG document. `title` says what is shown, and whether it is simulated.
 pub fn box_points_plot(rows: &[Vec<BoxPoints>], title: &str) -> String {
     let widest = rows.iter().map(Vec::len).max().unwrap_or(0).max(1) as u32;
-    let heights_px: Vec<u32> = rows.iter().map(|it| row_height_px(it)).collect();
-    let size_px = (PANEL_WIDTH_PX * widest, HEADING_PX + heights_px.iter().sum::<u32>());
-    let mut svg = String::new();
-    let root = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-    draw(&root, rows, &heights_px, title).expect("the panels have room, and memory takes all that is drawn");
-    drop(root);
-    svg.push('\n');
-    svg
-}
-
-fn draw(root: &Area<'_>, rows: &[Vec<BoxPoints>], heights_px: &[u32], title: &str) -> Drawn {
-    root.fill(&WHITE)?;
-    let (heading, mut rest) = root.split_vertically(HEADING_PX);
-    heading.draw_text(title, &text(20, HPos::Left), (16, 24))?;
-    for (row, height_px) in rows.iter().zip(heights_px) {
-        let (here, below) = rest.split_vertically(*height_px);
-        rest = below;
-        let half_m = half_window_m(row);
-        for (place, points) in row.iter().enumerate() {
-            let (_, from_here) = here.split_horizontally(PANEL_WIDTH_PX * place as u32);
-            let (panel, _) = from_here.split_horizontally(PANEL_WIDTH_PX);
-            draw_panel(&panel, points, half_m)?;
-        }
-    }
-    root.present()
+    let row = |points: &Vec<BoxPoints>| {
+        let half_m = half_window_m(points);
+        (row_height_px(half_m), points.iter().map(|it| panel(it, half_m)).collect())
+    };
+    let figure = Figure {
+        width_px: PANEL_WIDTH_PX * widest,
+        heading_px: HEADING_PX,
+        heading: vec![Mark::title(title, (16.0, 24.0))],
+        rows: rows.iter().map(row).collect(),
+    };
+    figure.svg()
 }
 
 /// Half of what is shown along and across, in metres: the largest box of the row and some room.
@@ -55,33 +49,12 @@ fn half_window_m(row: &[BoxPoints]) -> [f64; 2] {
 }
 
 /// So high that a metre is as long along as across.
-fn row_height_px(row: &[BoxPoints]) -> u32 {
-    let [half_length_m, half_width_m] = half_window_m(row);
+fn row_height_px([half_length_m, half_width_m]: [f64; 2]) -> u32 {
     let width_px = f64::from(PANEL_WIDTH_PX - LEFT_PX - 24);
     (width_px * half_width_m / half_length_m) as u32 + AROUND_PX
 }
 
-fn draw_panel(area: &Area<'_>, points: &BoxPoints, [half_length_m, half_width_m]: [f64; 2]) -> Drawn {
-    let caption = format!("{}, {} (n {})", points.class.name(), points.frame, points.n_vehicles);
-    let mut chart = ChartBuilder::on(area)
-        .margin_left(8)
-        .margin_right(16)
-        .caption(caption, text(TEXT_PX + 1, HPos::Left))
-        .x_label_area_size(44)
-        .y_label_area_size(LEFT_PX - 8)
-        .build_cartesian_2d(-half_length_m..half_length_m, -half_width_m..half_width_m)?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .x_labels(7)
-        .y_labels(5)
-        .x_label_formatter(&|value| axis_text(*value))
-        .y_label_formatter(&|value| axis_text(*value))
-        .x_desc("to the front (m)")
-        .y_desc("to the left (m)")
-        .label_style(text(TEXT_PX - 2, HPos::Center))
-        .axis_desc_style(text(TEXT_PX - 2, HPos::Center))
-        .draw()?;
+fn panel(points: &BoxPoints, [half_length_m, half_width_m]: [f64; 2]) -> Panel {
     let is_shown = |[x, y]: [i32; 2]| {
         let within = |it: i32, half_m: f64| {
             let [from_m, to_m] = [it, it + 1].map(|it| f64::from(it) * CELL_M);
@@ -92,17 +65,22 @@ fn draw_panel(area: &Area<'_>, points: &BoxPoints, [half_length_m, half_width_m]
     let fullest = points.shares.values().copied().fold(0.0, f64::max);
     let shaded = points.shares.iter().filter(|(cell, _)| is_shown(**cell));
     let shaded = shaded.filter_map(|(&cell, share)| Some((cell, shade(share / fullest)?)));
-    chart.draw_series(columns(shaded).into_iter().map(|column| {
+    let cells = columns(shaded).into_iter().map(|column| {
         let side = |it: i32| f64::from(it) * CELL_M;
         let corners = [(side(column.x), side(column.from)), (side(column.x + 1), side(column.to))];
-        Rectangle::new(corners, color_of(column.shade).filled())
-    }))?;
+        Mark::rectangle(corners, color_of(column.shade))
+    });
+    let mut marks: Vec<Mark> = cells.collect();
     let [length_m, width_m] = points.length_width_m.map(|it| 0.5 * it);
-    chart.draw_series([outline([(-length_m, -width_m), (length_m, width_m)], RIGHT_COLOR)])?;
+    marks.push(Mark::outline([(-length_m, -width_m), (length_m, width_m)], color(VERMILION)));
     // Its front.
-    let front = vec![(length_m, -width_m), (length_m, width_m)];
-    chart.draw_series([PathElement::new(front, RIGHT_COLOR.stroke_width(2 * LINE_WIDTH_PX))])?;
-    Ok(())
+    let front = [(length_m, -width_m), (length_m, width_m)];
+    marks.push(Mark::line(front, color(VERMILION), 2 * LINE_WIDTH_PX));
+    let caption = format!("{}, {} (n {})", points.class.name(), points.frame, points.n_vehicles);
+    let x = Axis::linear("to the front (m)", [-half_length_m, half_length_m], 7);
+    let y = Axis::linear("to the left (m)", [-half_width_m, half_width_m], 5);
+    let caption = Some((caption, TEXT_PX + 1));
+    Chart { caption, frame: FRAME, ..Chart::new(x, y, marks) }.into()
 }
 
 /// 1 to [`N_SHADES`] for what holds so much of what the fullest cell holds; nothing for less than the lightest.
@@ -113,8 +91,7 @@ fn shade(of_fullest: f64) -> Option<u32> {
 
 /// Between white and the colour of the fullest. Without transparency, of which files become large.
 fn color_of(shade: u32) -> RGBColor {
-    let mixed = |channel: u8| (255 - (255 - u32::from(channel)) * shade / N_SHADES) as u8;
-    RGBColor(mixed(LEFT_COLOR.0), mixed(LEFT_COLOR.1), mixed(LEFT_COLOR.2))
+    color(BLUE.map(|channel| (255 - (255 - u32::from(channel)) * shade / N_SHADES) as u8))
 }
 
 /// Cells of one shade above one another.
@@ -143,7 +120,7 @@ fn columns(cells: impl Iterator<Item = ([i32; 2], u32)>) -> Vec<ShadedColumn> {
 mod tests {
     use super::*;
     use crate::numbers::box_points::FramedPoints;
-    use crate::plots::style::hex;
+    use crate::plots::theme::hex;
     use crate::vocabulary::class::AnnotationClass;
 
     #[test]

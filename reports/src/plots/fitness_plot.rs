@@ -1,6 +1,7 @@
 //! The plot of the fitness of cells over their size.
 
-use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
+use super::curve_panels::{CurvePanel, Note, curve_figure};
+use super::series::{Place, Series};
 use super::sweep_panels::{about_bars, curves_of, heading, words};
 use crate::numbers::sweep_curve::{SweepCurve, highest};
 use crate::numbers::sweep_score::{FitnessValue, SweepScores};
@@ -32,11 +33,11 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
             && let Some(at) = fitness_place(of_first[fittest].0, of_first[fittest].1)
         {
             let text = first.points[fittest].x_text.to_owned();
-            notes.push(Note { place: (at.x, at.y), text, shape: NoteShape::Ring });
+            notes.push(Note::Ring((at.x, at.y), text));
         }
         if let Some((point, score)) = best {
             let text = format!("best {} {}", score.rate_name(), point.x_text);
-            notes.push(Note { place: (point.x, 0.0), text, shape: NoteShape::Upright });
+            notes.push(Note::Upright(point.x, text));
         }
         let (name, range) = (of_first[0].1.name, of_first[0].1.range);
         let off = of_first.iter().filter(|(_, it)| range.is_some() && it.in_range().is_none());
@@ -45,22 +46,20 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
             let edge = y_range
                 .map_or(0.0, |[low, high]| if value.value.is_some_and(|it| it > 0.0) { high } else { low });
             if value.value.is_none_or(|it| y_range.is_some_and(|[low, high]| it < low || it > high)) {
-                notes.push(Note { place: (*x, edge), text: String::new(), shape: NoteShape::Cross });
+                notes.push(Note::Cross((*x, edge)));
             }
         }
-        Panel {
+        CurvePanel {
             title: panel_title(name, &of_first),
-            x_title: sweep.axis_title(),
-            y_title: reading_unit(name).to_owned(),
-            x_words: words(first),
+            x_words: words(first.points.iter().map(|it| it.x_text)),
             series,
             notes,
-            thread: Vec::new(),
             y_range,
+            ..CurvePanel::over(sweep.axis_title(), reading_unit(name))
         }
     });
     let title = format!("Cell fitness, {}. Ring: best fitness. {}", heading(&curves), about_bars(&curves));
-    Some(panels_svg(&panels.collect::<Vec<_>>(), &title))
+    Some(curve_figure(&panels.collect::<Vec<_>>(), &title).panel(title).document())
 }
 
 fn readings<'a>(

@@ -1,11 +1,9 @@
 //! The share of scans that are done within a time.
 
-use plotters::prelude::IntoLogRange as _;
-
-use super::curve_panel::{Place, Series};
-use super::small_panel::{Points, SmallPanel};
-use super::style::axis_text;
-use super::themed_svg::ThemedPanel;
+use super::figure::{Axis, Scale};
+use super::series::{Place, Points, Series};
+use super::small_panel::small_panel;
+use super::themed_panel::ThemedPanel;
 
 /// A panel of that title with a curve of every detector, whose times are in milliseconds, ascending and above zero; `None` without any.
 pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<ThemedPanel> {
@@ -18,21 +16,10 @@ pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<
         .iter()
         .map(|(name, times)| Series { name: name.clone(), places: steps(times) })
         .collect();
-    let detectors: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
-    let label =
-        format!("share of scans that finish within a time in milliseconds, of {}", detectors.join(", "));
-    let panel = SmallPanel {
-        title,
-        x_title: "time of a scan (ms), logarithmic",
-        y_title: "scans (%)",
-        x: plotters::coord::combinators::LogCoord::from((from..to).log_scale()),
-        y: [0.0, 100.0],
-        x_text: &axis_text,
-        n_x_labels: 5,
-        series: &series,
-        points: Points::Line,
-    };
-    Some(panel.draw(label))
+    let about = "share of scans that finish within a time in milliseconds";
+    let scale = Scale::Logarithmic([from, to]);
+    let x = Axis { scale, ..Axis::linear("time of a scan (ms), logarithmic", [from, to], 5) };
+    Some(small_panel([title, about], x, "scans (%)", &series, Points::Line))
 }
 
 /// More steps than this cannot be seen.

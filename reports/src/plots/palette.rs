@@ -3,6 +3,12 @@
 /// Red, green and blue, 0 to 255.
 pub type Rgb = [u8; 3];
 
+/// Text, axes, and what is annotated.
+pub const BLACK: Rgb = [0, 0, 0];
+/// Behind what stands alone.
+pub const WHITE: Rgb = [255, 255, 255];
+/// What is not data: grid lines, frames.
+pub const QUIET: Rgb = [215, 215, 215];
 /// Orange.
 pub const ORANGE: Rgb = [230, 159, 0];
 /// Sky blue.

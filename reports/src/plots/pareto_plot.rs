@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
+use super::curve_panels::{CurvePanel, Note, curve_figure};
+use super::series::{Place, Series};
 use super::sweep_panels::{curves_of, heading};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
@@ -44,19 +45,17 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
                 .collect(),
         });
         let notes = front_notes(&points, &front);
-        panels.push(Panel {
+        let x_title = "time of a scan (ms): median of the shortest of each";
+        panels.push(CurvePanel {
             title: task.name().to_owned(),
-            x_title: "time of a scan (ms): median of the shortest of each".to_owned(),
-            y_title: format!("{} (%)", of_task[0].points[0].score.rate_name()),
-            x_words: None,
             series: series.collect(),
             notes,
             thread: front.iter().map(|&it| (points[it].0, points[it].1)).collect(),
-            y_range: None,
+            ..CurvePanel::over(x_title, format!("{} (%)", of_task[0].points[0].score.rate_name()))
         });
     }
     let title = format!("{}. Ring and {}: Pareto front", heading(&curves), sweep.axis_title());
-    (!panels.is_empty()).then(|| panels_svg(&panels, &title))
+    (!panels.is_empty()).then(|| curve_figure(&panels, &title).panel(title).document())
 }
 
 /// A ring around every point of the front, and its values unless they would run into those of the one before.
@@ -72,13 +71,13 @@ fn front_notes(points: &[(f64, f64, usize, String)], front: &[usize]) -> Vec<Not
     let mut notes: Vec<Note> = Vec::new();
     for point in front.iter().map(|&it| &points[it]) {
         let runs_into = |it: &Note| {
-            let characters = it.text.chars().count().max(point.3.chars().count()) as f64;
-            let (aside, above) =
-                ((it.place.0 - point.0).abs() / width, (it.place.1 - point.1).abs() / height);
-            !it.text.is_empty() && aside < 0.012 * characters && above < 0.09
+            let Note::Front((x, y), text) = it else { return false };
+            let characters = text.chars().count().max(point.3.chars().count()) as f64;
+            let (aside, above) = ((x - point.0).abs() / width, (y - point.1).abs() / height);
+            !text.is_empty() && aside < 0.012 * characters && above < 0.09
         };
         let text = if notes.iter().any(runs_into) { String::new() } else { point.3.clone() };
-        notes.push(Note { place: (point.0, point.1), text, shape: NoteShape::Front });
+        notes.push(Note::Front((point.0, point.1), text));
     }
     notes
 }

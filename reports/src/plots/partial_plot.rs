@@ -1,6 +1,8 @@
 //! Plots of how objects are told of which a part has been seen.
 
-use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
+use super::curve_panels::{CurvePanel, Note, curve_figure};
+use super::figure::Figure;
+use super::series::{Place, Series};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::vocabulary::partial_class::PartialClass;
 
@@ -8,32 +10,28 @@ use crate::vocabulary::partial_class::PartialClass;
 /// the first step at which all of them could be judged.
 ///
 /// Paper: BG Figs. 4 to 7.
-pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> String {
+pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> Figure {
     let there = |class: &PartialClass| curve.steps.iter().any(|it| it.classes.contains_key(class));
     let panels = PartialClass::LEARNT.into_iter().filter(there).map(|of| {
         let series = PartialClass::LEARNT.into_iter().map(|to| Series {
             name: format!("to {}", to.name()),
             places: places(curve, |step| Some((step.classes.get(&of)?.mean_error(to)?, None))),
         });
-        let note = |step: u32| Note {
-            place: (f64::from(step), 0.0),
-            text: "all judged".to_owned(),
-            shape: NoteShape::Upright,
-        };
+        let note = |step: u32| Note::Upright(f64::from(step), "all judged".to_owned());
         let notes = curve.first_step_all_judged(of).map(note).into_iter().collect();
-        panel(
-            format!("objects that are: {}", of.name()),
-            "step",
-            ("mean L1 error", None),
-            (series.collect(), notes),
-        )
+        CurvePanel {
+            title: format!("objects that are: {}", of.name()),
+            series: series.collect(),
+            notes,
+            ..CurvePanel::over("step", "mean L1 error")
+        }
     });
-    panels_svg(&panels.collect::<Vec<_>>(), title)
+    curve_figure(&panels.collect::<Vec<_>>(), title)
 }
 
 /// The mean of recalls over the steps with its interval over objects: a series for each curve, at most four of one data set
 /// and direction to a panel.
-pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> String {
+pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> Figure {
     let of_same = |a: &PartialCurve, b: &PartialCurve| (&a.data, &a.direction) == (&b.data, &b.direction);
     let panels = curves.chunk_by(of_same).flat_map(|same| same.chunks(4)).map(|few| {
         let series = few.iter().map(|curve| Series {
@@ -45,26 +43,36 @@ pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> String {
         let series: Vec<Series> = series.collect();
         let names: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
         let title = format!("{} from {}: {}", few[0].data, few[0].direction, names.join(", "));
-        panel(title, "step", ("mean of recalls (%)", Some([0.0, 100.0])), (series, Vec::new()))
+        CurvePanel {
+            title,
+            series,
+            y_range: Some([0.0, 100.0]),
+            ..CurvePanel::over("step", "mean of recalls (%)")
+        }
     });
-    panels_svg(&panels.collect::<Vec<_>>(), title)
+    curve_figure(&panels.collect::<Vec<_>>(), title)
 }
 
 /// How often what was told with some chance was right; the thin line is where both are the same.
-pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> String {
+pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> Figure {
     let panels = curves.iter().filter(|it| !it.calibration.is_empty()).map(|curve| {
         let place = |&(chance, right, _): &(f64, f64, u64)| {
             Some(Place { x: 100.0 * chance, y: 100.0 * right, within: None })
         };
         let series =
             Series { name: curve.method.clone(), places: curve.calibration.iter().map(place).collect() };
-        let title =
-            format!("{} from {}, {} ({})", curve.data, curve.direction, curve.method, curve.trained_on);
-        let range = ("share that was right (%)", Some([0.0, 100.0]));
-        let thread = vec![(0.0, 0.0), (100.0, 100.0)];
-        Panel { thread, ..panel(title, "chance of what was told (%)", range, (vec![series], Vec::new())) }
+        CurvePanel {
+            title: format!(
+                "{} from {}, {} ({})",
+                curve.data, curve.direction, curve.method, curve.trained_on
+            ),
+            series: vec![series],
+            thread: vec![(0.0, 0.0), (100.0, 100.0)],
+            y_range: Some([0.0, 100.0]),
+            ..CurvePanel::over("chance of what was told (%)", "share that was right (%)")
+        }
     });
-    panels_svg(&panels.collect::<Vec<_>>(), title)
+    curve_figure(&panels.collect::<Vec<_>>(), title)
 }
 
 fn places(
@@ -76,16 +84,6 @@ fn places(
         Some(Place { x: f64::from(step.step), y, within })
     };
     curve.steps.iter().map(place).collect()
-}
-
-fn panel(
-    title: String,
-    x_title: &str,
-    (y_title, y_range): (&str, Option<[f64; 2]>),
-    (series, notes): (Vec<Series>, Vec<Note>),
-) -> Panel {
-    let (x_title, y_title) = (x_title.to_owned(), y_title.to_owned());
-    Panel { title, x_title, y_title, x_words: None, series, notes, thread: Vec::new(), y_range }
 }
 
 #[cfg(test)]
@@ -103,7 +101,7 @@ mod tests {
     #[test]
     fn every_class_has_a_panel_and_every_axis_a_unit() {
         let curves = PartialCurve::all(&rows());
-        let errors = partial_error_plot(&curves[0], "Errors (simulated)");
+        let errors = partial_error_plot(&curves[0], "Errors (simulated)").svg();
         check(
             &errors,
             &[
@@ -115,14 +113,17 @@ mod tests {
                 "Errors (simulated)",
             ],
         );
-        check(&partial_accuracy_plot(&curves, "Accuracy"), &["mean of recalls (%)", "street from below"]);
-        check(&partial_calibration_plot(&curves, "Calibration"), &["chance of what was told (%)"]);
+        check(
+            &partial_accuracy_plot(&curves, "Accuracy").svg(),
+            &["mean of recalls (%)", "street from below"],
+        );
+        check(&partial_calibration_plot(&curves, "Calibration").svg(), &["chance of what was told (%)"]);
     }
 
     #[test]
     fn nothing_can_be_drawn() {
         for svg in [partial_accuracy_plot(&[], "Nothing"), partial_calibration_plot(&[], "Nothing")] {
-            assert!(svg.contains("</svg>"));
+            assert!(svg.svg().contains("</svg>"));
         }
     }
 }

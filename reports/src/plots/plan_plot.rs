@@ -1,10 +1,9 @@
 //! What stands where, seen from above, as several detectors see it.
 
-use plotters::prelude::*;
-use plotters::style::text_anchor::HPos;
+use plotters::style::RGBColor;
 
-use super::series_marks::SeriesMark;
-use super::style::{Area, Drawn, LINE_WIDTH_PX, QUIET_COLOR, TEXT_PX, axis_text, text};
+use super::figure::{Axis, Chart, Figure, Frame, Grid, Panel, TEXT_PX, USUAL_FRAME};
+use super::marks::{BLACK, LINE_WIDTH_PX, Mark, QUIET, SeriesMark};
 
 /// One panel.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,25 +28,15 @@ const ROOM_M: f64 = 0.6;
 
 /// The panels side by side, to the same scale, as an SVG document. `title` says what is shown, and whether it is simulated.
 pub fn plan_plot(plans: &[Plan], title: &str) -> String {
-    let mut svg = String::new();
-    let size_px = (PANEL_PX * plans.len().max(1) as u32, HEADING_PX + PANEL_PX);
-    let root = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-    draw(&root, plans, title).expect("the panels have room, and memory takes all that is drawn");
-    drop(root);
-    svg.push('\n');
-    svg
-}
-
-fn draw(root: &Area<'_>, plans: &[Plan], title: &str) -> Drawn {
-    root.fill(&WHITE)?;
-    let (heading, panels) = root.split_vertically(HEADING_PX);
-    heading.draw_text(title, &text(20, HPos::Left), (16, 24))?;
-    if let Some(window) = window_m(plans) {
-        for (panel, plan) in panels.split_evenly((1, plans.len())).iter().zip(plans) {
-            draw_plan(panel, plan, window)?;
-        }
-    }
-    root.present()
+    let window = window_m(plans);
+    let panels = plans.iter().map(|it| window.map_or_else(Panel::default, |window| panel(it, window)));
+    let figure = Figure {
+        width_px: PANEL_PX * plans.len().max(1) as u32,
+        heading_px: HEADING_PX,
+        heading: vec![Mark::title(title, (16.0, 24.0))],
+        rows: vec![(PANEL_PX, panels.collect())],
+    };
+    figure.svg()
 }
 
 /// The square around all places: from, to in x and y; `None` if there are none.
@@ -61,48 +50,42 @@ fn window_m(plans: &[Plan]) -> Option<[[f64; 2]; 2]> {
     window.iter().flatten().all(|it| it.is_finite()).then_some(window)
 }
 
-fn draw_plan(area: &Area<'_>, plan: &Plan, [x, y]: [[f64; 2]; 2]) -> Drawn {
-    let mut chart = ChartBuilder::on(area)
-        .margin(12)
-        .caption(&plan.title, text(TEXT_PX + 2, HPos::Left))
-        .x_label_area_size(40)
-        .y_label_area_size(56)
-        .build_cartesian_2d(x[0]..x[1], y[0]..y[1])?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .x_labels(8)
-        .y_labels(8)
-        .x_label_formatter(&|value| axis_text(*value))
-        .y_label_formatter(&|value| axis_text(*value))
-        .x_desc("forward of the sensor (m)")
-        .y_desc("left of the sensor (m)")
-        .label_style(text(TEXT_PX, HPos::Center))
-        .axis_desc_style(text(TEXT_PX, HPos::Center))
-        .draw()?;
+fn panel(plan: &Plan, [x, y]: [[f64; 2]; 2]) -> Panel {
+    let mut marks = grid_marks(plan, [x, y]);
+    for (group, places) in plan.groups.iter().enumerate() {
+        marks.extend(places.iter().map(|&[x, y]| SeriesMark(group).marker((x, y))));
+    }
+    let closed = |outline: &Vec<[f64; 2]>| {
+        let corners = outline.iter().chain(outline.first()).map(|&[x, y]| (x, y));
+        Mark::line(corners, BLACK, LINE_WIDTH_PX)
+    };
+    marks.extend(plan.outlines.iter().map(closed));
+    let x = Axis::linear("forward of the sensor (m)", x, 8);
+    let y = Axis::linear("left of the sensor (m)", y, 8);
+    let chart = Chart {
+        caption: Some((plan.title.clone(), TEXT_PX + 2)),
+        frame: Frame { margins_px: [12; 4], room_px: [40, 56], grid: Grid::None, ..USUAL_FRAME },
+        ..Chart::new(x, y, marks)
+    };
+    chart.into()
+}
+
+/// The grids of all sizes; the widest is darker.
+fn grid_marks(plan: &Plan, [x, y]: [[f64; 2]; 2]) -> Vec<Mark> {
+    let mut marks = Vec::new();
     for (level, &size_m) in plan.cell_sizes_m.iter().enumerate() {
         let is_widest = level + 1 == plan.cell_sizes_m.len();
-        let style =
-            if is_widest { RGBColor(130, 130, 130).stroke_width(1) } else { QUIET_COLOR.stroke_width(1) };
+        let color = if is_widest { RGBColor(130, 130, 130) } else { QUIET };
         let steps = |axis: usize, [from, to]: [f64; 2]| {
             let origin_m = plan.grid_origin_m[axis];
             let (first, last) =
                 (((from - origin_m) / size_m).ceil() as i64, ((to - origin_m) / size_m).floor() as i64);
             (first..=last).map(move |step| origin_m + step as f64 * size_m)
         };
-        let upright = steps(0, x).map(|at| PathElement::new(vec![(at, y[0]), (at, y[1])], style));
-        let level = steps(1, y).map(|at| PathElement::new(vec![(x[0], at), (x[1], at)], style));
-        chart.draw_series(upright.chain(level))?;
+        marks.extend(steps(0, x).map(|at| Mark::line([(at, y[0]), (at, y[1])], color, 1)));
+        marks.extend(steps(1, y).map(|at| Mark::line([(x[0], at), (x[1], at)], color, 1)));
     }
-    for (group, places) in plan.groups.iter().enumerate() {
-        chart.draw_series(places.iter().map(|&[x, y]| SeriesMark(group).marker((x, y))))?;
-    }
-    let closed = |outline: &Vec<[f64; 2]>| {
-        let corners = outline.iter().chain(outline.first()).map(|&[x, y]| (x, y)).collect::<Vec<_>>();
-        PathElement::new(corners, BLACK.stroke_width(LINE_WIDTH_PX))
-    };
-    chart.draw_series(plan.outlines.iter().map(closed))?;
-    Ok(())
+    marks
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Precision over recall as the least score falls that a detection needs.
 
-use super::curve_panel::{Place, Series};
-use super::small_panel::{Points, SmallPanel};
-use super::style::axis_text;
-use super::themed_svg::ThemedPanel;
+use super::figure::Axis;
+use super::series::{Place, Points, Series};
+use super::small_panel::small_panel;
+use super::themed_panel::ThemedPanel;
 
 /// A panel with a curve of every detector: recalls and precisions, 0 to 1.
 pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedPanel {
@@ -15,20 +15,9 @@ pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedP
             Series { name: name.clone(), places }
         })
         .collect();
-    let detectors: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
-    let label = format!("precision over recall on {title}, both in percent, of {}", detectors.join(", "));
-    SmallPanel {
-        title,
-        x_title: "recall (%)",
-        y_title: "precision (%)",
-        x: plotters::coord::types::RangedCoordf64::from(0.0..100.0),
-        y: [0.0, 100.0],
-        x_text: &axis_text,
-        n_x_labels: 6,
-        series: &series,
-        points: Points::Line,
-    }
-    .draw(label)
+    let about = format!("precision over recall on {title}, both in percent");
+    let x = Axis::linear("recall (%)", [0.0, 100.0], 6);
+    small_panel([title, &about], x, "precision (%)", &series, Points::Line)
 }
 
 /// The places that can be told apart on a panel: hundreds of detections lie on a pixel.

@@ -4,20 +4,19 @@
 
 use std::fmt::Write as _;
 
-use super::series_marks::SeriesMark;
-use super::style::{BLACK_HEX, QUIET, hex};
-use super::themed_svg::{KEY_SIZE_PX, KeyEntry, ThemedPanel};
-use crate::plots::palette::{DETECTOR_HUES, detector_hue};
+use super::marks::SeriesMark;
+use super::palette::{BLACK, QUIET, Rgb, YELLOW, detector_hue};
+use super::theme::{Paint, hex, painted};
+use super::themed_panel::{KEY_SIZE_PX, KeyEntry, ThemedPanel};
 use crate::rows::match_outcome::BoxFacts;
 use crate::worst::places::PlanWindow;
 use crate::worst::points::{PLAN_CELL_M, PlanCells};
 
 const SIDE_PX: u32 = 200;
-/// Behind what a scene is about: yellow, as what is missed in the viewer.
-const SUBJECT_HEX: &str = "#F0E442";
-
 /// Of the disc that marks an object without a box.
 const PLACE_RADIUS_PX: u32 = 14;
+/// Dashes of what was found and taken for something else.
+const ANOTHER_CLASS: Option<[i32; 2]> = Some([1, 3]);
 
 /// What is around an object.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,102 +44,83 @@ pub struct SceneDetection {
     pub is_asked: bool,
 }
 
-/// What the sensor saw, from above, at `scale` pixels a metre.
-fn seen_cells(cells: &PlanCells, scale: f64) -> String {
-    let mut elements = String::new();
-    let middle = SIDE_PX / 2;
-    let per_cell = scale * f64::from(PLAN_CELL_M);
-    let paths = [(&cells.low, "k-grid", QUIET, 1.0), (&cells.high, "k-ink", [90, 90, 90], 0.62)];
-    for (cells, class, color, opacity) in paths.into_iter().filter(|(cells, ..)| !cells.is_empty()) {
-        // Writing to a string cannot fail.
-        let _ = write!(
-            elements,
-            r#"<path class="{class}" transform="translate({middle} {middle}) scale({per_cell:.3})" opacity="{opacity}" fill="none" stroke="{}" d="{}"/>"#,
-            hex(color),
-            runs(cells)
-        );
-    }
-    elements
-}
-
 /// The scene; `label` says what is seen.
 pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
-    let scale = f64::from(SIDE_PX) / (2.0 * f64::from(scene.window.half_m));
-    let mut elements = scene.cells.map(|cells| seen_cells(cells, scale)).unwrap_or_default();
+    let Scene { window, subject, cells, annotations, detections } = scene;
+    let half = f64::from(SIDE_PX) / 2.0;
+    let scale = half / f64::from(window.half_m);
     let place = |[x_m, y_m]: [f64; 2]| {
-        let [forward, left] =
-            [x_m - f64::from(scene.window.center_m[0]), y_m - f64::from(scene.window.center_m[1])];
-        let half = f64::from(SIDE_PX) / 2.0;
+        let [forward, left] = [x_m - f64::from(window.center_m[0]), y_m - f64::from(window.center_m[1])];
         format!("{:.1},{:.1}", half - left * scale, half - forward * scale)
     };
-    let polygon = |bounding_box: &BoxFacts| corners(bounding_box).map(place).join(" ");
-    let [length_m, width_m, _] = scene.subject.length_width_height_m;
-    let _ = if length_m > 0.0 || width_m > 0.0 {
-        write!(
-            elements,
-            r#"<polygon class="f-subject" points="{}" fill="{SUBJECT_HEX}" opacity="0.35"/>"#,
-            polygon(&scene.subject)
-        )
+    let polygon = |it: &BoxFacts| format!(r#"polygon points="{}""#, corners(it).map(place).join(" "));
+    let mut elements = cells.map(|it| seen_cells(it, scale)).unwrap_or_default();
+    let [length_m, width_m, _] = subject.length_width_height_m;
+    elements.push(subject_shape(&if length_m > 0.0 || width_m > 0.0 {
+        polygon(subject)
     } else {
         // No box is labelled: the place is all that is known.
-        let middle = SIDE_PX / 2;
-        write!(
-            elements,
-            r#"<circle class="f-subject" cx="{middle}" cy="{middle}" r="{PLACE_RADIUS_PX}" fill="{SUBJECT_HEX}" opacity="0.35"/>"#
-        )
-    };
-    for it in &scene.annotations {
-        let width = if *it == scene.subject { 2.8 } else { 1.5 };
-        let _ = write!(
-            elements,
-            r#"<polygon class="k-ink" points="{}" fill="none" stroke="{BLACK_HEX}" stroke-width="{width}"/>"#,
-            polygon(it)
-        );
-    }
-    for it in &scene.detections {
-        let mark = SeriesMark(it.detector_idx);
-        let dashes = match (it.is_asked, mark.dashes_px()) {
-            (false, _) => r#" stroke-dasharray="1 3""#.to_owned(),
-            (true, Some([dash, gap])) => format!(r#" stroke-dasharray="{dash} {gap}""#),
-            (true, None) => String::new(),
-        };
-        let _ = write!(
-            elements,
-            r#"<polygon class="k-d{}" points="{}" fill="none" stroke="{}" stroke-width="1.8"{dashes}/>"#,
-            it.detector_idx % DETECTOR_HUES.len(),
-            polygon(&it.bounding_box),
-            hex(detector_hue(it.detector_idx).on_light)
-        );
-    }
-    elements.push_str(&scale_bar(scene.window, scale));
-    elements.push_str(&sensor_mark(scene.window));
-    ThemedPanel::of_elements(elements, [SIDE_PX, SIDE_PX], label)
+        format!(r#"circle cx="{half}" cy="{half}" r="{PLACE_RADIUS_PX}""#)
+    }));
+    elements.extend(annotations.iter().map(|it| {
+        let width_px = if it == subject { 2.8 } else { 1.5 };
+        stroked(&polygon(it), BLACK, width_px, None)
+    }));
+    elements.extend(detections.iter().map(|it| {
+        let dashes_px = if it.is_asked { SeriesMark(it.detector_idx).dashes_px() } else { ANOTHER_CLASS };
+        stroked(&polygon(&it.bounding_box), detector_hue(it.detector_idx).on_light, 1.8, dashes_px)
+    }));
+    elements.push(scale_bar(*window, scale));
+    elements.push(sensor_mark(*window));
+    ThemedPanel { size_px: [SIDE_PX, SIDE_PX], label, elements: elements.concat() }
 }
 
 /// The key to scenes of the detectors of these names.
 pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
-    let sample = |name: &str, class: &str, color: &str, width: f32, dashes: &str| {
-        let elements = format!(
-            r#"<path class="{class}" d="M1 8h34" fill="none" stroke="{color}" stroke-width="{width}"{dashes}/>"#
-        );
-        let name = name.to_owned();
-        KeyEntry { swatch: ThemedPanel::of_elements(elements, KEY_SIZE_PX, name.clone()), name }
+    let entry = |name: &str, elements: String| {
+        let swatch = ThemedPanel { size_px: KEY_SIZE_PX, label: name.to_owned(), elements };
+        KeyEntry { name: name.to_owned(), swatch }
     };
-    let subject = format!(
-        r#"<rect class="f-subject" x="6" y="1" width="24" height="14" fill="{SUBJECT_HEX}" opacity="0.35"/>"#
+    let sample = |name: &str, color: Rgb, width_px: f32, dashes_px: Option<[i32; 2]>| {
+        entry(name, stroked(r#"path d="M1 8h34""#, color, width_px, dashes_px))
+    };
+    let subject = subject_shape(r#"rect x="6" y="1" width="24" height="14""#);
+    let mut keys = vec![entry("missed or false object", subject), sample("annotated", BLACK, 1.8, None)];
+    keys.extend(
+        names
+            .iter()
+            .enumerate()
+            .map(|(idx, name)| sample(name, detector_hue(idx).on_light, 2.0, SeriesMark(idx).dashes_px())),
     );
-    let name = "missed or false object".to_owned();
-    let swatch = ThemedPanel::of_elements(subject, KEY_SIZE_PX, name.clone());
-    let mut keys = vec![KeyEntry { name, swatch }, sample("annotated", "k-ink", BLACK_HEX, 1.8, "")];
-    keys.extend(names.iter().enumerate().map(|(idx, name)| {
-        let dashes = SeriesMark(idx).dashes_px();
-        let dashes =
-            dashes.map_or_else(String::new, |[dash, gap]| format!(r#" stroke-dasharray="{dash} {gap}""#));
-        let color = hex(detector_hue(idx).on_light);
-        sample(name, &format!("k-d{}", idx % DETECTOR_HUES.len()), &color, 2.0, &dashes)
-    }));
-    keys.push(sample("found, but as another class", "k-ink", BLACK_HEX, 2.0, r#" stroke-dasharray="1 3""#));
+    keys.push(sample("found, but as another class", BLACK, 2.0, ANOTHER_CLASS));
     keys
+}
+
+/// An element of this `shape`, a tag with its geometry, with nothing in it.
+fn stroked(shape: &str, color: Rgb, width_px: f32, dashes_px: Option<[i32; 2]>) -> String {
+    let stroke = painted(Paint::Stroke, color);
+    let dashes =
+        dashes_px.map_or_else(String::new, |[dash, gap]| format!(r#" stroke-dasharray="{dash} {gap}""#));
+    format!(r#"<{shape} {stroke} fill="none" stroke-width="{width_px}"{dashes}/>"#)
+}
+
+/// What a scene is about.
+fn subject_shape(shape: &str) -> String {
+    format!(r#"<{shape} fill="{}" opacity="0.35"/>"#, hex(YELLOW))
+}
+
+/// What the sensor saw, from above, at `scale` pixels a metre.
+fn seen_cells(cells: &PlanCells, scale: f64) -> Vec<String> {
+    let (middle, per_cell) = (SIDE_PX / 2, scale * f64::from(PLAN_CELL_M));
+    let paths = [(&cells.low, QUIET, 1.0), (&cells.high, BLACK, 0.62)];
+    let path = |(cells, color, opacity): (&Vec<[i32; 2]>, Rgb, f32)| {
+        let stroke = painted(Paint::Stroke, color);
+        let d = runs(cells);
+        format!(
+            r#"<path {stroke} transform="translate({middle} {middle}) scale({per_cell:.3})" opacity="{opacity}" fill="none" d="{d}"/>"#
+        )
+    };
+    paths.into_iter().filter(|(cells, ..)| !cells.is_empty()).map(path).collect()
 }
 
 /// A bar of two metres, where `scale` are the pixels of a metre.
@@ -149,10 +129,10 @@ fn scale_bar(window: PlanWindow, scale: f64) -> String {
     // Below, unless the sensor is pointed at there.
     let [forward_m, left_m] = window.center_m;
     let y_px = if forward_m > 0.0 && left_m < 0.0 { 12 } else { SIDE_PX - 8 };
+    let bar = stroked(&format!(r#"path d="M8 {y_px}h{bar_px:.1}""#), BLACK, 2.0, None);
+    let (x_px, text_y_px, fill) = (12.0 + bar_px, y_px + 4, painted(Paint::Fill, BLACK));
     format!(
-        r#"<path class="k-ink" d="M8 {y_px}h{bar_px:.1}" stroke="{BLACK_HEX}" stroke-width="2"/><text class="f-ink" x="{:.1}" y="{}" font-family="sans-serif" font-size="12" fill="{BLACK_HEX}">2 m</text>"#,
-        12.0 + bar_px,
-        y_px + 4
+        r#"{bar}<text {fill} x="{x_px:.1}" y="{text_y_px}" font-family="sans-serif" font-size="12">2 m</text>"#
     )
 }
 
@@ -166,15 +146,13 @@ fn sensor_mark(window: PlanWindow) -> String {
     if reach <= f64::from(window.half_m) {
         let scale = half / f64::from(window.half_m);
         let [x, y] = [half + right * scale, half + down * scale];
-        return format!(
-            r#"<path class="k-ink" d="M{:.1} {y:.1}h8m-4 -4v8" stroke="{BLACK_HEX}" fill="none"/>"#,
-            x - 4.0
-        );
+        return stroked(&format!(r#"path d="M{:.1} {y:.1}h8m-4 -4v8""#, x - 4.0), BLACK, 1.0, None);
     }
     let [x, y] = [right, down].map(|it| half + it / reach * (half - 3.0));
     let turned_deg = down.atan2(right).to_degrees();
+    let fill = painted(Paint::Fill, BLACK);
     format!(
-        r#"<path class="f-ink" transform="translate({x:.1} {y:.1}) rotate({turned_deg:.0})" d="M0 0l-9 -5v10z" fill="{BLACK_HEX}"/>"#
+        r#"<path {fill} transform="translate({x:.1} {y:.1}) rotate({turned_deg:.0})" d="M0 0l-9 -5v10z"/>"#
     )
 }
 
@@ -222,7 +200,7 @@ mod tests {
         let svg = scene_plot(&scene(None, WINDOW), "a < b".to_owned()).inline();
         // 4 m long in a window of 10 m and 200 pixels: from 60 to 140 down, from 80 to 120 across.
         assert!(svg.contains("points=\"80.0,60.0 80.0,140.0 120.0,140.0 120.0,60.0\""), "{svg}");
-        for part in ["a &lt; b", "2 m", "k-d1", "stroke-dasharray=\"1 3\"", "f-subject"] {
+        for part in ["a &lt; b", "2 m", "k-d1", "stroke-dasharray=\"1 3\"", "opacity=\"0.35\""] {
             assert!(svg.contains(part), "no {part} in {svg}");
         }
         assert!(!svg.contains("k-grid"), "{svg}");

@@ -1,33 +1,28 @@
 //! How long the stages of a detector take.
 
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::text_anchor::{HPos, VPos};
 
-use super::series_marks::SeriesMark;
-use super::small_panel::{SMALL_TEXT_PX, WIDTH_PX, small_text};
-use super::style::{Area, Drawn};
-use super::themed_svg::ThemedPanel;
+use super::figure::Figure;
+use super::marks::{Mark, SeriesMark, bold_style, text_style};
+use super::small_panel::{SMALL_TEXT_PX, WIDTH_PX};
+use super::themed_panel::ThemedPanel;
 use crate::files::fixed_decimals::three_digits;
 
 const HEADING_PX: u32 = 24;
 const ROW_PX: u32 = 22;
 /// Room for the names of stages, and for the times.
-const NAMES_PX: i32 = 104;
-const TIMES_PX: i32 = 70;
+const NAMES_PX: f64 = 104.0;
+const TIMES_PX: f64 = 70.0;
 
 /// A panel with a bar for every stage, whose median times are in milliseconds, in the order of the stages. Bars are to the
 /// scale of the longest of the panel.
 pub fn stage_plot(detector: &str, detector_idx: usize, stages: &[(String, f64)]) -> ThemedPanel {
-    let size_px = (WIDTH_PX, HEADING_PX + ROW_PX * stages.len().max(1) as u32 + 4);
-    let mut svg = String::new();
-    let root = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-    draw(&root, detector, detector_idx, stages)
-        .expect("the panel has room, and memory takes all that is drawn");
-    drop(root);
+    let size_px = [WIDTH_PX, HEADING_PX + ROW_PX * stages.len().max(1) as u32 + 4];
+    let of_stages = marks(detector, SeriesMark(detector_idx), stages);
     let stages: Vec<String> =
         stages.iter().map(|(name, ms)| format!("{} {}", words(name), time_text(*ms))).collect();
     let label = format!("median times of the stages of {detector}: {}", stages.join(", "));
-    ThemedPanel::of_library(&svg, size_px.into(), label)
+    Figure::of_marks(size_px, of_stages).panel(label)
 }
 
 /// A time with its unit; what is not worth digits has none.
@@ -40,24 +35,24 @@ fn words(stage: &str) -> String {
     stage.replace('_', " ")
 }
 
-fn draw(root: &Area<'_>, detector: &str, detector_idx: usize, stages: &[(String, f64)]) -> Drawn {
-    let bold: TextStyle<'static> = ("sans-serif", SMALL_TEXT_PX, FontStyle::Bold).into_font().color(&BLACK);
-    root.draw_text(detector, &bold.pos(Pos::new(HPos::Left, VPos::Center)), (2, 11))?;
+fn marks(detector: &str, series: SeriesMark, stages: &[(String, f64)]) -> Vec<Mark> {
+    let text = |x_px: f64, y_px: f64, text: String, horizontal: HPos| {
+        Mark::text((x_px, y_px), [0, 0], text, text_style(SMALL_TEXT_PX, horizontal, VPos::Center))
+    };
+    let mut marks = vec![Mark::text((2.0, 11.0), [0, 0], detector, bold_style(SMALL_TEXT_PX))];
     let longest_ms = stages.iter().map(|(_, ms)| *ms).fold(0.0, f64::max);
-    let room_px = f64::from(WIDTH_PX as i32 - NAMES_PX - TIMES_PX);
-    let color = SeriesMark(detector_idx).color();
-    for ((stage, ms), y_px) in stages.iter().zip((HEADING_PX as i32..).step_by(ROW_PX as usize)) {
-        let middle_px = y_px + ROW_PX as i32 / 2;
-        root.draw_text(&words(stage), &small_text(HPos::Right, VPos::Center), (NAMES_PX - 8, middle_px))?;
+    let room_px = f64::from(WIDTH_PX) - NAMES_PX - TIMES_PX;
+    for ((stage, ms), top_px) in stages.iter().zip((HEADING_PX..).step_by(ROW_PX as usize)) {
+        let [top_px, row_px] = [top_px, ROW_PX].map(f64::from);
+        let middle_px = top_px + row_px / 2.0;
+        marks.push(text(NAMES_PX - 8.0, middle_px, words(stage), HPos::Right));
         // What is too short to be seen is a hair line.
-        let long_px = if longest_ms > 0.0 { (room_px * ms / longest_ms).round().max(1.0) as i32 } else { 1 };
-        let corners = [(NAMES_PX, y_px + 4), (NAMES_PX + long_px, y_px + ROW_PX as i32 - 4)];
-        root.draw(&Rectangle::new(corners, color.filled()))?;
-        let time = time_text(*ms);
-        let place = (NAMES_PX + long_px + 6, middle_px);
-        root.draw_text(&time, &small_text(HPos::Left, VPos::Center), place)?;
+        let long_px = if longest_ms > 0.0 { (room_px * ms / longest_ms).round().max(1.0) } else { 1.0 };
+        let corners = [(NAMES_PX, top_px + 4.0), (NAMES_PX + long_px, top_px + row_px - 4.0)];
+        marks.push(Mark::rectangle(corners, series.color()));
+        marks.push(text(NAMES_PX + long_px + 6.0, middle_px, time_text(*ms), HPos::Left));
     }
-    Ok(())
+    marks
 }
 
 #[cfg(test)]

@@ -2,13 +2,12 @@
 
 use std::ops::RangeInclusive;
 
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::text_anchor::{HPos, VPos};
 
-use super::series_marks::SeriesMark;
-use super::small_panel::{SMALL_TEXT_PX, small_text};
-use super::style::{Area, Drawn, LINE_WIDTH_PX, QUIET_COLOR};
-use super::themed_svg::{ThemedPanel, stack};
+use super::figure::Figure;
+use super::marks::{LINE_WIDTH_PX, Mark, QUIET, SeriesMark, bold_style, text_style};
+use super::small_panel::SMALL_TEXT_PX;
+use super::themed_panel::{Arrangement, ThemedPanel, sheet};
 use crate::files::fixed_decimals::fixed_decimals;
 
 /// One detector.
@@ -36,10 +35,10 @@ struct Layout {
 const ON_PAGE: Layout = Layout { width_px: 430, names_px: 100..=190 };
 /// A figure of its own, with names that are sentences.
 const ALONE: Layout = Layout { width_px: 820, names_px: 100..=440 };
-const HEADING_PX: i32 = 26;
-const ROW_PX: i32 = 30;
-const AXIS_PX: i32 = 44;
-const VALUES_PX: i32 = 62;
+const HEADING_PX: u32 = 26;
+const ROW_PX: u32 = 30;
+const AXIS_PX: u32 = 44;
+const VALUES_PX: f64 = 62.0;
 /// The width of a letter over the size of the text: a wide one, so that no name is cut off in another font.
 const LETTER_WIDTH: f64 = 0.62;
 /// Between a name and its line.
@@ -54,17 +53,14 @@ pub fn standing_plot(title: &str, rate: &str, rows: &[StandingRow]) -> ThemedPan
 pub fn study_plot(title: &str, rate: &str, parts: &[(String, Vec<StandingRow>)]) -> String {
     let panels: Vec<ThemedPanel> =
         parts.iter().map(|(title, rows)| panel(title, rate, rows, &ALONE)).collect();
-    stack(&panels, title)
+    sheet(&panels, Arrangement::Column, &[], title)
 }
 
 fn panel(title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> ThemedPanel {
-    let size_px = (layout.width_px, (HEADING_PX + ROW_PX * rows.len() as i32 + AXIS_PX) as u32);
-    let mut svg = String::new();
-    let root = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-    draw(&root, title, rate, rows, layout).expect("the panel has room, and memory takes all that is drawn");
-    drop(root);
     let texts: Vec<String> = rows.iter().map(|it| format!("{} {}", it.name, value_text(it))).collect();
-    ThemedPanel::of_library(&svg, size_px.into(), format!("{title}: {rate} of {}", texts.join(", ")))
+    let size_px = [layout.width_px, HEADING_PX + ROW_PX * rows.len() as u32 + AXIS_PX];
+    Figure::of_marks(size_px, marks(title, rate, rows, layout))
+        .panel(format!("{title}: {rate} of {}", texts.join(", ")))
 }
 
 /// How many letters of a name there is room for, and how wide the column of names is.
@@ -88,52 +84,45 @@ fn value_text(row: &StandingRow) -> String {
     row.percent.map_or_else(|| "undefined".to_owned(), |it| format!("{} %", fixed_decimals(it, 1)))
 }
 
-fn draw(root: &Area<'_>, title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> Drawn {
-    let width_px = layout.width_px as i32;
+fn marks(title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> Vec<Mark> {
     let (n_letters, names_px) = names_column(rows, &layout.names_px);
-    let bold: TextStyle<'static> = ("sans-serif", SMALL_TEXT_PX, FontStyle::Bold).into_font().color(&BLACK);
-    root.draw_text(title, &bold.pos(Pos::new(HPos::Left, VPos::Center)), (names_px, 11))?;
+    let (names_px, width_px) = (f64::from(names_px), f64::from(layout.width_px));
+    let ends_px = [names_px, width_px - VALUES_PX];
+    let bottom_px = f64::from(HEADING_PX + ROW_PX * rows.len() as u32);
     let [low, high] = axis(rows);
-    let right_px = width_px - VALUES_PX;
-    let x_px = |percent: f64| {
-        names_px + (f64::from(right_px - names_px) * (percent - low) / (high - low)).round() as i32
-    };
-    let bottom_px = HEADING_PX + ROW_PX * rows.len() as i32;
-    let n_ticks = ((high - low) / TICK_PERCENT).round() as i32;
+    let x_px =
+        |percent: f64| ends_px[0] + ((ends_px[1] - ends_px[0]) * (percent - low) / (high - low)).round();
+    let mut marks = vec![Mark::text((names_px, 11.0), [0, 0], title, bold_style(SMALL_TEXT_PX))];
+    let n_ticks = ((high - low) / TICK_PERCENT).round() as usize;
     for tick in 0..=n_ticks {
-        let percent = low + TICK_PERCENT * f64::from(tick);
+        let percent = low + TICK_PERCENT * tick as f64;
         let at_px = x_px(percent);
-        let line = vec![(at_px, HEADING_PX), (at_px, bottom_px)];
-        root.draw(&PathElement::new(line, QUIET_COLOR.stroke_width(1)))?;
+        marks.push(Mark::line([(at_px, HEADING_PX.into()), (at_px, bottom_px)], QUIET, 1));
         let every = if n_ticks > 6 { 2 } else { 1 };
-        if tick % every == 0 {
-            let text = small_text(HPos::Center, VPos::Center);
-            root.draw_text(&fixed_decimals(percent, 0), &text, (at_px, bottom_px + 12))?;
+        if tick.is_multiple_of(every) {
+            marks.push(text((at_px, bottom_px + 12.0), fixed_decimals(percent, 0), HPos::Center));
         }
     }
-    let text = small_text(HPos::Center, VPos::Center);
-    root.draw_text(rate, &text, (i32::midpoint(names_px, right_px), bottom_px + 32))?;
+    let middle_px = f64::midpoint(ends_px[0], ends_px[1]).floor();
+    marks.push(text((middle_px, bottom_px + 32.0), rate.to_owned(), HPos::Center));
     for (row, top_px) in rows.iter().zip((HEADING_PX..).step_by(ROW_PX as usize)) {
-        let y_px = top_px + ROW_PX / 2;
+        let y_px = f64::from(top_px + ROW_PX / 2);
         let name = shortened(&row.name, n_letters);
-        root.draw_text(&name, &small_text(HPos::Right, VPos::Center), (names_px - NAME_GAP_PX, y_px))?;
-        let text = small_text(HPos::Right, VPos::Center);
-        root.draw_text(&value_text(row), &text, (width_px - 2, y_px))?;
+        marks.push(text((names_px - f64::from(NAME_GAP_PX), y_px), name, HPos::Right));
+        marks.push(text((width_px - 2.0, y_px), value_text(row), HPos::Right));
         let mark = SeriesMark(row.detector_idx);
-        if let Some(paper) = row.paper_percent {
-            let at_px = x_px(paper);
-            let diamond = [(0, -6), (5, 0), (0, 6), (-5, 0), (0, -6)].map(|(x, y)| (at_px + x, y_px + y));
-            root.draw(&PathElement::new(diamond.to_vec(), BLACK.stroke_width(1)))?;
-        }
-        if let Some(ends) = row.interval_percent {
-            let ends = ends.map(|it| (x_px(it), y_px)).to_vec();
-            root.draw(&PathElement::new(ends, mark.color().stroke_width(LINE_WIDTH_PX)))?;
-        }
-        if let Some(percent) = row.percent {
-            root.draw(&mark.marker((x_px(percent), y_px)))?;
-        }
+        marks.extend(row.paper_percent.map(|it| Mark::diamond((x_px(it), y_px))));
+        marks.extend(
+            row.interval_percent
+                .map(|ends| Mark::line(ends.map(|it| (x_px(it), y_px)), mark.color(), LINE_WIDTH_PX)),
+        );
+        marks.extend(row.percent.map(|it| mark.marker((x_px(it), y_px))));
     }
-    Ok(())
+    marks
+}
+
+fn text(place_px: (f64, f64), text: String, horizontal: HPos) -> Mark {
+    Mark::text(place_px, [0, 0], text, text_style(SMALL_TEXT_PX, horizontal, VPos::Center))
 }
 
 const TICK_PERCENT: f64 = 10.0;

@@ -1,5 +1,7 @@
 //! What the plots of a sweep have in common.
 
+use super::curve_panels::{CurvePanel, Note};
+use super::series::Series;
 use crate::numbers::sweep_curve::SweepCurve;
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
@@ -33,8 +35,26 @@ pub(crate) fn about_bars(curves: &[SweepCurve<'_>]) -> String {
     caveat.map_or_else(|| "Bars: 95 % intervals".to_owned(), |it| format!("Bars: 95 % intervals {it}"))
 }
 
-/// What stands on the axis where the values are no numbers.
-pub(crate) fn words(curve: &SweepCurve<'_>) -> Option<Vec<String>> {
-    let is_numeric = curve.points.iter().all(|it| it.x_text.parse::<f64>().is_ok());
-    (!is_numeric).then(|| curve.points.iter().map(|it| it.x_text.to_owned()).collect())
+/// What stands on the axis where these values are no numbers.
+pub(crate) fn words<'a>(values: impl Iterator<Item = &'a str> + Clone) -> Option<Vec<String>> {
+    let is_numeric = values.clone().all(|it| it.parse::<f64>().is_ok());
+    (!is_numeric).then(|| values.map(str::to_owned).collect())
+}
+
+/// Adds `series` to the one of `panels` that has the title of `panel`, or to `panel`, with a ring around its best place.
+pub(crate) fn add_series(
+    panels: &mut Vec<CurvePanel>,
+    panel: CurvePanel,
+    series: Series,
+    best: Option<(usize, &str)>,
+) {
+    let panel_idx = panels.iter().position(|it| it.title == panel.title).unwrap_or_else(|| {
+        panels.push(panel);
+        panels.len() - 1
+    });
+    let panel = &mut panels[panel_idx];
+    if let Some((best, text)) = best {
+        panel.notes.extend(series.places[best].map(|at| Note::Ring((at.x, at.y), text.to_owned())));
+    }
+    panel.series.push(series);
 }

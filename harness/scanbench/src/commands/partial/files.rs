@@ -115,14 +115,14 @@ fn write_files(
     let curves = PartialCurve::all(rows);
     let table = PartialTable { title, curves: &curves, method: OURS };
     write_table(directory, "partial", &table)?;
-    write_figure(directory, "accuracy", &partial_accuracy_plot(&curves, title))?;
-    write_figure(directory, "calibration", &partial_calibration_plot(&curves, title))?;
+    write_figure(directory, "accuracy", &partial_accuracy_plot(&curves, title).svg())?;
+    write_figure(directory, "calibration", &partial_calibration_plot(&curves, title).svg())?;
     for curve in curves.iter().filter(|it| it.method == OURS) {
         let PartialCurve { data, direction, trained_on, .. } = curve;
         let title = format!("Mean error to each class: {data} from {direction}, trained on {trained_on}");
         let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
         let stem: String = format!("errors_{data}_{direction}_{trained_on}").chars().map(safe).collect();
-        write_figure(directory, &stem, &partial_error_plot(curve, &title))?;
+        write_figure(directory, &stem, &partial_error_plot(curve, &title).svg())?;
     }
     Ok(terminal().text(&table))
 }

@@ -1,0 +1,184 @@
+//! What is drawn on panels: lines, rectangles, circles, markers of series and text, at places of data or of pixels.
+
+use std::slice::Iter;
+
+use plotters::element::{DashedPathElement, Drawable, PointCollection};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters_backend::{BackendCoord, DrawingBackend, DrawingErrorKind};
+
+use super::palette::{self, Rgb, detector_hue};
+
+/// Width of the lines of the data, in pixels.
+pub(crate) const LINE_WIDTH_PX: u32 = 2;
+/// What is said about data.
+pub(crate) const BLACK: RGBColor = color(palette::BLACK);
+/// Grid lines and frames.
+pub(crate) const QUIET: RGBColor = color(palette::QUIET);
+
+/// Something drawn.
+#[derive(Clone)]
+pub(crate) struct Mark {
+    /// Across and upright, as the axes of a chart have them; in pixels, from the upper left corner.
+    places: Vec<(f64, f64)>,
+    shape: Shape,
+}
+
+#[derive(Clone)]
+enum Shape {
+    /// Through all places, with the lengths of dashes and of gaps in pixels.
+    Line(ShapeStyle, Option<[i32; 2]>),
+    /// Filled, between two corners.
+    Rectangle(RGBColor),
+    /// With its radius in pixels.
+    Circle(u32, ShapeStyle),
+    /// Paths, in pixels from the place.
+    Paths(&'static [&'static [[i32; 2]]], ShapeStyle),
+    /// With its distance in pixels from the place.
+    Text(String, [i32; 2], TextStyle<'static>),
+}
+
+impl Mark {
+    pub(crate) fn line(places: impl IntoIterator<Item = (f64, f64)>, color: RGBColor, width_px: u32) -> Self {
+        let shape = Shape::Line(color.stroke_width(width_px), None);
+        Self { places: places.into_iter().collect(), shape }
+    }
+
+    /// A line, with the lengths of dashes and of gaps in pixels.
+    pub(crate) fn dashed(self, dashes_px: Option<[i32; 2]>) -> Self {
+        match self.shape {
+            Shape::Line(style, _) => Self { shape: Shape::Line(style, dashes_px), ..self },
+            _ => self,
+        }
+    }
+
+    pub(crate) fn rectangle(corners: [(f64, f64); 2], color: RGBColor) -> Self {
+        Self { places: corners.to_vec(), shape: Shape::Rectangle(color) }
+    }
+
+    /// An upright rectangle with nothing in it.
+    pub(crate) fn outline([from, to]: [(f64, f64); 2], color: RGBColor) -> Self {
+        Self::line([from, (to.0, from.1), to, (from.0, to.1), from], color, LINE_WIDTH_PX)
+    }
+
+    pub(crate) fn circle(place: (f64, f64), radius_px: u32, style: ShapeStyle) -> Self {
+        Self { places: vec![place], shape: Shape::Circle(radius_px, style) }
+    }
+
+    /// A cross, as markers of series have it but larger.
+    pub(crate) fn cross(place: (f64, f64)) -> Self {
+        const PATHS: &[&[[i32; 2]]] = &[&[[-5, -5], [5, 5]], &[[-5, 5], [5, -5]]];
+        Self { places: vec![place], shape: Shape::Paths(PATHS, BLACK.stroke_width(2)) }
+    }
+
+    /// A hollow diamond.
+    pub(crate) fn diamond(place: (f64, f64)) -> Self {
+        const PATHS: &[&[[i32; 2]]] = &[&[[0, -6], [5, 0], [0, 6], [-5, 0], [0, -6]]];
+        Self { places: vec![place], shape: Shape::Paths(PATHS, BLACK.stroke_width(1)) }
+    }
+
+    /// Text, `aside_px` to the right of and below `place`.
+    pub(crate) fn text(
+        place: (f64, f64),
+        aside_px: [i32; 2],
+        text: impl Into<String>,
+        style: TextStyle<'static>,
+    ) -> Self {
+        Self { places: vec![place], shape: Shape::Text(text.into(), aside_px, style) }
+    }
+
+    /// The title of a figure, in pixels.
+    pub(crate) fn title(text: &str, place: (f64, f64)) -> Self {
+        Self::text(place, [0, 0], text, text_style(20, HPos::Left, VPos::Center))
+    }
+}
+
+pub(crate) const fn color([red, green, blue]: Rgb) -> RGBColor {
+    RGBColor(red, green, blue)
+}
+
+/// Text whose lines are `height_px` high, placed by that side of it.
+pub(crate) fn text_style(height_px: i32, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
+    let style: TextStyle<'static> = ("sans-serif", height_px).into_font().color(&BLACK);
+    style.pos(Pos::new(horizontal, vertical))
+}
+
+/// Bold text, placed by its left end at half height.
+pub(crate) fn bold_style(height_px: i32) -> TextStyle<'static> {
+    let style: TextStyle<'static> = ("sans-serif", height_px, FontStyle::Bold).into_font().color(&BLACK);
+    style.pos(Pos::new(HPos::Left, VPos::Center))
+}
+
+/// How the series of this number is drawn, told apart by form as well as by colour; a sixth looks like the first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct SeriesMark(pub(crate) usize);
+
+impl SeriesMark {
+    pub(crate) fn color(self) -> RGBColor {
+        color(detector_hue(self.0).on_light)
+    }
+
+    /// Length of the dashes and of the gaps between them in pixels; `None` for a full line.
+    pub(crate) fn dashes_px(self) -> Option<[i32; 2]> {
+        [None, Some([9, 5]), Some([2, 4]), Some([14, 4]), Some([5, 2])][self.0 % 5]
+    }
+
+    pub(crate) fn line(self, places: impl IntoIterator<Item = (f64, f64)>) -> Mark {
+        Mark::line(places, self.color(), LINE_WIDTH_PX).dashed(self.dashes_px())
+    }
+
+    /// A filled circle, hollow triangle, hollow square, cross or plus.
+    pub(crate) fn marker(self, place: (f64, f64)) -> Mark {
+        const PATHS: [&[&[[i32; 2]]]; 4] = [
+            &[&[[0, -6], [5, 4], [-5, 4], [0, -6]]],
+            &[&[[-4, -4], [4, -4], [4, 4], [-4, 4], [-4, -4]]],
+            &[&[[-4, -4], [4, 4]], &[[-4, 4], [4, -4]]],
+            &[&[[-5, 0], [5, 0]], &[[0, -5], [0, 5]]],
+        ];
+        match self.0 % 5 {
+            0 => Mark::circle(place, 4, self.color().filled()),
+            form => {
+                let style = self.color().stroke_width(LINE_WIDTH_PX);
+                Mark { places: vec![place], shape: Shape::Paths(PATHS[form - 1], style) }
+            }
+        }
+    }
+}
+
+impl<'a> PointCollection<'a, (f64, f64)> for &'a Mark {
+    type Point = &'a (f64, f64);
+    type IntoIter = Iter<'a, (f64, f64)>;
+
+    fn point_iter(self) -> Self::IntoIter {
+        self.places.iter()
+    }
+}
+
+impl<Backend: DrawingBackend> Drawable<Backend> for Mark {
+    fn draw<Places: Iterator<Item = BackendCoord>>(
+        &self,
+        mut places: Places,
+        backend: &mut Backend,
+        size_px: (u32, u32),
+    ) -> Result<(), DrawingErrorKind<Backend::ErrorType>> {
+        if let Shape::Line(style, dashes_px) = &self.shape {
+            let Some([dash_px, gap_px]) = *dashes_px else { return backend.draw_path(places, style) };
+            let nowhere = std::iter::empty::<BackendCoord>();
+            return DashedPathElement::new(nowhere, dash_px, gap_px, *style).draw(places, backend, size_px);
+        }
+        let Some((x, y)) = places.next() else { return Ok(()) };
+        match &self.shape {
+            Shape::Line(..) => Ok(()),
+            Shape::Rectangle(color) => {
+                let (to_x, to_y) = places.next().unwrap_or((x, y));
+                let corners = [(x.min(to_x), y.min(to_y)), (x.max(to_x), y.max(to_y))];
+                backend.draw_rect(corners[0], corners[1], color, true)
+            }
+            Shape::Circle(radius_px, style) => backend.draw_circle((x, y), *radius_px, style, style.filled),
+            Shape::Paths(paths, style) => paths.iter().try_for_each(|path| {
+                backend.draw_path(path.iter().map(|[right, down]| (x + right, y + down)), style)
+            }),
+            Shape::Text(text, [right, down], style) => backend.draw_text(text, style, (x + right, y + down)),
+        }
+    }
+}
