@@ -52,7 +52,7 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let mut robustness = Robustness::open(arguments, asked)?;
     let Some(made) = execute(&mut robustness, place)? else { return Ok(()) };
     let scores = write_robustness(&made.directory, &made.run)?;
-    let (finished, run, _) = made.finish()?;
+    let (finished, run) = made.finish()?;
     print_robustness(&scores, &run.manifest, &finished)
 }
 

@@ -467,22 +467,15 @@ fn check_full_disk(arguments: &str, parts: &[&str]) {
     assert_eq!(it.workplace.names(), before, "something is left behind");
 }
 
-#[cfg(all(unix, feature = "viewer"))]
-#[test]
-fn a_disk_that_takes_no_recording() {
-    check_full_disk("run street -d pca -o out", &["run.rrd"]);
-    check_full_disk("run street -d pca -o out --save-rrd=mine.rrd", &["cannot write the recording"]);
-}
-
 #[cfg(unix)]
 #[test]
-fn a_disk_that_takes_no_report() {
-    let no_recording = if cfg!(feature = "viewer") { " --no-rrd" } else { "" };
-    // At the end of a short run, and in the middle of a longer one.
-    for scans in ["0", "0..3"] {
-        let arguments = format!("run street -o out --scans {scans}{no_recording}");
-        check_full_disk(&arguments, &["cannot write \"", ".csv\": file too large"]);
-    }
+fn a_disk_that_takes_no_run() {
+    check_full_disk("run street -d pca -o out", &["cannot write \"out.unfinished/journal\": File too large"]);
+    // What needs all scans at once is kept nowhere else.
+    check_full_disk(
+        "run street -d pca -o out --mcap",
+        &["cannot write \"", ".out.unfinished-", "File too large"],
+    );
 }
 
 #[test]

@@ -64,7 +64,9 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     let Some(made) = execute(&mut study, place)? else { return Ok(()) };
     let PapersRun { config, mut datasets, .. } = study;
     // The judge looks at scans, too, also at those that were done before.
-    datasets.iter_mut().for_each(|it| it.part = 0..it.scan_indices.len());
+    for it in &mut datasets {
+        it.part = 0..it.scan_indices.len();
+    }
     let settings = SettingsStudy::run(arguments, &config, interruption_flag())?;
     let WholeRun { tally, numbers, .. } = &made.run;
     let leads = LeadsOf::new(tally);

@@ -35,8 +35,9 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let place = Place::claim(Study::Run, arguments.shard.shard, &arguments.output)?;
     let started = place.started;
     let mut study = RunStudy { arguments, opened: chosen.open(arguments)?, started };
-    let Some(made) = execute(&mut study, place)? else { return Ok(()) };
-    let (finished, run, served) = made.finish()?;
+    let Some(mut made) = execute(&mut study, place)? else { return Ok(()) };
+    let served = made.served.take();
+    let (finished, run) = made.finish()?;
     print_ending(&run, &finished)?;
     if let Some(served) = served {
         serve_until_interrupted(&*served, interruption_flag());

@@ -84,11 +84,11 @@ pub struct Made {
 }
 
 impl Made {
-    /// Gives the directory its name, and returns where it is.
-    pub fn finish(self) -> Result<(PathBuf, WholeRun, Option<Box<dyn Served>>), Failure> {
+    /// Gives the directory its name, and returns where it is, with the numbers.
+    pub fn finish(self) -> Result<(PathBuf, WholeRun), Failure> {
         let finished = self.directory.finish()?;
         self.remains.clear();
-        Ok((finished, self.run, self.served))
+        Ok((finished, self.run))
     }
 }
 
@@ -139,7 +139,7 @@ pub fn execute(study: &mut impl WatchedStudy, mut place: Place) -> Result<Option
     let (claimed, remains) = unfinished.into_parts();
     let directory = RunDirectory::begin(claimed)?;
     match put_in_one_piece(kind, (manifest, record), &remains, &directory) {
-        Ok(run) => Ok(Some(Made { directory, run, served, remains })),
+        Ok(run) => Ok(Some(Made { remains, directory, run, served })),
         Err(failure) => {
             if !is_kept || matches!(failure, Failure::NothingEvaluated(_)) {
                 remains.clear();
@@ -159,7 +159,8 @@ fn put_in_one_piece(
     write_shard_files(&remains.journal, &remains.folder, (&mut manifest, &mut record))?;
     for file in std::fs::read_dir(&remains.folder).into_iter().flatten().flatten() {
         let (path, name) = (file.path(), file.file_name().to_string_lossy().into_owned());
-        if record.recordings.iter().any(|it| it.file == name) || name.ends_with(".mcap") {
+        let is_mcap = path.extension().is_some_and(|it| it == "mcap");
+        if is_mcap || record.recordings.iter().any(|it| it.file == name) {
             keep(&path, &directory.path_of(&name))?;
         }
     }

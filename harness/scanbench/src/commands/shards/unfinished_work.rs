@@ -80,7 +80,13 @@ impl UnfinishedWork {
         let folder = passing.as_ref().map_or(&*kept, HiddenFolder::path).to_owned();
         let other = if place.overwrites { OtherJournal::Discard } else { OtherJournal::Refuse };
         let kind = if place.shard.is_some() { JournalKind::Shard } else { JournalKind::Run };
-        let journal = Journal::open(&folder.join(JOURNAL), (kind, identity), other, on_entry)?;
+        let had_journal = folder.join(JOURNAL).is_file();
+        let journal = Journal::open(&folder.join(JOURNAL), (kind, identity), other, on_entry);
+        if journal.is_err() && !had_journal {
+            // A disk that takes no journal has none that anybody could go on with.
+            let _ = std::fs::remove_file(folder.join(JOURNAL)).and_then(|()| std::fs::remove_dir(&folder));
+        }
+        let journal = journal?;
         let unfinished = Self { passing, folder, journal, claimed, extent, shard: place.shard };
         if place.is_kept {
             set_last_words(unfinished.how_to_go_on());
