@@ -159,7 +159,8 @@ fn put_in_one_piece(
     write_shard_files(&remains.journal, &remains.folder, (&mut manifest, &mut record))?;
     for file in std::fs::read_dir(&remains.folder).into_iter().flatten().flatten() {
         let (path, name) = (file.path(), file.file_name().to_string_lossy().into_owned());
-        let is_mcap = path.extension().is_some_and(|it| it == "mcap");
+        // Only what sees all scans is written as MCAP. In a folder that is kept it would be that of a run before.
+        let is_mcap = remains.is_passing() && path.extension().is_some_and(|it| it == "mcap");
         if is_mcap || record.recordings.iter().any(|it| it.file == name) {
             keep(&path, &directory.path_of(&name))?;
         }

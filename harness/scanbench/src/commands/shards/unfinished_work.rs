@@ -195,7 +195,13 @@ pub struct Remains {
 }
 
 impl Remains {
-    /// Removes what this program has written there. What somebody else has put into the folder stays, and the folder with it.
+    /// Whether its folder is that of this program alone, and goes with it.
+    pub fn is_passing(&self) -> bool {
+        self.passing.is_some()
+    }
+
+    /// Removes the journal and files with the endings of results. Other files that somebody has put into the folder stay, and the folder
+    /// with them.
     pub fn clear(self) {
         let Self { folder, journal, passing } = self;
         set_last_words(String::new());
