@@ -26,8 +26,8 @@ use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::shards::executor::{WatchedStudy, execute};
 use crate::commands::shards::place::Place;
+use crate::commands::shards::watched_study::{WatchedStudy, execute_watched};
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
@@ -43,8 +43,8 @@ const ABLATION_CSV: &str = "ablation.csv";
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let place = Place::claim(Study::Ablation, arguments.shard.shard, &arguments.output)?;
     let mut ablation = Ablation::open(arguments, place.started)?;
-    let Some(made) = execute(&mut ablation, place)? else { return Ok(()) };
-    let tables = write_ablation(&made.directory, &made.run)?;
+    let Some((made, _)) = execute_watched(&mut ablation, place)? else { return Ok(()) };
+    let tables = write_ablation(&made.directory, &made.whole)?;
     print_ablation(&tables, &made.finish()?.0)
 }
 

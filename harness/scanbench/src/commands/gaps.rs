@@ -27,8 +27,8 @@ use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::paper_files::write_figure;
 use crate::commands::progress::RunProgress;
-use crate::commands::shards::executor::{WatchedStudy, execute};
 use crate::commands::shards::place::Place;
+use crate::commands::shards::watched_study::{WatchedStudy, execute_watched};
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::watched_run::WatchedRun;
@@ -50,7 +50,7 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
         asked,
         pairs: &pairs,
     };
-    let Some(made) = execute(&mut study, place)? else { return Ok(()) };
+    let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
     let bins = study.tally.borrow().bins();
     write_curves(&made.directory, &bins)?;
     let named = |name: &str| study.entrants.iter().find(|it| it.name == name);

@@ -25,8 +25,8 @@ use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
 use crate::commands::run_manifest::detector_entry;
-use crate::commands::shards::executor::{WatchedStudy, execute};
 use crate::commands::shards::place::Place;
+use crate::commands::shards::watched_study::{WatchedStudy, execute_watched};
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
@@ -50,8 +50,8 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let place = Place::claim(Study::Robustness, arguments.shard.shard, &arguments.output)?;
     let asked = Experiment::begin((&arguments.detectors, &DETECTORS), place.started)?;
     let mut robustness = Robustness::open(arguments, asked)?;
-    let Some(made) = execute(&mut robustness, place)? else { return Ok(()) };
-    let scores = write_robustness(&made.directory, &made.run)?;
+    let Some((made, _)) = execute_watched(&mut robustness, place)? else { return Ok(()) };
+    let scores = write_robustness(&made.directory, &made.whole)?;
     let (finished, run) = made.finish()?;
     print_robustness(&scores, &run.manifest, &finished)
 }

@@ -34,8 +34,8 @@ use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
 use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::shards::executor::{WatchedStudy, execute};
 use crate::commands::shards::place::Place;
+use crate::commands::shards::watched_study::{WatchedStudy, execute_watched};
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::{print_diagnostic, print_result, terminal};
 use crate::commands::watched_run::WatchedRun;
@@ -61,14 +61,14 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
     let (entrants, started) = (entrants(&config)?, place.started);
     let mut study = PapersRun { arguments, config, datasets, entrants, started };
-    let Some(made) = execute(&mut study, place)? else { return Ok(()) };
+    let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
     let PapersRun { config, mut datasets, .. } = study;
     // The judge looks at scans, too, also at those that were done before.
     for it in &mut datasets {
         it.part = 0..it.scan_indices.len();
     }
     let settings = SettingsStudy::run(arguments, &config, interruption_flag())?;
-    let WholeRun { tally, numbers, .. } = &made.run;
+    let WholeRun { tally, numbers, .. } = &made.whole;
     let leads = LeadsOf::new(tally);
     let rates = RateTables { tally, leads: &leads };
     let of_run = (tally, &leads, &numbers.report);
