@@ -187,12 +187,32 @@ impl Journal {
     }
 }
 
-/// The names under which `head` and `identity` do not say the same; `None` if `head` says nothing.
+/// The names under which `head` and `identity` do not say the same, with dots between those of tables within tables; `None` if `head`
+/// says nothing.
 fn differences(head: &[u8], identity: &JournalIdentity) -> Option<Vec<String>> {
+    /// More of them say no more.
+    const MOST: usize = 6;
     let found: JournalIdentity = serde_json::from_slice(head).ok()?;
-    let names: BTreeSet<&String> = found.keys().chain(identity.keys()).collect();
-    let differ = names.into_iter().filter(|name| found.get(*name) != identity.get(*name));
-    Some(differ.map(|name| name.replace('_', " ")).collect())
+    let mut names = Vec::new();
+    add_differences("", (&found, identity), &mut names);
+    if names.len() > MOST {
+        names.truncate(MOST);
+        names.push("…".to_owned());
+    }
+    Some(names)
+}
+
+fn add_differences(table: &str, (one, other): (&JournalIdentity, &JournalIdentity), names: &mut Vec<String>) {
+    let keys: BTreeSet<&String> = one.keys().chain(other.keys()).collect();
+    for key in keys {
+        match (one.get(key), other.get(key)) {
+            (Some(Value::Object(one)), Some(Value::Object(other))) => {
+                add_differences(&format!("{table}{key}."), (one, other), names);
+            }
+            (one, other) if one != other => names.push(format!("{table}{key}")),
+            _ => {}
+        }
+    }
 }
 
 /// Hands the results up to the first damaged line to `on_entry`, and returns how many bytes they take.
@@ -217,9 +237,10 @@ mod tests {
     use super::*;
 
     fn identity(seed: u64) -> JournalIdentity {
-        let Value::Object(identity) = serde_json::json!({ "data_sets": [seed], "points": ["0.1"] }) else {
-            unreachable!("it is written so")
-        };
+        let walls = serde_json::json!({ "min_support": seed, "enabled": true });
+        let identity =
+            serde_json::json!({ "data_sets": [seed], "points": ["0.1"], "other": { "walls": walls } });
+        let Value::Object(identity) = identity else { unreachable!("it is written so") };
         identity
     }
 
@@ -289,7 +310,7 @@ mod tests {
         assert!(matches!(locked, JournalError::Locked { .. }), "{locked}");
         drop(journal);
         let error = open(&path, 2).unwrap_err().to_string();
-        assert!(error.contains("another sweep: data sets differ;"), "{error}");
+        assert!(error.contains("another sweep: data_sets, other.walls.min_support differ;"), "{error}");
         assert_eq!(open(&path, 1).unwrap().1, [entry(0)]);
         let (_, entries) = open_or(&path, 2, OtherJournal::Discard).unwrap();
         assert!(entries.is_empty());

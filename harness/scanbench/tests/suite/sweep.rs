@@ -207,13 +207,14 @@ fn going_on_with_something_else_is_refused() {
         let says = format!("belongs to another sweep: {difference} differ;");
         assert!(ended.stderr.contains(&says), "{more:?}: {}", ended.stderr);
     };
-    refused(&["-P", "cell_size_m=0.4:0.8:0.4"], "points");
-    refused(&with(&CELLS, &["--seed", "2"]), "data sets");
-    refused(&with(&CELLS, &["--scans", "0..4"]), "data sets");
-    refused(&with(&CELLS, &["-P", "walls.min_support=0.7"]), "other parameters");
+    refused(&["-P", "cell_size_m=0.4:0.8:0.4"], "sweep.points, sweep.swept");
+    refused(&with(&CELLS, &["--seed", "2"]), "datasets, seeds.street-narrow");
+    refused(&with(&CELLS, &["--scans", "0..4"]), "datasets, shard.parts");
+    let support = "config.hierarchical.walls.min_support, detectors";
+    refused(&with(&CELLS, &["-P", "walls.min_support=0.7"]), support);
     refused(&with(&CELLS, &["-d", "simple-grid"]), "detectors");
     refused(&with(&CELLS, &["--protocol", "argoverse2"]), "protocols");
-    refused(&with(&CELLS, &["--criterion", "centre"]), "matching criterion, other parameters");
+    refused(&with(&CELLS, &["--criterion", "centre"]), "config.matching.criterion, matching_criterion");
     assert_eq!(workplace.read("out.unfinished/journal"), journal);
     // Unless what is there is to go.
     let ended = workplace.succeed(&[

@@ -33,7 +33,8 @@ const ENDINGS: [&str; 5] = ["csv", "json", "jsonl", "rrd", "mcap"];
 pub fn identity_of(manifest: &impl Serialize, rules: Value) -> JournalIdentity {
     let mut value = serde_json::to_value(manifest).expect("a manifest has text keys only");
     let identity = value.as_object_mut().expect("a manifest is an object");
-    for passing in ["created", "argv", "machine"] {
+    // What other programs found is read when all is done.
+    for passing in ["created", "argv", "machine", "peers"] {
         identity.remove(passing);
     }
     if let Some(shard) = identity.get_mut("shard").and_then(Value::as_object_mut) {
