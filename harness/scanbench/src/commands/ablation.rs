@@ -36,14 +36,14 @@ const ABLATION_CSV: &str = "ablation.csv";
 /// table; or makes a shard of that.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let place = Place::claim(Study::Ablation, arguments.shard.shard, &arguments.output)?;
-    let mut ablation = opened(arguments, place.started)?;
+    let mut ablation = open_ablation(arguments, place.started)?;
     let Some((made, _)) = execute_watched(&mut ablation, place)? else { return Ok(()) };
     let tables = write_ablation(&made.directory, &made.whole)?;
     print_ablation(&tables, &made.finish()?.0)
 }
 
 /// Who takes part, and on which scans.
-fn opened(arguments: &AblationArgs, started: Timestamp) -> Result<ScanStudy<'_>, Failure> {
+pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<ScanStudy<'_>, Failure> {
     let (listed, mut config) = built_in_methods(&arguments.config, &[METHOD.to_owned()])?;
     choose_criterion(&mut config, &arguments.matching);
     let datasets = open_datasets(&arguments.data, &config.classes)?;

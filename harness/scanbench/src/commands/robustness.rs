@@ -6,6 +6,7 @@ use evaluation::run::config::{RunConfig, TrainedModel};
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::robustness::{CONDITIONS, Condition};
+use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::condition_scores::ConditionScores;
 use reports::plots::study_plots::robustness_plot;
@@ -45,16 +46,16 @@ const DRAWN: &str = "streets";
 /// and prints the table; or makes a shard of that.
 pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let place = Place::claim(Study::Robustness, arguments.shard.shard, &arguments.output)?;
-    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, place.started)?;
-    put_up(&mut study, arguments)?;
+    let mut study = open_robustness(arguments, place.started)?;
     let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
     let scores = write_robustness(&made.directory, &made.whole)?;
     let (finished, run) = made.finish()?;
     print_robustness(&scores, &run.manifest, &finished)
 }
 
-/// Adds the streets of each condition to `study`, and the method with other trees if it is asked for.
-fn put_up(study: &mut ScanStudy<'_>, arguments: &RobustnessArgs) -> Result<(), Failure> {
+/// Who takes part, also with other trees if that is asked for, and the streets of each condition.
+pub fn open_robustness(arguments: &RobustnessArgs, started: Timestamp) -> Result<ScanStudy<'_>, Failure> {
+    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, started)?;
     let (seed, n_scans) = (arguments.detectors.seed, arguments.scans);
     let datasets = CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(seed, n_scans)?)));
     let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
@@ -72,7 +73,7 @@ fn put_up(study: &mut ScanStudy<'_>, arguments: &RobustnessArgs) -> Result<(), F
         serde_json::json!({ "group": it.group, "condition": it.name, "dataset": it.id(), "drives": drives })
     });
     study.put_up = Some(PutUp { drawn: DRAWN, seed, scenes: conditions.collect::<Vec<_>>().into() });
-    Ok(())
+    Ok(study)
 }
 
 /// The method with the trees in `directory`.
