@@ -10,6 +10,7 @@ use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleProblems, RuleT
 use crate::verdicts::suggestion::did_you_mean;
 use crate::verdicts::tolerances::{GatedPlace, QualityRule, Tolerances, is_meant, names_meant};
 use crate::vocabulary::metric::Metric;
+use crate::vocabulary::named::named;
 use crate::vocabulary::slice::Slice;
 
 /// A number that is gated.
@@ -47,27 +48,19 @@ pub(crate) fn about(what: &str, on: Option<&str>) -> String {
     on.map_or_else(|| what.to_owned(), |it| format!("{what} on {it}"))
 }
 
-/// Where a number is missing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Missing {
-    /// In the baseline, but not in the run.
-    InBaseline,
-    /// In the run, but not in the baseline.
-    InRun,
-    /// In both, although a rule names it.
-    InBoth,
+named! {
+    /// Where a number is missing.
+    pub enum Missing {
+        /// In the baseline, but not in the run.
+        InBaseline = "baseline",
+        /// In the run, but not in the baseline.
+        InRun = "run",
+        /// In both, although a rule names it.
+        InBoth = "both",
+    }
 }
 
 impl Missing {
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::InBaseline => "baseline",
-            Self::InRun => "run",
-            Self::InBoth => "both",
-        }
-    }
-
     /// Where, in words.
     pub fn in_words(self) -> &'static str {
         match self {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleTable};
 use crate::vocabulary::metric::Metric;
+use crate::vocabulary::named::named;
 use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -34,14 +35,14 @@ pub enum Origin {
     File(PathBuf),
 }
 
-/// What becomes of a run whose results changed though no number is surely worse.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DriftRule {
-    /// It fails: somebody has to look at it, and accept it.
-    Fail,
-    /// It passes, and what changed is told.
-    Warn,
+named! {
+    /// What becomes of a run whose results changed though no number is surely worse.
+    pub enum DriftRule {
+        /// It fails: somebody has to look at it, and accept it.
+        Fail = "fail",
+        /// It passes, and what changed is told.
+        Warn = "warn",
+    }
 }
 
 /// How much worse some metrics may become.
@@ -126,24 +127,6 @@ impl Tolerances {
         metrics.sort();
         metrics.dedup();
         metrics
-    }
-}
-
-impl DriftRule {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Fail, Self::Warn];
-
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fail => "fail",
-            Self::Warn => "warn",
-        }
-    }
-
-    /// The rule of this name; `None` if there is none.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|it| it.name() == name)
     }
 }
 

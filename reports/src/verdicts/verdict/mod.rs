@@ -17,6 +17,7 @@ use crate::verdicts::gated_speeds::SpeedComparison;
 use crate::verdicts::rule_problems::RuleProblems;
 use crate::verdicts::tolerances::{DriftRule, Tolerances};
 use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::named::named;
 
 /// How often the whole 95 % interval of a difference lies on the worse side of the truth.
 const FALSE_ALARM_RISK: f64 = 0.025;
@@ -48,19 +49,20 @@ pub struct Verdict {
     pub tolerances: Tolerances,
 }
 
-/// What a verdict comes to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Conclusion {
-    /// Something is surely worse.
-    Regression,
-    /// Something that is gated has no number.
-    Incomparable,
-    /// Nothing is surely worse, but results changed.
-    Drift,
-    /// The same, and that is allowed.
-    AllowedDrift,
-    /// Everything is as it was.
-    Same,
+named! {
+    /// What a verdict comes to.
+    pub enum Conclusion {
+        /// Something is surely worse.
+        Regression = "regression",
+        /// Something that is gated has no number.
+        Incomparable = "incomparable",
+        /// Nothing is surely worse, but results changed.
+        Drift = "drift",
+        /// The same, and that is allowed.
+        AllowedDrift = "allowed-drift",
+        /// Everything is as it was.
+        Same = "same",
+    }
 }
 
 /// Why there is no verdict.
@@ -75,17 +77,6 @@ pub enum JudgeError {
 }
 
 impl Conclusion {
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Regression => "regression",
-            Self::Incomparable => "incomparable",
-            Self::Drift => "drift",
-            Self::AllowedDrift => "allowed-drift",
-            Self::Same => "same",
-        }
-    }
-
     /// What people read.
     pub fn in_words(self) -> &'static str {
         match self {
