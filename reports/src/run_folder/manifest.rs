@@ -15,6 +15,7 @@ use crate::vocabulary::origin::Origin;
 use crate::vocabulary::protocol::Protocol;
 
 /// Everything that decides the numbers of a run.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
@@ -71,6 +72,7 @@ pub struct Manifest {
 }
 
 /// Which annotations of any data set do not count, whatever the detector.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IgnoreRule {
@@ -81,6 +83,7 @@ pub struct IgnoreRule {
 }
 
 /// A data set of the run.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetEntry {
@@ -206,16 +209,19 @@ pub struct Simulation {
 }
 
 /// Which objects of the street a data set annotates.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AnnotatedClasses {
     /// Every free-standing object.
+    #[cfg_attr(test, default)]
     EveryObject,
     /// Objects of these classes only.
     Only(Vec<AnnotationClass>),
 }
 
 /// A detector of the run.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DetectorEntry {
@@ -280,6 +286,7 @@ pub struct GitState {
 }
 
 /// A computer.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Machine {

@@ -153,12 +153,10 @@ mod tests {
     fn table(detectors: &[(&str, &[(&str, f64)])]) -> Option<String> {
         let mut manifest = sample::manifest();
         manifest.datasets.truncate(1);
-        let entry = manifest.detectors[0].clone();
         manifest.detectors.clear();
         let mut rows = Vec::new();
         for (detector, stages) in detectors {
-            let name = (*detector).to_owned();
-            manifest.detectors.push(crate::run_folder::manifest::DetectorEntry { name, ..entry.clone() });
+            manifest.detectors.push(sample::detector(detector));
             let stages = stages.iter().map(|(stage, ms)| (Metric::StageP50((*stage).to_owned()), *ms));
             let times = stages.chain([(Metric::Latency(LatencyStatistic::P50), 9.5)]);
             let subject = || Subject::of_all("main_road", Task::Objects, detector);

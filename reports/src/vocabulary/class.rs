@@ -38,9 +38,7 @@ named! {
         /// Labelled, but none of the above.
         Misc = "misc",
     }
-}
 
-named! {
     /// What a detector takes an object for.
     pub enum DetectionClass {
         /// A free-standing thing on the street that is not known to be a vehicle.
@@ -48,9 +46,7 @@ named! {
         /// A car, van, truck or bus.
         Vehicle = "vehicle",
     }
-}
 
-named! {
     /// How much of an object is hidden by others.
     pub enum Occlusion {
         /// Less than a tenth.

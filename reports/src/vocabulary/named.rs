@@ -1,10 +1,10 @@
 //! Enums whose variants have names in files: each variant is declared once, with its name.
 
-/// Declares an enum with the name of each variant, by which it is written, read and printed: all of them in order are `ALL`.
+/// Declares enums with the name of each variant, by which it is written, read and printed: all of them in order are `ALL`.
 macro_rules! named {
-    ($(#[$of_enum:meta])* $visible:vis enum $enum:ident {
+    ($($(#[$of_enum:meta])* $visible:vis enum $enum:ident {
         $($(#[$of_variant:meta])* $variant:ident = $name:literal,)*
-    }) => {
+    })+) => {$(
         $(#[$of_enum])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
         $visible enum $enum {
@@ -31,7 +31,7 @@ macro_rules! named {
                 formatter.write_str(self.name())
             }
         }
-    };
+    )+};
 }
 pub(crate) use named;
 

@@ -18,9 +18,7 @@ named! {
         /// It reaches higher above the ground than an object does that is to be found in this task.
         Tall = "tall",
     }
-}
 
-named! {
     /// Why an annotation was missed.
     pub enum MissReason {
         /// No detection shares a point with it, or comes near it.
@@ -38,9 +36,7 @@ named! {
         /// The detector gave no answer to the scan.
         DetectorFailed = "detector failed",
     }
-}
 
-named! {
     /// Why a detection does not count.
     pub enum IgnoredDetection {
         /// At least half of its points lie on ignored annotations, or it has none and stands inside the box of one, or it found
@@ -53,9 +49,7 @@ named! {
         /// At least half of its points are unscorable, or not to be judged for different ones of these reasons.
         OnIgnoredPoints = "on ignored points",
     }
-}
 
-named! {
     /// Why a detection is false.
     pub enum FalseReason {
         /// No annotation shares a point with it, or none of them much.

@@ -15,9 +15,7 @@ named! {
         /// Cycles with their riders.
         Cyclist = "cyclist",
     }
-}
 
-named! {
     /// How hard annotations may be to find; each includes the one before.
     pub enum Difficulty {
         /// High in the image, not hidden, hardly cut off.
@@ -27,9 +25,7 @@ named! {
         /// Largely hidden.
         Hard = "hard",
     }
-}
 
-named! {
     /// In what boxes have to overlap.
     pub enum Plane {
         /// The image.
