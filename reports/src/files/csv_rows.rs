@@ -176,3 +176,20 @@ pub fn each_row_of<Row: CsvRow>(
     }
     Ok(())
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Rows as the text of their file.
+    pub(crate) fn csv_text<Row: CsvRow>(rows: &[Row]) -> String {
+        String::from_utf8(to_csv_bytes(rows).unwrap()).unwrap()
+    }
+
+    /// The rows of such a text, or what is wrong with it.
+    pub(crate) fn rows_of<Row: CsvRow>(text: &str) -> Result<Vec<Row>, String> {
+        let mut rows = Vec::new();
+        let read = each_row_of(text.as_bytes(), Path::new("rows.csv"), |row| rows.push(row));
+        read.map(|()| rows).map_err(|error| crate::files::causes::with_causes(&error))
+    }
+}

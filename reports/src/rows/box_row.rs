@@ -71,7 +71,7 @@ impl BoxRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::to_csv_bytes;
+    use crate::files::csv_rows::tests::csv_text;
     use crate::rows::match_outcome::BoxFacts;
 
     #[test]
@@ -98,8 +98,7 @@ mod tests {
             BoxRow::new(&detection(1, Some(0.5)), &sides(&["rear", "left"])),
             BoxRow::new(&detection(2, Some(0.5)), &sides(&[])),
         ];
-        let bytes = to_csv_bytes(&rows).unwrap();
-        insta::assert_snapshot!(String::from_utf8(bytes).unwrap(), @r"
+        insta::assert_snapshot!(csv_text(&rows), @r"
         id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points,box_score,seen_sides,front_sure
         1,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,,,
         2,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,1.250000,rear left,true

@@ -270,7 +270,7 @@ impl TryFrom<KittiObjectRecord> for KittiObjectRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::{read_rows, to_csv_bytes};
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
 
     const CAR: KittiBox = KittiBox {
         class: AnnotationClass::Car,
@@ -302,20 +302,13 @@ mod tests {
 
     #[test]
     fn rows_come_back_to_the_last_digit() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("kitti_object.csv");
-        std::fs::write(&path, to_csv_bytes(&rows()).unwrap()).unwrap();
-        assert_eq!(read_rows::<KittiObjectRow>(&path).unwrap(), rows());
+        assert_eq!(rows_of::<KittiObjectRow>(&csv_text(&rows())).unwrap(), rows());
     }
 
     #[test]
     fn a_row_without_what_its_kind_needs_is_refused_with_its_line() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("kitti_object.csv");
-        let text = String::from_utf8(to_csv_bytes(&rows()).unwrap()).unwrap();
-        std::fs::write(&path, text.replace("-2.718281828459046", "")).unwrap();
-        let error = read_rows::<KittiObjectRow>(&path).expect_err("no score");
-        let causes = crate::files::causes::with_causes(&error);
+        let text = csv_text(&rows()).replace("-2.718281828459046", "");
+        let causes = rows_of::<KittiObjectRow>(&text).expect_err("no score");
         assert!(causes.contains("line: 3") && causes.contains("a column that its kind needs"), "{causes}");
     }
 }

@@ -249,7 +249,8 @@ impl TryFrom<ScoreRecord> for LabelScoreRow {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::files::csv_rows::{CsvRow, read_rows, to_csv_bytes};
+    use crate::files::csv_rows::CsvRow;
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
 
     /// A row of the detector `grid` on a scan of drive 08.
     pub(crate) fn row(scan: u32, score: LabelScore) -> LabelScoreRow {
@@ -275,25 +276,19 @@ pub(crate) mod tests {
             row(3, LabelScore::Entropies(nats)),
             row(4, LabelScore::Ground(GroundDefinition::GroundGrid, ground)),
         ];
-        let bytes = to_csv_bytes(&rows).unwrap();
-        let text = String::from_utf8(bytes.clone()).unwrap();
+        let text = csv_text(&rows);
         let second = "semantic-kitti,08,3,grid,instance,10,7,51,0.30000000000000004,0.75,,,,,,,,";
         assert_eq!(text.lines().nth(1), Some(second), "{text}");
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("protocol_labels.csv");
-        std::fs::write(&path, bytes).unwrap();
-        assert_eq!(read_rows::<LabelScoreRow>(&path).unwrap(), rows);
+        assert_eq!(rows_of::<LabelScoreRow>(&text).unwrap(), rows);
     }
 
     #[test]
     fn a_row_without_a_value_of_its_kind_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("protocol_labels.csv");
         for line in
             ["d,08,3,grid,instance,10,7,51,,,,,,,,,,", "d,08,3,grid,things,spaceship,,,,1.0,1,0,0,,,,,"]
         {
-            std::fs::write(&path, format!("{}\n{line}\n", LabelScoreRow::COLUMNS.join(","))).unwrap();
-            let problem = format!("{:?}", read_rows::<LabelScoreRow>(&path).unwrap_err());
+            let text = format!("{}\n{line}\n", LabelScoreRow::COLUMNS.join(","));
+            let problem = rows_of::<LabelScoreRow>(&text).unwrap_err();
             assert!(problem.contains("lacks a value of its kind"), "{problem}");
         }
     }

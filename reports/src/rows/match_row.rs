@@ -362,7 +362,8 @@ impl TryFrom<MatchRecord> for MatchRow {
 mod tests {
     use super::*;
     use crate::files::archive::ArchiveError;
-    use crate::files::csv_rows::{CsvRowWriter, read_rows};
+    use crate::files::csv_rows::CsvRowWriter;
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
     use crate::files::whole_file::WholeFile;
 
     fn car() -> AnnotationFacts {
@@ -435,18 +436,10 @@ mod tests {
         MatchRow { dataset, sequence, scan: 7, detector, task, criterion, outcome }
     }
 
-    fn write(rows: &[MatchRow], path: &std::path::Path) -> Result<(), ArchiveError> {
-        let mut writer = CsvRowWriter::new(WholeFile::create(path)?)?;
-        rows.iter().try_for_each(|it| writer.write(it))?;
-        writer.finish()
-    }
-
     #[test]
     fn rows_read_back_as_they_were() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("matches.csv");
-        write(&rows(), &path).unwrap();
-        insta::assert_snapshot!(std::fs::read_to_string(&path).unwrap(), @r#"
+        let text = csv_text(&rows());
+        insta::assert_snapshot!(text, @r#"
         dataset,sequence,scan,detector,task,criterion,kind,outcome,reason,cost,annotation_id,annotation_track,annotation_class,annotation_occlusion,annotation_n_points,annotation_n_points_outside,annotation_center_x_m,annotation_center_y_m,annotation_center_z_m,annotation_length_m,annotation_width_m,annotation_height_m,annotation_yaw_rad,detection_id,detection_class,detection_score,detection_n_points,detection_center_x_m,detection_center_y_m,detection_center_z_m,detection_length_m,detection_width_m,detection_height_m,detection_yaw_rad
         main_road,0000,7,pca,objects,points,pair,matched,,0.125000,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,0.750000,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
         main_road,0000,7,pca,objects,points,annotation,missed,nothing there,,3,,car,,240,130,10.5000,-3.2500,0.1250,,,,,,,,,,,,,,,
@@ -458,15 +451,12 @@ mod tests {
         main_road,0000,7,pca,objects,points,detection,ignored,on ignored points,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
         main_road,0000,7,pca,objects,points,detection,unknowable,,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
         "#);
-        assert_eq!(read_rows::<MatchRow>(&path).unwrap(), rows());
+        assert_eq!(rows_of::<MatchRow>(&text).unwrap(), rows());
     }
 
     #[test]
     fn numbers_are_rounded_and_zero_has_no_sign() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("matches.csv");
-        write(&[row(MatchOutcome::Unknowable { detection: blob() })], &path).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
+        let text = csv_text(&[row(MatchOutcome::Unknowable { detection: blob() })]);
         assert!(text.contains(",10.0000,-3.2500,0.0000,"), "{text}");
     }
 
@@ -476,23 +466,19 @@ mod tests {
         let mut detection = blob();
         detection.bounding_box.yaw_rad = f32::NAN;
         let path = folder.path().join("matches.csv");
-        let error = write(&[row(MatchOutcome::Unknowable { detection })], &path).unwrap_err();
+        let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
+        let error = writer.write(&row(MatchOutcome::Unknowable { detection })).unwrap_err();
+        drop(writer);
         assert!(matches!(error, ArchiveError::Csv { .. }), "{error}");
         assert!(!path.exists());
     }
 
     #[track_caller]
     fn check_refused(from: &str, to: &str, expected: &str) {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("matches.csv");
-        write(&rows(), &path).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
+        let text = csv_text(&rows());
         assert!(text.contains(from), "{text}");
-        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
-        let ArchiveError::Csv { source, .. } = read_rows::<MatchRow>(&path).unwrap_err() else {
-            panic!("another error");
-        };
-        assert!(source.to_string().contains(expected), "{source}");
+        let problem = rows_of::<MatchRow>(&text.replacen(from, to, 1)).unwrap_err();
+        assert!(problem.contains(expected), "{problem}");
     }
 
     #[test]

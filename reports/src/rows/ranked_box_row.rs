@@ -285,7 +285,7 @@ impl BoxRecord {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::{read_rows, to_csv_bytes};
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
 
     /// A car that was labelled, and a detection half a metre and a little beside it.
     fn rows() -> [RankedBoxRow; 2] {
@@ -329,20 +329,13 @@ mod tests {
         })
     }
 
-    fn read(text: &str) -> Result<Vec<RankedBoxRow>, crate::files::archive::ArchiveError> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("protocol_boxes.csv");
-        std::fs::write(&path, text).unwrap();
-        read_rows(&path)
-    }
-
     fn written() -> String {
-        String::from_utf8(to_csv_bytes(&rows()).unwrap()).unwrap()
+        csv_text(&rows())
     }
 
     #[test]
     fn rows_read_back_as_they_were() {
-        assert_eq!(read(&written()).unwrap(), rows());
+        assert_eq!(rows_of::<RankedBoxRow>(&written()).unwrap(), rows());
         assert!(written().contains(",0.30000000000000004,"), "{}", written());
     }
 
@@ -350,7 +343,7 @@ mod tests {
     fn check_refused(from: &str, to: &str, problem: &str) {
         let changed = written().replacen(from, to, 1);
         assert_ne!(changed, written());
-        let error = crate::files::causes::with_causes(&read(&changed).unwrap_err());
+        let error = rows_of::<RankedBoxRow>(&changed).unwrap_err();
         assert!(error.contains(problem), "{error}");
     }
 

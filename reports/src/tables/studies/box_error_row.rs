@@ -176,15 +176,14 @@ impl BoxErrorRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::to_csv_bytes;
+    use crate::files::csv_rows::tests::csv_text;
     use crate::numbers::box_errors::tests::lines;
 
     #[test]
     fn medians_of_nothing_are_left_empty() {
         let lines = [lines("street", "range", "0–15 m", 40), lines("street", "range", "50–80 m", 0)].concat();
         let rows: Vec<BoxErrorRow> = lines.iter().step_by(3).flat_map(BoxErrorRow::of).collect();
-        let text = String::from_utf8(to_csv_bytes(&rows).unwrap()).unwrap();
-        insta::assert_snapshot!(text, @r"
+        insta::assert_snapshot!(csv_text(&rows), @r"
         data,simulated,by,slice,error,unit,fit,n_pairs,n_tracks,value,low,high,n_blocks,blocks,few_blocks
         street,true,range,0–15 m,centre,m,hull box,40,10,0.5000,0.4500,0.6000,10,tracks,false
         street,true,range,0–15 m,centre,m,PCA box,40,10,1.0000,0.9000,1.2000,10,tracks,false

@@ -53,8 +53,7 @@ impl GapRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::{CsvRowWriter, read_rows};
-    use crate::files::whole_file::WholeFile;
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
     use crate::numbers::gap_curve::tests::bin;
 
     #[test]
@@ -63,18 +62,12 @@ mod tests {
         unseen.counts.n_seen = 0;
         unseen.counts.n_joined = 0;
         let rows = [bin("grid", "cars", false, 0.2, 7), unseen].map(|it| GapRow::simulated(&it));
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("gaps.csv");
-        let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
-        for row in &rows {
-            writer.write(row).unwrap();
-        }
-        writer.finish().unwrap();
-        insta::assert_snapshot!(std::fs::read_to_string(&path).unwrap(), @r"
+        let text = csv_text(&rows);
+        insta::assert_snapshot!(text, @r"
         data,detector,pair,layout,range_from_m,range_to_m,gap_m,n_pairs,n_seen,n_separated,n_joined,separated,separated_low,separated_high
         simulated,grid,cars,beside,5.0,10.0,0.20,12,10,7,3,0.7000,0.3968,0.8922
         simulated,grid,cars,beside,10.0,20.0,0.30,12,0,0,0,,,
         ");
-        assert_eq!(read_rows::<GapRow>(&path).unwrap().len(), rows.len());
+        assert_eq!(rows_of::<GapRow>(&text).unwrap().len(), rows.len());
     }
 }

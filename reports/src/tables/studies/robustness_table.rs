@@ -124,11 +124,9 @@ fn interval_line(scores: &ConditionScores) -> Option<Line> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::{CsvRowWriter, read_rows};
-    use crate::files::whole_file::WholeFile;
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
     use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
     use crate::tables::formats::format::Format as _;
-    use crate::tables::formats::markdown::Markdown;
     use crate::tables::formats::terminal::Terminal;
     use crate::tables::sample;
     use crate::tables::studies::condition_row::ConditionRow;
@@ -184,21 +182,6 @@ mod tests {
           drives: they cover other scans of the same drives, but not other drives.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");
-        insta::assert_snapshot!(Markdown.text(&table), @r"
-        **F-rate in % under each condition (all simulated).**
-
-        | kind | condition | NO: obj | veh | grid: obj | veh | tree: obj | veh |
-        | :-- | :-- | --: | --: | --: | --: | --: | --: |
-        | standard | as drawn | 200 | 0 | 57.1 | – | 33.3 | – |
-        |  | 95 % interval |  |  | 25.0–62.5§ |  | 25.0–62.5§ |  |
-        | sensor | vlp-16 ✓ | 200 | 0 | 21.4 | – | 11.3 | – |
-        |  | os1-128 | 200 | 0 | 64.9 | – | 38.7 | – |
-        |  | 95 % interval |  |  | 25.0–62.5§ |  | 25.0–62.5§ |  |
-
-        - A note.
-        - 95 % interval: cluster bootstrap, 10000 resamples of seconds, because there are fewer than 10 drives: they cover other scans of the same drives, but not other drives.
-        - § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
-        ");
     }
 
     #[test]
@@ -225,20 +208,14 @@ mod tests {
     #[test]
     fn rows_hold_what_the_rates_are_made_of() {
         let rows = ConditionRow::simulated(&conditions()[0]);
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("robustness.csv");
-        let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
-        for row in &rows {
-            writer.write(row).unwrap();
-        }
-        writer.finish().unwrap();
-        insta::assert_snapshot!(std::fs::read_to_string(&path).unwrap(), @r"
+        let text = csv_text(&rows);
+        insta::assert_snapshot!(text, @r"
         data,group,condition,trained,task,detector,n_scans,no,tp,mo,fo,precision,recall,f_rate,f_rate_low,f_rate_high,few_blocks
         simulated,standard,as drawn,false,objects,grid,6,200,100,100,50,0.6667,0.5000,0.5714,0.2500,0.6250,true
         simulated,standard,as drawn,false,vehicles,grid,6,0,0,0,0,,,,,,
         simulated,standard,as drawn,false,objects,tree,6,200,50,150,50,0.5000,0.2500,0.3333,0.2500,0.6250,true
         simulated,standard,as drawn,false,vehicles,tree,6,0,0,0,0,,,,,,
         ");
-        assert_eq!(read_rows::<ConditionRow>(&path).unwrap().len(), rows.len());
+        assert_eq!(rows_of::<ConditionRow>(&text).unwrap().len(), rows.len());
     }
 }
