@@ -21,8 +21,7 @@ use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
 use crate::plots::pdf::figure_files;
 use crate::run_folder::run_directory::{FIGURES, REPORT_HTML};
-use crate::tables::table_error::TableError;
-use crate::tables::task_table::task_tables as tables_of;
+use crate::tables::task_table::{TableError, task_tables as tables_of};
 
 /// The page of a run, and its figures as files.
 #[derive(Debug, Clone, PartialEq)]

@@ -79,10 +79,9 @@ pub struct ScanNumbers {
     pub n_dropped_too_large: u64,
 }
 
-#[cfg(test)]
 impl ScanNumbers {
     /// Of a scan of a thousand points with these counts, where nothing was ignored and nothing timed.
-    pub(crate) fn of_counts(counts: Counts) -> Self {
+    pub fn of_counts(counts: Counts) -> Self {
         Self {
             failure: None,
             n_points: 1000,

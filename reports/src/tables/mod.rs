@@ -3,7 +3,6 @@
 
 pub mod paper_figures;
 pub(crate) mod grid;
-pub mod table_error;
 pub mod task_table;
 pub(crate) mod notes;
 pub mod sheet;
