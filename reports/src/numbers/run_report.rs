@@ -368,41 +368,17 @@ mod tests {
     }
 
     #[test]
-    fn another_schema_is_refused() {
+    fn what_contradicts_itself_is_refused_with_the_reason() {
         check_refused("\"schema\": 1", "\"schema\": 2", "has schema 2, but this program reads schema 1");
-    }
-
-    #[test]
-    fn an_unknown_metric_is_refused_with_its_row() {
         check_refused("f_rate", "g_rate", "row 1: unknown metric \"g_rate\"");
-    }
-
-    #[test]
-    fn a_wrong_unit_is_refused() {
         check_refused("\"count\"", "\"ms\"", "no has the unit \"count\", not \"ms\"");
-    }
-
-    #[test]
-    fn a_wrong_direction_is_refused() {
         check_refused(
             "\"higher_is_better\":true",
             "\"higher_is_better\":false",
             "higher_is_better of f_rate is Some(true), not Some(false)",
         );
-    }
-
-    #[test]
-    fn a_missing_value_is_refused() {
         check_refused("\"value\":31.0,", "", "missing field `value`");
-    }
-
-    #[test]
-    fn an_unknown_field_is_refused() {
         check_refused("\"value\":31.0", "\"value\":31.0,\"note\":\"\"", "unknown field `note`");
-    }
-
-    #[test]
-    fn a_cut_file_is_refused() {
         check_refused("\n  ]\n}", "", "EOF");
     }
 
