@@ -166,6 +166,24 @@ impl BlockCount {
     }
 }
 
+/// How a row of a file tells the blocks of an interval: empty columns where there is none.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct BlockColumns {
+    n_blocks: Option<u64>,
+    kind: Option<BlockKind>,
+    decide_nothing: Option<bool>,
+}
+
+impl From<Option<BlockCount>> for BlockColumns {
+    fn from(blocks: Option<BlockCount>) -> Self {
+        Self {
+            n_blocks: blocks.map(|it| it.n_blocks),
+            kind: blocks.map(|it| it.kind),
+            decide_nothing: blocks.map(BlockCount::decide_nothing),
+        }
+    }
+}
+
 /// How sure a number is.
 ///
 /// ```

@@ -106,6 +106,7 @@ const SECTIONS: [(&str, &str); 9] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
     use crate::pages::sample_run::{SampleRun, USUAL};
     use crate::run_folder::run_directory::MATCHES_CSV;
     use crate::vocabulary::task::Task;
@@ -118,13 +119,6 @@ mod tests {
 
     fn names(page: &RunPage) -> Vec<&str> {
         page.figures.iter().map(|it| it.file_stem.as_str()).collect()
-    }
-
-    #[track_caller]
-    fn check_holds(text: &str, parts: &[&str]) {
-        for part in parts {
-            assert!(text.contains(part), "no {part} in {text}");
-        }
     }
 
     #[test]

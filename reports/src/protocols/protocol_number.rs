@@ -28,6 +28,13 @@ pub struct ProtocolMetric {
     pub n: u64,
 }
 
+impl ProtocolMetric {
+    /// The number called `id` of `class`.
+    pub(super) fn new(class: &str, (id, unit, direction): (&str, &'static str, Direction), n: u64) -> Self {
+        Self { class: class.to_owned(), id: id.to_owned(), unit, direction, n }
+    }
+}
+
 /// A number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(into = "RowRecord", try_from = "RowRecord")]

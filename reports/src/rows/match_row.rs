@@ -62,24 +62,28 @@ row! {
         annotation_occlusion: Option<Occlusion>,
         annotation_n_points: Option<u64>,
         annotation_n_points_outside: Option<u64>,
-        annotation_center_x_m: Option<Fixed<4>>,
-        annotation_center_y_m: Option<Fixed<4>>,
-        annotation_center_z_m: Option<Fixed<4>>,
-        annotation_length_m: Option<Fixed<4>>,
-        annotation_width_m: Option<Fixed<4>>,
-        annotation_height_m: Option<Fixed<4>>,
-        annotation_yaw_rad: Option<Fixed<4>>,
+        annotation_place: PlaceColumns = [
+            "annotation_center_x_m",
+            "annotation_center_y_m",
+            "annotation_center_z_m",
+            "annotation_length_m",
+            "annotation_width_m",
+            "annotation_height_m",
+            "annotation_yaw_rad",
+        ],
         detection_id: Option<u64>,
         detection_class: Option<DetectionClass>,
         detection_score: Option<Fixed<6>>,
         detection_n_points: Option<u64>,
-        detection_center_x_m: Option<Fixed<4>>,
-        detection_center_y_m: Option<Fixed<4>>,
-        detection_center_z_m: Option<Fixed<4>>,
-        detection_length_m: Option<Fixed<4>>,
-        detection_width_m: Option<Fixed<4>>,
-        detection_height_m: Option<Fixed<4>>,
-        detection_yaw_rad: Option<Fixed<4>>,
+        detection_place: PlaceColumns = [
+            "detection_center_x_m",
+            "detection_center_y_m",
+            "detection_center_z_m",
+            "detection_length_m",
+            "detection_width_m",
+            "detection_height_m",
+            "detection_yaw_rad",
+        ],
     }
 }
 
@@ -247,8 +251,6 @@ fn place_from_columns(columns: PlaceColumns) -> Result<(Option<BoxFacts>, Option
 impl From<MatchRow> for MatchRecord {
     fn from(row: MatchRow) -> Self {
         let Parts { kind, outcome, reason, cost, annotation, detection } = row.outcome.into();
-        let annotation_box = annotation.as_ref().map_or([None; 7], columns_of_annotation);
-        let detection_box = detection.as_ref().map_or([None; 7], |it| box_columns(it.bounding_box));
         let (annotation_ref, detection_ref) = (annotation.as_ref(), detection.as_ref());
         Self {
             dataset: row.dataset,
@@ -267,38 +269,18 @@ impl From<MatchRow> for MatchRecord {
             annotation_n_points_outside: annotation_ref.map(|it| it.n_points_outside),
             annotation_occlusion: annotation_ref.and_then(|it| it.occlusion),
             annotation_class: annotation_ref.map(|it| it.class),
-            annotation_center_x_m: annotation_box[0],
-            annotation_center_y_m: annotation_box[1],
-            annotation_center_z_m: annotation_box[2],
-            annotation_length_m: annotation_box[3],
-            annotation_width_m: annotation_box[4],
-            annotation_height_m: annotation_box[5],
-            annotation_yaw_rad: annotation_box[6],
+            annotation_place: annotation_ref.map_or([None; 7], columns_of_annotation),
             detection_id: detection_ref.map(|it| it.id),
             detection_score: detection_ref.and_then(|it| it.score).map(|it| Fixed::rounded(f64::from(it))),
             detection_n_points: detection_ref.map(|it| it.n_points),
             detection_class: detection_ref.map(|it| it.class),
-            detection_center_x_m: detection_box[0],
-            detection_center_y_m: detection_box[1],
-            detection_center_z_m: detection_box[2],
-            detection_length_m: detection_box[3],
-            detection_width_m: detection_box[4],
-            detection_height_m: detection_box[5],
-            detection_yaw_rad: detection_box[6],
+            detection_place: detection_ref.map_or([None; 7], |it| box_columns(it.bounding_box)),
         }
     }
 }
 
 fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'static str> {
-    let (bounding_box, centroid_m) = place_from_columns([
-        record.annotation_center_x_m,
-        record.annotation_center_y_m,
-        record.annotation_center_z_m,
-        record.annotation_length_m,
-        record.annotation_width_m,
-        record.annotation_height_m,
-        record.annotation_yaw_rad,
-    ])?;
+    let (bounding_box, centroid_m) = place_from_columns(record.annotation_place)?;
     let Some(id) = record.annotation_id else { return Ok(None) };
     Ok(Some(AnnotationFacts {
         id,
@@ -315,15 +297,7 @@ fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'stat
 }
 
 fn detection_of(record: &MatchRecord) -> Result<Option<DetectionFacts>, &'static str> {
-    let (bounding_box, _) = place_from_columns([
-        record.detection_center_x_m,
-        record.detection_center_y_m,
-        record.detection_center_z_m,
-        record.detection_length_m,
-        record.detection_width_m,
-        record.detection_height_m,
-        record.detection_yaw_rad,
-    ])?;
+    let (bounding_box, _) = place_from_columns(record.detection_place)?;
     let Some(id) = record.detection_id else { return Ok(None) };
     Ok(Some(DetectionFacts {
         id,

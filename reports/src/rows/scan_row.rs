@@ -379,25 +379,13 @@ mod tests {
     }
 
     #[test]
-    fn counts_that_contradict_each_other_are_refused_with_their_line() {
+    fn what_contradicts_itself_or_is_missing_is_refused_with_its_line() {
         check_refused(",7,5,2,4,", ",7,5,3,4,", "line: 2");
         check_refused(",7,5,2,4,", ",7,5,3,4,", "mo is not no - tp");
         check_refused(",7,5,2,4,", ",7,9,2,4,", "tp is larger than no");
-    }
-
-    #[test]
-    fn a_checksum_that_is_none_is_refused() {
         check_refused("00c0ffee", "c0ffee", "checksum is not one of eight hexadecimal digits");
         check_refused("00c0ffee", "00coffee", "checksum is not one of eight hexadecimal digits");
-    }
-
-    #[test]
-    fn an_evaluated_scan_without_numbers_is_refused() {
         check_refused("skipped", "evaluated", "an evaluated scan has an empty number");
-    }
-
-    #[test]
-    fn other_columns_are_refused() {
         check_refused("n_points", "n_echoes", "has the columns");
     }
 

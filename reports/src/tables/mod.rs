@@ -12,7 +12,6 @@ pub mod stage_table;
 pub mod protocol_table;
 pub mod studies;
 pub mod verdict;
-pub(crate) mod service_rows;
 pub mod formats;
 
 #[cfg(test)]

@@ -144,6 +144,7 @@ impl Tabular for StageTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
     use crate::tables::formats::format::Format as _;
     use crate::tables::formats::markdown::Markdown;
     use crate::tables::sample;
@@ -206,11 +207,10 @@ mod tests {
     fn a_step_with_a_stage_that_is_left_out_is_not_that_of_the_paper() {
         let without_model: Vec<_> = OF_PAPER.into_iter().filter(|(stage, _)| *stage != "features").collect();
         let text = table(&[("paper", &without_model)]).unwrap();
-        for line in
-            ["|  | boxes |  |  | 0.50 |", "| **paper** | whole |  |  | 9.50 |", "| grid | grid | 13 |"]
-        {
-            assert!(text.contains(line), "{line} is not in {text}");
-        }
+        check_holds(
+            &text,
+            &["|  | boxes |  |  | 0.50 |", "| **paper** | whole |  |  | 9.50 |", "| grid | grid | 13 |"],
+        );
         assert!(!text.contains("undefined"), "{text}");
     }
 

@@ -66,7 +66,7 @@ pub struct MeasuredRow {
 }
 
 /// What a detector reached.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Score {
     /// Number of scans evaluated.
     pub n_scans: u64,
@@ -492,48 +492,28 @@ mod tests {
     }
 
     #[test]
-    fn a_data_set_without_entry_is_an_error() {
+    fn a_report_that_does_not_fit_the_manifest_or_itself_is_an_error() {
         let mut manifest = sample::manifest();
         manifest.datasets.remove(1);
         let expected = "the report has the data set \"kitti_tracking\", but the manifest does not";
         check_refused(&sample::report(), &manifest, expected);
-    }
-
-    #[test]
-    fn a_detector_without_entry_is_an_error() {
         let mut manifest = sample::manifest();
         manifest.detectors.remove(1);
         let expected = "the report has the detector \"kd-tree\", but the manifest does not";
         check_refused(&sample::report(), &manifest, expected);
-    }
-
-    #[test]
-    fn a_missing_number_is_an_error() {
+        let manifest = sample::manifest();
         let report = sample::report_where(|it| {
             it.metric != Metric::Fo || it.subject.detector != "pca" || it.subject.dataset != "main_road"
         });
-        let expected = "the report has no fo of pca on main_road in the task objects";
-        check_refused(&report, &sample::manifest(), expected);
-    }
-
-    #[test]
-    fn different_annotations_are_an_error() {
+        check_refused(&report, &manifest, "the report has no fo of pca on main_road in the task objects");
         let report = sample::report_with("kitti_object", "pca", &Metric::No, Some(99.0));
         let expected = "on kitti_object, paper has 61 annotations that count, but pca has 99";
-        check_refused(&report, &sample::manifest(), expected);
-    }
-
-    #[test]
-    fn a_count_that_is_none_is_an_error() {
-        let report = sample::report_with("main_road", "pca", &Metric::Tp, Some(2.5));
-        let expected = "tp of pca on main_road in the task objects is Some(2.5), which is not a count";
-        check_refused(&report, &sample::manifest(), expected);
-    }
-
-    #[test]
-    fn more_matches_than_annotations_are_an_error() {
-        let report = sample::report_with("main_road", "pca", &Metric::Tp, Some(1e6));
-        let expected = "tp of pca on main_road in the task objects is Some(1000000.0), which is not a count";
-        check_refused(&report, &sample::manifest(), expected);
+        check_refused(&report, &manifest, expected);
+        // A part of an object, and more matches than annotations.
+        for (tp, said) in [(2.5, "2.5"), (1e6, "1000000.0")] {
+            let report = sample::report_with("main_road", "pca", &Metric::Tp, Some(tp));
+            let what = "tp of pca on main_road in the task objects";
+            check_refused(&report, &manifest, &format!("{what} is Some({said}), which is not a count"));
+        }
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
-use crate::numbers::blocks::BlockCount;
+use crate::numbers::blocks::BlockColumns;
 use crate::numbers::box_errors::BoxErrorLine;
 use crate::numbers::box_points::{BoxPoints, CELL_M};
 use crate::vocabulary::class::{AnnotationClass, Occlusion};
@@ -140,9 +140,7 @@ row! {
         value: Option<Fixed<4>>,
         low: Option<Fixed<4>>,
         high: Option<Fixed<4>>,
-        n_blocks: Option<u64>,
-        blocks: Option<String>,
-        few_blocks: Option<bool>,
+        blocks: BlockColumns = ["n_blocks", "blocks", "few_blocks"],
     }
 }
 
@@ -151,7 +149,6 @@ impl BoxErrorRow {
     pub fn of(line: &BoxErrorLine) -> impl Iterator<Item = Self> + '_ {
         line.fits.iter().map(|(fit, number)| {
             let interval = number.and_then(|it| it.within);
-            let blocks = interval.map(|it| it.blocks);
             Self {
                 data: line.data.clone(),
                 simulated: line.is_simulated,
@@ -165,9 +162,7 @@ impl BoxErrorRow {
                 value: number.map(|it| Fixed(it.value)),
                 low: interval.map(|it| Fixed(it.ends[0])),
                 high: interval.map(|it| Fixed(it.ends[1])),
-                n_blocks: blocks.map(|it| it.n_blocks),
-                blocks: blocks.map(|it| it.kind.name().to_owned()),
-                few_blocks: blocks.map(BlockCount::decide_nothing),
+                blocks: interval.map(|it| it.blocks).into(),
             }
         })
     }
