@@ -140,16 +140,9 @@ impl SampleRun<'_> {
         self.each(|dataset, (detector_idx, detector), task, scan| {
             let n_found = N_OBJECTS - Self::n_missed(detector_idx);
             let of_annotations = (0..N_OBJECTS).map(|id| {
-                let annotation = AnnotationFacts {
-                    id,
-                    track: Some(id as u32),
-                    class: self.class,
-                    occlusion: None,
-                    n_points: 100 + id,
-                    n_points_outside: 0,
-                    bounding_box: Some(box_at(id)),
-                    centroid_m: None,
-                };
+                let (track, bounding_box) = (Some(id as u32), Some(box_at(id)));
+                let placeless = AnnotationFacts::placeless(self.class, 100 + id);
+                let annotation = AnnotationFacts { id, track, bounding_box, ..placeless };
                 if id < n_found {
                     MatchOutcome::Matched { annotation, detection: detection(id), cost: 0.1 }
                 } else {

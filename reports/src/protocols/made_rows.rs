@@ -67,7 +67,9 @@ pub(super) fn right_false_right(protocol: RankedProtocol, class: &'static str) -
 /// What `look` makes of rows under their protocol.
 fn under_protocol<T>(rows: &[RankedBoxRow], look: impl FnOnce(&dyn UnderProtocol) -> T) -> T {
     let mut tally = ProtocolTally::default();
-    rows.iter().for_each(|it| tally.add_ranked_box(it));
+    for row in rows {
+        tally.add_ranked_box(row);
+    }
     let scans = DrawnScans::undrawn(rows.iter().map(|it| it.scan.clone()).collect());
     let question = ProtocolQuestion { protocol: rows[0].protocol.protocol(), detector: "mine" };
     look(&*tally.rows(question, &scans).expect("there are rows"))

@@ -57,7 +57,9 @@ pub fn check_shards<M: MadeInShards>(shards: &[NamedShard<M>]) -> Result<Vec<usi
     records.sort_by_key(|(idx, shard, _)| (shard.index(), &shards[*idx].name));
     let Some((&(first, ..), others)) = records.split_first() else { return Ok(Vec::new()) };
     for (other, ..) in others {
-        not_of_same_run(&shards[first], &shards[*other]).map_or(Ok(()), |it| Err(ShardMismatch(it)))?;
+        if let Some(difference) = not_of_same_run(&shards[first], &shards[*other]) {
+            return Err(ShardMismatch(difference));
+        }
     }
     check_numbers(shards, &mut records)?;
     check_scans(shards, &records)?;
@@ -70,7 +72,7 @@ fn not_of_same_run<M: MadeInShards>(first: &NamedShard<M>, other: &NamedShard<M>
     let (first, other) = (&first.name, &other.name);
     let [study, other_study] = [ours, theirs].map(|it| it.shard().map_or(Study::Run, |it| it.study));
     if study != other_study {
-        let [study, other_study] = [study, other_study].map(|it| it.name());
+        let [study, other_study] = [study, other_study].map(Study::name);
         return Some(format!("{first} is a shard of `{study}`, {other} one of `{other_study}`"));
     }
     let versions = ours.scoring_version().zip(theirs.scoring_version());

@@ -172,17 +172,8 @@ mod tests {
     }
 
     fn annotation(class: AnnotationClass, n_points: u64, bounding_box: BoxFacts) -> AnnotationFacts {
-        let occlusion = Some(Occlusion::None);
-        AnnotationFacts {
-            id: 0,
-            track: None,
-            class,
-            occlusion,
-            n_points,
-            n_points_outside: 0,
-            bounding_box: Some(bounding_box),
-            centroid_m: None,
-        }
+        let (occlusion, bounding_box) = (Some(Occlusion::None), Some(bounding_box));
+        AnnotationFacts { occlusion, bounding_box, ..AnnotationFacts::placeless(class, n_points) }
     }
 
     fn detection(score: Option<f32>, n_points: u64, bounding_box: BoxFacts) -> DetectionFacts {

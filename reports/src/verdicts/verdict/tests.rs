@@ -90,16 +90,8 @@ impl SampleScans<'_> {
 fn missed(detector: &str, scan: u32, id: u64) -> MatchRow {
     let bounding_box =
         BoxFacts { center_m: [10.0, 0.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
-    let annotation = AnnotationFacts {
-        id,
-        track: None,
-        class: AnnotationClass::Car,
-        occlusion: None,
-        n_points: 100,
-        centroid_m: None,
-        n_points_outside: 0,
-        bounding_box: Some(bounding_box),
-    };
+    let placeless = AnnotationFacts::placeless(AnnotationClass::Car, 100);
+    let annotation = AnnotationFacts { id, bounding_box: Some(bounding_box), ..placeless };
     let [dataset, sequence, detector] = ["main_road", "0000", detector].map(str::to_owned);
     let (task, criterion) = (Task::Objects, CriterionKind::Points);
     let outcome = MatchOutcome::Missed { annotation, reason: MissReason::Split };
