@@ -41,7 +41,8 @@ impl Format<RunReport> for BencherMetrics {
 
 /// The numbers as github-action-benchmark takes them under `customSmallerIsBetter`.
 ///
-/// Rates of which more is better are turned round: 1 − F-rate. Times are for the machine of the run and say nothing elsewhere.
+/// Rates of which more is better are turned round: 1 − F-rate. Times are for the machine of the run and say nothing
+/// elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CustomSmallerIsBetter;
 

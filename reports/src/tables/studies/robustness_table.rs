@@ -1,5 +1,5 @@
-//! What detectors find under one condition after another: a table, and `robustness.csv` with one row for every condition, task and
-//! detector.
+//! What detectors find under one condition after another: a table, and `robustness.csv` with one row for every condition, task
+//! and detector.
 
 use serde::{Deserialize, Serialize};
 
