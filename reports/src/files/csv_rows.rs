@@ -17,12 +17,13 @@ pub trait CsvRow: Serialize + DeserializeOwned {
 }
 
 /// Declares a struct whose fields are the columns of a row, in order: its own, or that of the type named before, which is written as it.
+/// A field of several columns, such as an array, has their names behind it.
 macro_rules! row {
     ($(#[$of_struct:meta])* $visible:vis struct $name:ident { $($fields:tt)* }) => {
         row! { for $name: $(#[$of_struct])* $visible struct $name { $($fields)* } }
     };
     (for $row:ty: $(#[$of_struct:meta])* $visible:vis struct $name:ident {
-        $($(#[$of_field:meta])* $seen:vis $field:ident: $kind:ty,)*
+        $($(#[$of_field:meta])* $seen:vis $field:ident: $kind:ty $(= [$($column:literal),+ $(,)?])?,)*
     }) => {
         $(#[$of_struct])*
         $visible struct $name {
@@ -30,8 +31,15 @@ macro_rules! row {
         }
 
         impl $crate::files::csv_rows::CsvRow for $row {
-            const COLUMNS: &'static [&'static str] = &[$(stringify!($field)),*];
+            const COLUMNS: &'static [&'static str] = row!(columns [] $($field $([$($column,)+])?,)*);
         }
+    };
+    (columns [$($before:expr,)*]) => { &[$($before),*] };
+    (columns [$($before:expr,)*] $field:ident, $($rest:tt)*) => {
+        row!(columns [$($before,)* stringify!($field),] $($rest)*)
+    };
+    (columns [$($before:expr,)*] $field:ident [$($column:expr,)+], $($rest:tt)*) => {
+        row!(columns [$($before,)* $($column,)+] $($rest)*)
     };
 }
 pub(crate) use row;
@@ -171,8 +179,27 @@ pub fn each_row_of<Row: CsvRow>(
             found: columns.iter().collect::<Vec<_>>().join(","),
         });
     }
-    for row in reader.deserialize() {
-        on_row(row.map_err(bad_row)?);
+    let mut record = csv::StringRecord::new();
+    while reader.read_record(&mut record).map_err(bad_row)? {
+        // By their places, which the check above makes sure of.
+        on_row(record.deserialize(None).map_err(bad_row)?);
     }
     Ok(())
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Rows as the text of their file.
+    pub(crate) fn csv_text<Row: CsvRow>(rows: &[Row]) -> String {
+        String::from_utf8(to_csv_bytes(rows).unwrap()).unwrap()
+    }
+
+    /// The rows of such a text, or what is wrong with it.
+    pub(crate) fn rows_of<Row: CsvRow>(text: &str) -> Result<Vec<Row>, String> {
+        let mut rows = Vec::new();
+        let read = each_row_of(text.as_bytes(), Path::new("rows.csv"), |row| rows.push(row));
+        read.map(|()| rows).map_err(|error| crate::files::causes::with_causes(&error))
+    }
 }

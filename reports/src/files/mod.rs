@@ -10,3 +10,5 @@ pub mod new_folders;
 pub mod fixed_decimals;
 pub(crate) mod exact_number;
 pub mod csv_rows;
+#[cfg(test)]
+pub(crate) mod texts;

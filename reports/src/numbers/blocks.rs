@@ -8,6 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
+use crate::vocabulary::named::named;
+
 /// Drives that a data set needs for whole drives to be drawn.
 pub const FEWEST_DRIVES: usize = 10;
 /// Blocks of one data set that it takes before anything may rest on an interval.
@@ -56,38 +58,25 @@ impl DriveSecond {
     }
 }
 
-/// What is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BlockKind {
-    /// Whole drives: an interval says how other drives of the kind would vary.
-    Drives,
-    /// Seconds of drives: an interval says how scans of these drives vary, not other drives.
-    Seconds,
-    /// Drives of one data set and seconds of another.
-    Both,
-    /// Single objects, each in all scans that show it, where a number is of objects and drives are too few.
-    Tracks,
-    /// Blocks that the user has named.
-    Named,
-    /// Single scans of which nobody knows when they were taken: they may be neighbours, and nothing may rest on an interval.
-    Scans,
+named! {
+    /// What is drawn.
+    pub enum BlockKind {
+        /// Whole drives: an interval says how other drives of the kind would vary.
+        Drives = "drives",
+        /// Seconds of drives: an interval says how scans of these drives vary, not other drives.
+        Seconds = "seconds",
+        /// Drives of one data set and seconds of another.
+        Both = "drives and seconds",
+        /// Single objects, each in all scans that show it, where a number is of objects and drives are too few.
+        Tracks = "tracks",
+        /// Blocks that the user has named.
+        Named = "named blocks",
+        /// Single scans of which nobody knows when they were taken: they may be neighbours, and nothing may rest on an interval.
+        Scans = "scans without times",
+    }
 }
 
 impl BlockKind {
-    const ALL: [Self; 6] = [Self::Drives, Self::Seconds, Self::Both, Self::Tracks, Self::Named, Self::Scans];
-
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Drives => "drives",
-            Self::Seconds => "seconds",
-            Self::Both => "drives and seconds",
-            Self::Tracks => "tracks",
-            Self::Named => "named blocks",
-            Self::Scans => "scans without times",
-        }
-    }
-
     /// The kind of this and `other` blocks together.
     pub fn with(self, other: Self) -> Self {
         match (self, other) {
@@ -96,11 +85,6 @@ impl BlockKind {
             (Self::Scans, _) | (_, Self::Scans) => Self::Scans,
             _ => Self::Both,
         }
-    }
-
-    /// The kind of this name; `None` if there is none.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|it| it.name() == name)
     }
 }
 
@@ -179,6 +163,24 @@ impl BlockCount {
     /// freedom of several.
     pub fn are_too_few(self) -> bool {
         self.degrees_of_freedom + 1 < FEWEST_BLOCKS
+    }
+}
+
+/// How a row of a file tells the blocks of an interval: empty columns where there is none.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct BlockColumns {
+    n_blocks: Option<u64>,
+    kind: Option<BlockKind>,
+    decide_nothing: Option<bool>,
+}
+
+impl From<Option<BlockCount>> for BlockColumns {
+    fn from(blocks: Option<BlockCount>) -> Self {
+        Self {
+            n_blocks: blocks.map(|it| it.n_blocks),
+            kind: blocks.map(|it| it.kind),
+            decide_nothing: blocks.map(BlockCount::decide_nothing),
+        }
     }
 }
 
@@ -339,12 +341,6 @@ mod tests {
         let raw =
             |scan: u32| DriveSecond::of_scan(("training", scan), Some("0005"), Some(f64::from(scan) / 10.0));
         check(&Blocks::of((0..25).map(raw)), 3, BlockKind::Seconds);
-    }
-
-    #[test]
-    fn kinds_are_found_by_their_names() {
-        assert!(BlockKind::ALL.into_iter().all(|it| BlockKind::from_name(it.name()) == Some(it)));
-        assert_eq!(BlockKind::from_name("scans"), None);
     }
 
     proptest! {

@@ -1,6 +1,7 @@
 //! How far fitted boxes are from annotated ones, by slice of the matched vehicles.
 
 use crate::numbers::blocks::Interval;
+use crate::vocabulary::named::named;
 
 /// A number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,75 +33,41 @@ pub struct BoxErrorLine {
     pub fits: Vec<(&'static str, Option<NumberWithin>)>,
 }
 
-/// What is measured of boxes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BoxError {
-    /// Distance of the centres on the ground plan.
-    Centre,
-    /// Difference of the lengths.
-    Length,
-    /// Difference of the widths.
-    Width,
-    /// Angle between the long sides, at most a right one.
-    Yaw,
-    /// The share that is turned by at most 5 degrees.
-    Yaw5,
-    /// The share that is turned by at most 10 degrees.
-    Yaw10,
-    /// The share with an intersection over union of at least 0.5, seen from above.
-    Bev50,
-    /// The same of 0.7.
-    Bev70,
-    /// The share with an intersection over union of at least 0.5 in space.
-    Space50,
-    /// The same of 0.7.
-    Space70,
-    /// The share with the front on the right side.
-    Front,
-    /// The share of which it is sure which end is the front.
-    FrontSure,
-    /// Of these the share with the front on the right side.
-    SureFront,
+named! {
+    /// What is measured of boxes.
+    pub enum BoxError {
+        /// Distance of the centres on the ground plan.
+        Centre = "centre",
+        /// Difference of the lengths.
+        Length = "length",
+        /// Difference of the widths.
+        Width = "width",
+        /// Angle between the long sides, at most a right one.
+        Yaw = "yaw",
+        /// The share that is turned by at most 5 degrees.
+        Yaw5 = "yaw within 5 deg",
+        /// The share that is turned by at most 10 degrees.
+        Yaw10 = "yaw within 10 deg",
+        /// The share with an intersection over union of at least 0.5, seen from above.
+        Bev50 = "BEV IoU >= 0.5",
+        /// The same of 0.7.
+        Bev70 = "BEV IoU >= 0.7",
+        /// The share with an intersection over union of at least 0.5 in space.
+        Space50 = "3D IoU >= 0.5",
+        /// The same of 0.7.
+        Space70 = "3D IoU >= 0.7",
+        /// The share with the front on the right side.
+        Front = "front right",
+        /// The share of which it is sure which end is the front.
+        FrontSure = "front sure",
+        /// Of these the share with the front on the right side.
+        SureFront = "front right if sure",
+    }
 }
 
 impl BoxError {
-    /// All, in the order of tables.
-    pub const ALL: [Self; 13] = [
-        Self::Centre,
-        Self::Length,
-        Self::Width,
-        Self::Yaw,
-        Self::Yaw5,
-        Self::Yaw10,
-        Self::Bev50,
-        Self::Bev70,
-        Self::Space50,
-        Self::Space70,
-        Self::Front,
-        Self::FrontSure,
-        Self::SureFront,
-    ];
     /// Those that are told of every slice; of all vehicles together all are.
     pub const OF_SLICES: [Self; 4] = [Self::Centre, Self::Yaw, Self::Yaw10, Self::Bev70];
-
-    /// The name used in files and on screens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Centre => "centre",
-            Self::Length => "length",
-            Self::Width => "width",
-            Self::Yaw => "yaw",
-            Self::Yaw5 => "yaw within 5 deg",
-            Self::Yaw10 => "yaw within 10 deg",
-            Self::Bev50 => "BEV IoU >= 0.5",
-            Self::Bev70 => "BEV IoU >= 0.7",
-            Self::Space50 => "3D IoU >= 0.5",
-            Self::Space70 => "3D IoU >= 0.7",
-            Self::Front => "front right",
-            Self::FrontSure => "front sure",
-            Self::SureFront => "front right if sure",
-        }
-    }
 
     /// Whether it is a share, of which the mean is told, in %; otherwise an error, of which the median is.
     pub fn is_share(self) -> bool {

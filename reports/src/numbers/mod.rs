@@ -22,6 +22,5 @@ pub mod curve_pair;
 pub mod gap_curve;
 pub mod box_errors;
 pub mod box_points;
-pub mod condition_scores;
 pub mod sweep_score;
 pub mod sweep_curve;

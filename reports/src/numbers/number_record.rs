@@ -60,9 +60,10 @@ impl NumberRecord {
     ///
     /// # Errors
     ///
-    /// The name of its blocks if there are none of that name.
+    /// A sentence if there are no blocks of the name that it has.
     pub(crate) fn interval(&self) -> Result<Option<Interval>, String> {
-        let kind = self.blocks.as_ref().map(|it| BlockKind::from_name(it).ok_or_else(|| it.clone()));
+        let unknown = |it: &str| format!("unknown blocks of scans {it:?}");
+        let kind = self.blocks.as_ref().map(|it| BlockKind::from_name(it).ok_or_else(|| unknown(it)));
         let blocks = self.n_blocks.zip(self.degrees_of_freedom).zip(kind.transpose()?);
         let interval = |(ends, ((n_blocks, degrees_of_freedom), kind))| Interval {
             ends,

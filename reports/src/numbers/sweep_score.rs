@@ -299,13 +299,6 @@ pub(crate) mod tests {
     /// TP, FO, and two readings.
     type Found = (u64, Option<u64>, Option<f64>, f64);
 
-    #[track_caller]
-    pub(crate) fn check_holds(svg: &str, parts: &[&str]) {
-        for part in parts {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
-    }
-
     pub(crate) fn street() -> Extent {
         Extent::Dataset("street".to_owned())
     }

@@ -24,28 +24,12 @@ use crate::vocabulary::task::Task;
 /// ```
 /// use reports::numbers::tally::Tally;
 /// use reports::rows::counts::Counts;
-/// use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+/// use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 /// use reports::vocabulary::metric::Metric;
 /// use reports::vocabulary::task::Task;
 ///
 /// // One scan with ten vehicles, of which seven were found; three detections are false.
-/// let numbers = ScanNumbers {
-///     n_points: 100_000,
-///     checksum: 0,
-///     latency_ms: None,
-///     least_latency_ms: None,
-///     reference_ms: None,
-///     cpu_ms: None,
-///     door_ms: None,
-///     failure: None,
-///     counts: Counts::new(10, 7, Some(3)).expect("no more is found than there is"),
-///     n_ignored_annotations: 0,
-///     n_ignored_detections: 0,
-///     n_unknowable_detections: 0,
-///     segmentation: SegmentationNumbers::default(),
-///     n_dropped_too_small: 0,
-///     n_dropped_too_large: 0,
-/// };
+/// let counts = Counts::new(10, 7, Some(3)).expect("no more is found than there is");
 /// let mut tally = Tally::default();
 /// tally.add_scan(&ScanRow {
 ///     dataset: "street".to_owned(),
@@ -54,7 +38,7 @@ use crate::vocabulary::task::Task;
 ///     time_s: Some(0.0),
 ///     detector: "mine".to_owned(),
 ///     task: Task::Vehicles,
-///     outcome: ScanOutcome::Evaluated(numbers),
+///     outcome: ScanOutcome::Evaluated(ScanNumbers::of_counts(counts)),
 /// });
 /// let rows = tally.metric_rows();
 /// let f_rate = rows.iter().find(|it| it.metric == Metric::FRate).and_then(|it| it.value());

@@ -5,6 +5,7 @@ use maud::{Markup, html};
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{FailedDetector, PoolFacts, RunFacts};
 use crate::plots::standing_plot::{StandingRow, standing_plot};
+use crate::rows::scan_name::ScanName;
 use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, Recordings};
 use crate::verdicts::standing::{Speeds, Standing, origin_of_run};
 use crate::vocabulary::metric::Metric;
@@ -74,7 +75,8 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
 }
 
 fn about_failure(failed: &FailedDetector) -> String {
-    let FailedDetector { detector, first: ((dataset, sequence, scan), reason), n_failed, n_scans } = failed;
+    let FailedDetector { detector, first: (scan, reason), n_failed, n_scans } = failed;
+    let ScanName { dataset, sequence, scan } = scan;
     format!(
         "{detector} failed at {n_failed} of {n_scans} scans. They count as nothing found. The first was \
          {dataset} {sequence}/{scan:06}: {reason}."

@@ -15,6 +15,7 @@ use crate::plots::series::{Place, Series};
 use crate::protocols::protocol_report::ProtocolReport;
 use crate::rows::match_outcome::{BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
+use crate::rows::scan_name::ScanName;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
@@ -108,9 +109,6 @@ pub(super) struct DatasetCurves {
     pub(super) of_detectors: Vec<(String, Vec<(f64, f64)>)>,
 }
 
-/// Data set, drive and number.
-pub(super) type ScanName = (String, String, u32);
-
 /// A box in a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SeenBox {
@@ -138,7 +136,8 @@ impl RunFacts {
             // Every task has a row about the same detection.
             let is_first = *first_task.get_or_insert(row.task) == row.task;
             if let Some(reason) = row.numbers().and_then(|it| it.failure.clone()) {
-                let scan = (row.dataset.clone(), row.sequence.clone(), row.scan);
+                let scan =
+                    ScanName { dataset: row.dataset.clone(), sequence: row.sequence.clone(), scan: row.scan };
                 failures.entry(row.detector.clone()).or_insert((scan, reason));
             }
             let is_timed = is_first && manifest.is_of_like_processors();
@@ -324,7 +323,7 @@ fn boxes_of(
     let places = worst.lists().flat_map(|(_, places)| places);
     let mut boxes: BTreeMap<ScanName, Vec<SeenBox>> = places.map(|it| (scan_name(it), Vec::new())).collect();
     each_row(matches, |row: MatchRow| {
-        let name = (row.dataset.clone(), row.sequence.clone(), row.scan);
+        let name = ScanName { dataset: row.dataset.clone(), sequence: row.sequence.clone(), scan: row.scan };
         let Some(boxes) = boxes.get_mut(&name) else { return };
         let (annotation, detection) = match row.outcome {
             MatchOutcome::Matched { annotation, detection, .. } => (Some(annotation), Some(detection)),
@@ -355,5 +354,6 @@ fn boxes_of(
 
 /// The scan of a mistake.
 pub(super) fn scan_name(place: &WorstPlace<()>) -> ScanName {
-    (place.object.dataset.clone(), place.object.sequence.clone(), place.object.scan)
+    let object = &place.object;
+    ScanName { dataset: object.dataset.clone(), sequence: object.sequence.clone(), scan: object.scan }
 }

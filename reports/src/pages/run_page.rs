@@ -21,8 +21,7 @@ use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
 use crate::plots::pdf::figure_files;
 use crate::run_folder::run_directory::{FIGURES, REPORT_HTML};
-use crate::tables::table_error::TableError;
-use crate::tables::task_table::task_tables as tables_of;
+use crate::tables::task_table::{TableError, task_tables as tables_of};
 
 /// The page of a run, and its figures as files.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,6 +106,7 @@ const SECTIONS: [(&str, &str); 9] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
     use crate::pages::sample_run::{SampleRun, USUAL};
     use crate::run_folder::run_directory::MATCHES_CSV;
     use crate::vocabulary::task::Task;
@@ -119,13 +119,6 @@ mod tests {
 
     fn names(page: &RunPage) -> Vec<&str> {
         page.figures.iter().map(|it| it.file_stem.as_str()).collect()
-    }
-
-    #[track_caller]
-    fn check_holds(text: &str, parts: &[&str]) {
-        for part in parts {
-            assert!(text.contains(part), "no {part} in {text}");
-        }
     }
 
     #[test]

@@ -4,14 +4,13 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::files::csv_rows::{CsvRow, CsvRowWriter, to_csv_bytes};
-use crate::files::whole_file::WholeFile;
+use crate::files::csv_rows::{CsvRow, to_csv_bytes};
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
-use crate::run_folder::manifest::{DetectorEntry, Manifest};
+use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_directory::{MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, SCANS_CSV};
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::tables::sample;
@@ -67,8 +66,7 @@ impl SampleRun<'_> {
         }
         write_rows(&folder.path().join(SCANS_CSV), &scans);
         write_rows(&folder.path().join(MATCHES_CSV), &matches);
-        let curves = to_csv_bytes(&tally.precision_recall_rows()).unwrap();
-        std::fs::write(folder.path().join(PRECISION_RECALL_CSV), curves).unwrap();
+        write_rows(&folder.path().join(PRECISION_RECALL_CSV), &tally.precision_recall_rows());
         let of_datasets = self.datasets.iter().flat_map(|it| self.times(it));
         let rows = tally.metric_rows().into_iter().chain(of_datasets).collect();
         let mut overall = tally.overall_rows();
@@ -86,17 +84,10 @@ impl SampleRun<'_> {
         let entries = manifest.datasets;
         let named = |id: &&str| {
             let entry = entries[usize::from(!knows_false(id))].clone();
-            crate::run_folder::manifest::DatasetEntry { id: (*id).to_owned(), ..entry }
+            DatasetEntry { id: (*id).to_owned(), ..entry }
         };
         manifest.datasets = self.datasets.iter().map(named).collect();
-        let detector = |name: &&str| DetectorEntry {
-            name: (*name).to_owned(),
-            parameters: serde_json::Value::Null,
-            rules: Vec::new(),
-            vehicles: None,
-            foreign: None,
-        };
-        manifest.detectors = self.detectors.iter().map(detector).collect();
+        manifest.detectors = self.detectors.iter().map(|it| sample::detector(it)).collect();
         manifest.argv = ["scanbench", "run", "it's <here>"].map(str::to_owned).to_vec();
         manifest
     }
@@ -149,16 +140,9 @@ impl SampleRun<'_> {
         self.each(|dataset, (detector_idx, detector), task, scan| {
             let n_found = N_OBJECTS - Self::n_missed(detector_idx);
             let of_annotations = (0..N_OBJECTS).map(|id| {
-                let annotation = AnnotationFacts {
-                    id,
-                    track: Some(id as u32),
-                    class: self.class,
-                    occlusion: None,
-                    n_points: 100 + id,
-                    n_points_outside: 0,
-                    bounding_box: Some(box_at(id)),
-                    centroid_m: None,
-                };
+                let (track, bounding_box) = (Some(id as u32), Some(box_at(id)));
+                let placeless = AnnotationFacts::placeless(self.class, 100 + id);
+                let annotation = AnnotationFacts { id, track, bounding_box, ..placeless };
                 if id < n_found {
                     MatchOutcome::Matched { annotation, detection: detection(id), cost: 0.1 }
                 } else {
@@ -214,9 +198,5 @@ fn detection(id: u64) -> DetectionFacts {
 }
 
 fn write_rows<Row: CsvRow>(path: &Path, rows: &[Row]) {
-    let mut writer = CsvRowWriter::new(WholeFile::create(path).unwrap()).unwrap();
-    for row in rows {
-        writer.write(row).unwrap();
-    }
-    writer.finish().unwrap();
+    std::fs::write(path, to_csv_bytes(rows).unwrap()).unwrap();
 }

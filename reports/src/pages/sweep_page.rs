@@ -171,6 +171,7 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
 
     fn sweep() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
@@ -190,19 +191,20 @@ mod tests {
         let folder = sweep();
         assert!(SweepPage::is_sweep(folder.path()));
         let page = SweepPage::of(folder.path()).unwrap();
-        for part in [
-            "Sweep of hierarchical.grid.cell_size_m",
-            "viewBox=\"0 0 90 40\"",
-            "F &amp; x",
-            "a&lt;b",
-            "f_rate_street.svg",
-            "pareto_street.svg is damaged.",
-            "Their principal numbers",
-            "nds",
-            "href=\"#table\"",
-        ] {
-            assert!(page.html.contains(part), "no {part} in {}", page.html);
-        }
+        check_holds(
+            &page.html,
+            &[
+                "Sweep of hierarchical.grid.cell_size_m",
+                "viewBox=\"0 0 90 40\"",
+                "F &amp; x",
+                "a&lt;b",
+                "f_rate_street.svg",
+                "pareto_street.svg is damaged.",
+                "Their principal numbers",
+                "nds",
+                "href=\"#table\"",
+            ],
+        );
         assert!(!page.html.contains("other.svg") && !page.html.contains("#plots-1"));
         page.write(folder.path()).unwrap();
         assert_eq!(SweepPage::of(folder.path()).unwrap(), page);

@@ -119,6 +119,7 @@ fn columns(cells: impl Iterator<Item = ([i32; 2], u32)>) -> Vec<ShadedColumn> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
     use crate::numbers::box_points::FramedPoints;
     use crate::plots::theme::hex;
     use crate::vocabulary::class::AnnotationClass;
@@ -129,9 +130,7 @@ mod tests {
         let framed = FramedPoints { length_width_m: [4.0, 2.0], places_m: &places_m };
         let points = BoxPoints::of(AnnotationClass::Car, "hull box", [framed].into_iter());
         let svg = box_points_plot(&[vec![points.clone(), points]], "Streets (simulated)");
-        for part in ["Streets (simulated)", "car, hull box (n 1)", "to the front (m)"] {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
+        check_holds(&svg, &["Streets (simulated)", "car, hull box (n 1)", "to the front (m)"]);
         // In each panel the fullest cell, and one half as full; what lies far away in none.
         let n_of_shade = |it: u32| {
             let RGBColor(red, green, blue) = color_of(it);

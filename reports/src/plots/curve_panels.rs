@@ -129,6 +129,7 @@ fn ranges(panel: &CurvePanel) -> Option<[[f64; 2]; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
 
     fn panel(places: &[(f64, f64)]) -> CurvePanel {
         let place = |&(x, y): &(f64, f64)| Some(Place { x, y, within: Some([y - 0.1, y + 0.1]) });
@@ -151,9 +152,10 @@ mod tests {
         assert!(!single.contains("hierarchical"), "{single}");
         two.series.push(Series { name: "pca".to_owned(), places: two.series[0].places.clone() });
         let both = svg(&[two], "Street (simulated)");
-        for part in ["cell size (m)", "F-rate (%)", "hierarchical", "pca", "Street (simulated)", "objects"] {
-            assert!(both.contains(part), "no {part} in {both}");
-        }
+        check_holds(
+            &both,
+            &["cell size (m)", "F-rate (%)", "hierarchical", "pca", "Street (simulated)", "objects"],
+        );
     }
 
     #[test]

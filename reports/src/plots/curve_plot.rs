@@ -109,16 +109,10 @@ fn value_range(curves: &CurvePair) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
     use crate::numbers::curve_pair::tests::pair;
 
     const NAMES: Sides<&str> = Sides { left: "street (simulated)", right: "kitti" };
-
-    #[track_caller]
-    fn check_holds(svg: &str, parts: &[&str]) {
-        for part in parts {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
-    }
 
     #[test]
     fn curves_over_a_length_have_units_on_both_axes_and_both_names() {

@@ -308,6 +308,7 @@ fn logarithmic(ends: Range<f64>) -> LogCoord<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
     use crate::plots::marks::SeriesMark;
 
     #[test]
@@ -337,9 +338,7 @@ mod tests {
         let marks = vec![hue.line(line), Mark::line(line, QUIET, 1), text];
         let figure = Figure::of_marks([100, 50], marks);
         let page = figure.panel("a < b".to_owned()).inline();
-        for part in ["k-d1", "k-grid", "f-ink", "x &lt; y &amp;", "<title>a &lt; b</title>"] {
-            assert!(page.contains(part), "no {part} in {page}");
-        }
+        check_holds(&page, &["k-d1", "k-grid", "f-ink", "x &lt; y &amp;", "<title>a &lt; b</title>"]);
         assert_eq!((page.matches("<svg").count(), page.matches(" id=").count()), (1, 0), "{page}");
         let print = figure.svg();
         assert!(!print.contains("class=") && print.contains("#FFFFFF"), "{print}");

@@ -108,7 +108,8 @@ fn reading_unit(name: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sweep_score::tests::{cell_sizes, check_holds, street};
+    use crate::files::texts::check_holds;
+    use crate::numbers::sweep_score::tests::{cell_sizes, street};
 
     #[test]
     fn fitness_says_what_is_undefined_and_where_the_best_rate_is() {

@@ -44,6 +44,7 @@ fn steps(times: &[f64]) -> Vec<Option<Place>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
 
     #[test]
     fn shares_rise_to_all_scans() {
@@ -58,8 +59,6 @@ mod tests {
     fn nothing_timed_is_no_panel() {
         assert_eq!(latency_plot("", &[("grid".to_owned(), Vec::new())]), None);
         let panel = latency_plot("", &[("grid".to_owned(), vec![3.0])]).unwrap();
-        for part in ["time of a scan (ms)", "scans (%)", "k-d0"] {
-            assert!(panel.inline().contains(part), "no {part} in {panel:?}");
-        }
+        check_holds(&panel.inline(), &["time of a scan (ms)", "scans (%)", "k-d0"]);
     }
 }

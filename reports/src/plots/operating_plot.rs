@@ -24,15 +24,14 @@ fn panel(places: impl Iterator<Item = (f64, f64)>, names: [&str; 2]) -> Panel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
 
     #[test]
     fn both_panels_have_axes_and_the_title_says_what_was_judged() {
         let rows = [([1, 0], 0.5), ([1, 2], -0.5)]
             .map(|(told, threshold)| OperatingRow::new(threshold, told, [1, 2]));
         let svg = operating_plot(&rows, "Held out (simulated)");
-        for part in ["false-positive rate", "recall", "precision", "Held out (simulated)"] {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
+        check_holds(&svg, &["false-positive rate", "recall", "precision", "Held out (simulated)"]);
         assert_ne!(svg, operating_plot(&[], "Held out (simulated)"));
     }
 }

@@ -94,7 +94,8 @@ pub(crate) fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sweep_score::tests::{cell_sizes, check_holds, street};
+    use crate::files::texts::check_holds;
+    use crate::numbers::sweep_score::tests::{cell_sizes, street};
 
     #[test]
     fn the_front_is_what_nothing_beats() {

@@ -91,6 +91,7 @@ fn grid_marks(plan: &Plan, [x, y]: [[f64; 2]; 2]) -> Vec<Mark> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
 
     #[test]
     fn panels_have_titles_units_and_the_same_window() {
@@ -108,11 +109,10 @@ mod tests {
             "{window:?}"
         );
         let svg = plan_plot(&plans, "Pair (simulated)");
-        for part in
-            ["one", "other", "Pair (simulated)", "forward of the sensor (m)", "left of the sensor (m)"]
-        {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
+        check_holds(
+            &svg,
+            &["one", "other", "Pair (simulated)", "forward of the sensor (m)", "left of the sensor (m)"],
+        );
         assert!(plan_plot(&[], "Nothing").contains("</svg>"));
     }
 }

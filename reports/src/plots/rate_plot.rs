@@ -38,7 +38,8 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sweep_score::tests::{cell_sizes, check_holds, street};
+    use crate::files::texts::check_holds;
+    use crate::numbers::sweep_score::tests::{cell_sizes, street};
 
     #[test]
     fn rates_have_units_and_the_best_is_named() {

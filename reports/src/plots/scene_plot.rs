@@ -182,6 +182,7 @@ fn corners(bounding_box: &BoxFacts) -> [[f64; 2]; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
 
     const BOX: BoxFacts =
         BoxFacts { center_m: [20.0, 5.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
@@ -200,9 +201,7 @@ mod tests {
         let svg = scene_plot(&scene(None, WINDOW), "a < b".to_owned()).inline();
         // 4 m long in a window of 10 m and 200 pixels: from 60 to 140 down, from 80 to 120 across.
         assert!(svg.contains("points=\"80.0,60.0 80.0,140.0 120.0,140.0 120.0,60.0\""), "{svg}");
-        for part in ["a &lt; b", "2 m", "k-d1", "stroke-dasharray=\"1 3\"", "opacity=\"0.35\""] {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
+        check_holds(&svg, &["a &lt; b", "2 m", "k-d1", "stroke-dasharray=\"1 3\"", "opacity=\"0.35\""]);
         assert!(!svg.contains("k-grid"), "{svg}");
     }
 

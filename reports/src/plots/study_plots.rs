@@ -1,10 +1,9 @@
 //! The figures of studies: a line for each variant, condition or difference, with its interval.
 
 use super::standing_plot::{StandingRow, study_plot};
-use crate::numbers::blocks::Interval;
-use crate::numbers::condition_scores::ConditionScores;
-use crate::reproduction::sensitivity::{Sensitivity, SetRate};
+use crate::reproduction::sensitivity::{Sensitivity, SetRate, quantiles};
 use crate::tables::studies::ablation_table::AblationTable;
+use crate::tables::studies::robustness_table::ConditionScores;
 use crate::tables::verdict::comparison::Comparison;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::task::Task;
@@ -16,7 +15,12 @@ pub fn ablation_plot(table: &AblationTable) -> String {
     let of_extents = table.scores.chunk_by(|left, right| left.extent == right.extent);
     let parts = of_extents.map(|scores| {
         let rows = scores.iter().enumerate().map(|(place, it)| {
-            row(it.variant.clone(), usize::from(place > 0), it.counts.f_rate(), it.f_rate_within)
+            row(
+                it.variant.clone(),
+                usize::from(place > 0),
+                it.counts.f_rate(),
+                it.f_rate_within.map(|it| it.ends),
+            )
         });
         (scores[0].extent.name().to_owned(), rows.collect())
     });
@@ -28,12 +32,10 @@ pub fn ablation_plot(table: &AblationTable) -> String {
 pub fn robustness_plot(conditions: &[ConditionScores]) -> String {
     let parts = Task::ALL.map(|task| {
         let rows = conditions.iter().flat_map(|condition| {
-            condition.detectors.iter().enumerate().flat_map(move |(detector_idx, detector)| {
-                let of_task = detector.tasks().into_iter().filter(move |it| it.0 == task);
-                let ConditionScores { group, condition, .. } = condition;
-                let name = format!("{group}: {condition}, {}", detector.detector);
-                of_task
-                    .map(move |(_, it)| row(name.clone(), detector_idx, it.counts.f_rate(), it.f_rate_within))
+            let of_task = condition.scores().filter(move |(_, of_task, _)| *of_task == task);
+            of_task.enumerate().map(|(detector_idx, (detector, _, it))| {
+                let name = format!("{}: {}, {detector}", condition.named.group, condition.named.condition);
+                row(name, detector_idx, it.counts.f_rate(), it.intervals.f_rate.map(|it| it.ends))
             })
         });
         (format!("Task {task}"), rows.collect())
@@ -47,7 +49,7 @@ pub fn comparison_plot(comparison: &Comparison) -> String {
         let of_metric = comparison.differences.iter().filter(|it| it.difference.metric == metric);
         let rows = of_metric.map(|it| {
             let name = format!("{}, {}, {}", it.task, it.detector, it.slice);
-            row(name, 0, Some(it.difference.difference()), it.difference.interval)
+            row(name, 0, Some(it.difference.difference()), it.difference.interval.map(|it| it.ends))
         });
         (format!("After minus before, {name}"), rows.collect())
     });
@@ -57,21 +59,8 @@ pub fn comparison_plot(comparison: &Comparison) -> String {
 /// The rates of method and rivals over all joint settings of open values: the median, and the range of nine in ten.
 pub fn settings_plot(sensitivity: &Sensitivity) -> String {
     let over = |name: &str, idx: usize, rates: &[Option<f64>]| {
-        let all = SetRate {
-            name: String::new(),
-            method: String::new(),
-            rival: String::new(),
-            of_method: rates.to_vec(),
-            of_rival: Vec::new(),
-        };
-        let [low, middle, high] = all.quantiles([0.05, 0.5, 0.95])?;
-        Some(StandingRow {
-            name: name.to_owned(),
-            detector_idx: idx,
-            percent: Some(100.0 * middle),
-            interval_percent: Some([100.0 * low, 100.0 * high]),
-            paper_percent: None,
-        })
+        let [low, middle, high] = quantiles(rates, [0.05, 0.5, 0.95])?;
+        Some(row(name.to_owned(), idx, Some(middle), Some([low, high])))
     };
     let part = |rate: &SetRate| {
         let rows = [over(&rate.method, 0, &rate.of_method), over(&rate.rival, 1, &rate.of_rival)];
@@ -83,12 +72,12 @@ pub fn settings_plot(sensitivity: &Sensitivity) -> String {
     study_plot(&title, "F-rate, % (bars: nine in ten settings)", &parts)
 }
 
-fn row(name: String, colour_idx: usize, rate: Option<f64>, within: Option<Interval>) -> StandingRow {
+fn row(name: String, colour_idx: usize, rate: Option<f64>, within: Option<[f64; 2]>) -> StandingRow {
     StandingRow {
         name,
         detector_idx: colour_idx,
         percent: rate.map(|it| 100.0 * it),
-        interval_percent: within.map(|it| it.ends.map(|end| 100.0 * end)),
+        interval_percent: within.map(|it| it.map(|end| 100.0 * end)),
         paper_percent: None,
     }
 }

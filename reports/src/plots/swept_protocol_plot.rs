@@ -57,7 +57,8 @@ fn panel(curve: &NumberCurve<'_>, parameters: &[String]) -> CurvePanel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sweep_score::tests::{check_holds, street};
+    use crate::files::texts::check_holds;
+    use crate::numbers::sweep_score::tests::street;
     use crate::protocols::swept_numbers::tests::swept;
 
     #[test]

@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use super::argoverse2_precisions::average_precisions;
-use super::drawn_scans::{N_LANES, Times, add, single_draw};
+use super::drawn_scans::{Times, add};
 use super::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolMetric};
 use super::ranked_classes::{RankedClass, RankedScan};
-use super::under_protocol::UnderProtocol;
+use super::under_protocol::Ranking;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, RankedProtocol};
@@ -50,13 +50,6 @@ impl Argoverse2 {
         self.classes.iter().enumerate().filter(|(_, class)| class.n() > 0)
     }
 
-    /// The values of each draw.
-    fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
-        let scores: Vec<[Option<ClassScores>; N]> =
-            self.classes.iter().map(|class| ClassScores::of(class, times)).collect();
-        std::array::from_fn(|draw| self.values_of(&scores.iter().map(|it| it[draw]).collect::<Vec<_>>()))
-    }
-
     fn values_of(&self, scores: &[Option<ClassScores>]) -> Vec<Option<f64>> {
         let nothing = ClassScores { numbers: ClassScores::of_nothing(), average_precisions: [0.0; 4] };
         let mean = |of: &[&ClassScores]| -> [Option<f64>; N_SUMMED_UP] {
@@ -82,28 +75,23 @@ impl Argoverse2 {
     }
 }
 
-impl UnderProtocol for Argoverse2 {
+impl Ranking for Argoverse2 {
     fn metrics(&self) -> Vec<ProtocolMetric> {
-        let metric = |class: &str, n: u64, (id, unit, direction): (&str, &'static str, Direction)| {
-            ProtocolMetric { class: class.to_owned(), id: id.to_owned(), unit, direction, n }
-        };
         let names = RankedProtocol::Argoverse2.classes();
         let n = self.classes.iter().map(RankedClass::n).sum();
-        let of_several = [ALL_CLASSES, PRESENT_CLASSES]
-            .into_iter()
-            .flat_map(|class| OF_CLASS[..N_SUMMED_UP].iter().map(move |it| metric(class, n, *it)));
-        let of_classes =
-            self.present().flat_map(|(place, class)| OF_CLASS.map(|it| metric(names[place], class.n(), it)));
+        let of_several = [ALL_CLASSES, PRESENT_CLASSES].into_iter().flat_map(|class| {
+            OF_CLASS[..N_SUMMED_UP].iter().map(move |it| ProtocolMetric::new(class, *it, n))
+        });
+        let of_classes = self
+            .present()
+            .flat_map(|(place, class)| OF_CLASS.map(|it| ProtocolMetric::new(names[place], it, class.n())));
         of_several.chain(of_classes).collect()
     }
 
-    fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
-        let [values] = self.of_draws(&single_draw(times));
-        values
-    }
-
-    fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
-        self.of_draws(times).into()
+    fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
+        let scores: Vec<[Option<ClassScores>; N]> =
+            self.classes.iter().map(|class| ClassScores::of(class, times)).collect();
+        std::array::from_fn(|draw| self.values_of(&scores.iter().map(|it| it[draw]).collect::<Vec<_>>()))
     }
 }
 

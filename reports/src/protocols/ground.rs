@@ -74,18 +74,17 @@ impl UnderProtocol for Ground {
         let total = self.terms.total();
         let of_definition = |(place, definition): (usize, GroundDefinition)| {
             let own = &total[place * N_TERMS_OF_ONE..][..N_TERMS_OF_ONE];
-            let metric = |id: String, direction, n: f64| {
-                let (class, unit) = (definition.name().to_owned(), "ratio");
-                ProtocolMetric { class, id, unit, direction, n: n as u64 }
+            let metric = |id: &str, direction, n: f64| {
+                ProtocolMetric::new(definition.name(), (id, "ratio", direction), n as u64)
             };
             let n_points = own[..4].iter().sum();
             let of_points = RATES.into_iter().chain(["iou"]);
             let mut metrics: Vec<ProtocolMetric> =
-                of_points.map(|id| metric(id.to_owned(), HigherIsBetter, n_points)).collect();
+                of_points.map(|id| metric(id, HigherIsBetter, n_points)).collect();
             for (place, id) in RATES.into_iter().enumerate() {
                 let n_scans = own[4 + 3 * place];
-                metrics.push(metric(format!("{id}_per_scan"), HigherIsBetter, n_scans));
-                metrics.push(metric(format!("{id}_per_scan_deviation"), LowerIsBetter, n_scans));
+                metrics.push(metric(&format!("{id}_per_scan"), HigherIsBetter, n_scans));
+                metrics.push(metric(&format!("{id}_per_scan_deviation"), LowerIsBetter, n_scans));
             }
             metrics
         };

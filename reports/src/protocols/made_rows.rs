@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::drawn_scans::{DrawnScans, N_LANES};
 use super::protocol_tally::{ProtocolQuestion, ProtocolTally};
+use super::under_protocol::UnderProtocol;
 use crate::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox, RankedBoxRow};
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::ranked_protocol::RankedProtocol;
@@ -63,17 +64,23 @@ pub(super) fn right_false_right(protocol: RankedProtocol, class: &'static str) -
     ]
 }
 
-/// The number called `metric` of `class`, where scan *i* is there `times[i]` times.
-pub(super) fn number(rows: &[RankedBoxRow], times: &[u16], class: &str, metric: &str) -> Option<f64> {
+/// What `look` makes of rows under their protocol.
+fn under_protocol<T>(rows: &[RankedBoxRow], look: impl FnOnce(&dyn UnderProtocol) -> T) -> T {
     let mut tally = ProtocolTally::default();
     for row in rows {
         tally.add_ranked_box(row);
     }
     let scans = DrawnScans::undrawn(rows.iter().map(|it| it.scan.clone()).collect());
     let question = ProtocolQuestion { protocol: rows[0].protocol.protocol(), detector: "mine" };
-    let rows = tally.rows(question, &scans).expect("there are rows");
-    let place = rows.metrics().iter().position(|it| it.class == class && it.id == metric);
-    rows.values(times)[place.unwrap_or_else(|| panic!("no {metric} of {class}"))]
+    look(&*tally.rows(question, &scans).expect("there are rows"))
+}
+
+/// The number called `metric` of `class`, where scan *i* is there `times[i]` times.
+pub(super) fn number(rows: &[RankedBoxRow], times: &[u16], class: &str, metric: &str) -> Option<f64> {
+    under_protocol(rows, |rows| {
+        let place = rows.metrics().iter().position(|it| it.class == class && it.id == metric);
+        rows.values(times)[place.unwrap_or_else(|| panic!("no {metric} of {class}"))]
+    })
 }
 
 /// How often each of `n` scans is there in several draws.
@@ -84,14 +91,10 @@ pub(super) fn any_times(n: usize) -> impl Strategy<Value = Vec<[u16; N_LANES]>> 
 /// Makes sure that several draws at once have the values of each by itself.
 #[track_caller]
 pub(super) fn check_draws(rows: &[RankedBoxRow], times: &[[u16; N_LANES]]) {
-    let mut tally = ProtocolTally::default();
-    for row in rows {
-        tally.add_ranked_box(row);
-    }
-    let scans = DrawnScans::undrawn(rows.iter().map(|it| it.scan.clone()).collect());
-    let question = ProtocolQuestion { protocol: rows[0].protocol.protocol(), detector: "mine" };
-    let rows = tally.rows(question, &scans).expect("there are rows");
-    let of_each = (0..N_LANES).map(|draw| rows.values(&times.iter().map(|it| it[draw]).collect::<Vec<_>>()));
-    let at_once: Vec<[f64; N_LANES]> = times.iter().map(|it| it.map(f64::from)).collect();
-    assert_eq!(rows.values_of_draws(&at_once), of_each.collect::<Vec<_>>());
+    under_protocol(rows, |rows| {
+        let of_draw = |draw| times.iter().map(|it| it[draw]).collect::<Vec<_>>();
+        let of_each: Vec<_> = (0..N_LANES).map(|draw| rows.values(&of_draw(draw))).collect();
+        let at_once: Vec<[f64; N_LANES]> = times.iter().map(|it| it.map(f64::from)).collect();
+        assert_eq!(rows.values_of_draws(&at_once), of_each);
+    });
 }

@@ -4,11 +4,11 @@
 
 use std::collections::BTreeMap;
 
-use super::drawn_scans::{N_LANES, Times, single_draw};
+use super::drawn_scans::Times;
 use super::nuscenes_curves::{N_ERRORS, RecallCurve, mean_errors, recall_curves};
 use super::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolMetric};
 use super::ranked_classes::{RankedClass, RankedScan};
-use super::under_protocol::UnderProtocol;
+use super::under_protocol::Ranking;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, RankedProtocol};
@@ -51,14 +51,6 @@ impl Nuscenes {
     /// Of the rows of the scans named, which ascend.
     pub(super) fn new(scans: &[ScanName], rows: &BTreeMap<ScanName, RankedScan>) -> Self {
         Self { classes: RankedClass::all(RankedProtocol::Nuscenes, scans, rows) }
-    }
-
-    /// The values of each draw.
-    fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
-        let named = self.classes.iter().zip(RankedProtocol::Nuscenes.classes());
-        let scores: Vec<[ClassScores; N]> =
-            named.map(|(class, name)| ClassScores::of(class, name, times)).collect();
-        std::array::from_fn(|draw| self.values_of(&scores.iter().map(|it| it[draw]).collect::<Vec<_>>()))
     }
 
     fn values_of(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
@@ -111,28 +103,25 @@ impl Nuscenes {
     }
 }
 
-impl UnderProtocol for Nuscenes {
+impl Ranking for Nuscenes {
     fn metrics(&self) -> Vec<ProtocolMetric> {
-        let metric = |class: &str, n: u64, (id, unit, direction): (&str, &'static str, Direction)| {
-            ProtocolMetric { class: class.to_owned(), id: id.to_owned(), unit, direction, n }
-        };
-        let of_classes =
-            self.present().flat_map(|(_, name, class)| OF_CLASS.map(|it| metric(name, class.n(), it)));
+        let of_classes = self
+            .present()
+            .flat_map(|(_, name, class)| OF_CLASS.map(|it| ProtocolMetric::new(name, it, class.n())));
         let n = self.classes.iter().map(RankedClass::n).sum();
         let of_several = [ALL_CLASSES, PRESENT_CLASSES].into_iter().flat_map(|class| {
             let summed_up = SUMMED_UP.into_iter().map(|it| OF_CLASS[it]);
-            summed_up.chain([("nds", "ratio", Direction::HigherIsBetter)]).map(move |it| metric(class, n, it))
+            let all = summed_up.chain([("nds", "ratio", Direction::HigherIsBetter)]);
+            all.map(move |it| ProtocolMetric::new(class, it, n))
         });
         of_several.chain(of_classes).collect()
     }
 
-    fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
-        let [values] = self.of_draws(&single_draw(times));
-        values
-    }
-
-    fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
-        self.of_draws(times).into()
+    fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
+        let named = self.classes.iter().zip(RankedProtocol::Nuscenes.classes());
+        let scores: Vec<[ClassScores; N]> =
+            named.map(|(class, name)| ClassScores::of(class, name, times)).collect();
+        std::array::from_fn(|draw| self.values_of(&scores.iter().map(|it| it[draw]).collect::<Vec<_>>()))
     }
 }
 

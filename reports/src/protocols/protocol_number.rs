@@ -28,6 +28,13 @@ pub struct ProtocolMetric {
     pub n: u64,
 }
 
+impl ProtocolMetric {
+    /// The number called `id` of `class`.
+    pub(super) fn new(class: &str, (id, unit, direction): (&str, &'static str, Direction), n: u64) -> Self {
+        Self { class: class.to_owned(), id: id.to_owned(), unit, direction, n }
+    }
+}
+
 /// A number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(into = "RowRecord", try_from = "RowRecord")]
@@ -83,7 +90,7 @@ impl TryFrom<RowRecord> for ProtocolNumber {
         let RowRecord { protocol, dataset, detector, class, metric: id, number } = record;
         let unit = UNITS.into_iter().find(|it| *it == number.unit);
         let unit = unit.ok_or_else(|| format!("{id} has the unknown unit {:?}", number.unit))?;
-        let interval = number.interval().map_err(|it| format!("unknown blocks of scans {it:?}"))?;
+        let interval = number.interval()?;
         let metric = ProtocolMetric { class, id, unit, direction: number.direction(), n: number.n };
         Ok(Self { protocol, dataset, detector, metric, value: number.value, interval })
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::argoverse2::Argoverse2;
 use super::drawn_scans::DrawnScans;
 use super::ground::{Ground, ScoredGround};
-use super::kitti_object::kitti_under_protocol::KittiUnderProtocol;
+use super::kitti_object::numbers::KittiMatches;
 use super::kitti_object::scan::KittiScan;
 use super::nuscenes::Nuscenes;
 use super::protocol_number::ProtocolNumber;
@@ -127,7 +127,7 @@ impl ProtocolTally {
                     Some((name.clone(), KittiScan::of(facts.iter().copied()).ok()?))
                 };
                 let of_scans = facts.filter_map(of_scan).collect();
-                return Some(Box::new(KittiUnderProtocol::new(scans.names(), &of_scans)));
+                return Some(Box::new(KittiMatches::named(scans.names(), &of_scans)));
             }
             Protocol::SemanticKitti => {
                 return Some(Box::new(SemanticKitti::new(scans.names(), self.labels.get(detector)?)));

@@ -152,8 +152,7 @@ fn mean_qualities(classes: &[ClassSums]) -> [Option<f64>; 3] {
 impl UnderProtocol for SemanticKitti {
     fn metrics(&self) -> Vec<ProtocolMetric> {
         let metric = |class: &str, id: &str, unit, direction, n: f64| {
-            let (class, id) = (class.to_owned(), id.to_owned());
-            ProtocolMetric { class, id, unit, direction, n: n as u64 }
+            ProtocolMetric::new(class, (id, unit, direction), n as u64)
         };
         let total = self.terms.total();
         let n_instances = [total[0], total[4]];

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::drawn_scans::{DrawnScans, N_LANES, Times};
+use super::drawn_scans::{DrawnScans, N_LANES, Times, single_draw};
 use super::protocol_number::ProtocolMetric;
 use crate::numbers::blocks::Interval;
 use crate::uncertainty::bootstrap::Distribution;
@@ -15,11 +15,34 @@ pub trait UnderProtocol: Sync {
     /// The values where scan *i* is there `times[i]` times; `None` where one is undefined.
     fn values(&self, times: &[u16]) -> Vec<Option<f64>>;
 
-    /// The values of several draws, each as [`Self::values`] has them, where scan *i* is there `times[i]` times. Protocols that rank go
-    /// through their ranking once for all of them.
+    /// The values of several draws, each as [`Self::values`] has them, where scan *i* is there `times[i]` times.
     fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
         let of_draw = |draw: usize| times.iter().map(|it| it[draw] as u16).collect::<Vec<u16>>();
         (0..N_LANES).map(|draw| self.values(&of_draw(draw))).collect()
+    }
+}
+
+/// A protocol that ranks, and goes through its ranking once for several draws.
+pub trait Ranking: Sync {
+    /// As [`UnderProtocol::metrics`].
+    fn metrics(&self) -> Vec<ProtocolMetric>;
+
+    /// The values of each draw.
+    fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N];
+}
+
+impl<T: Ranking> UnderProtocol for T {
+    fn metrics(&self) -> Vec<ProtocolMetric> {
+        Ranking::metrics(self)
+    }
+
+    fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
+        let [values] = self.of_draws(&single_draw(times));
+        values
+    }
+
+    fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
+        self.of_draws(times).into()
     }
 }
 

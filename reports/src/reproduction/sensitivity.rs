@@ -64,11 +64,16 @@ impl SetRate {
 
     /// The rates of the method at these shares of all settings, 0 the lowest and 1 the highest.
     pub fn quantiles<const N: usize>(&self, shares: [f64; N]) -> Option<[f64; N]> {
-        let mut rates: Vec<f64> = self.of_method.iter().copied().flatten().collect();
-        rates.sort_by(f64::total_cmp);
-        let last = rates.len().checked_sub(1)?;
-        Some(shares.map(|it| rates[(it * last as f64).round() as usize]))
+        quantiles(&self.of_method, shares)
     }
+}
+
+/// Those of `rates` that are known, at these shares of them, 0 the lowest and 1 the highest.
+pub fn quantiles<const N: usize>(rates: &[Option<f64>], shares: [f64; N]) -> Option<[f64; N]> {
+    let mut rates: Vec<f64> = rates.iter().copied().flatten().collect();
+    rates.sort_by(f64::total_cmp);
+    let last = rates.len().checked_sub(1)?;
+    Some(shares.map(|it| rates[(it * last as f64).round() as usize]))
 }
 
 impl Sensitivity {

@@ -14,12 +14,8 @@ row! {
         id: u64,
         class: DetectionClass,
         score: Option<Fixed<6>>,
-        center_x_m: Fixed<4>,
-        center_y_m: Fixed<4>,
-        center_z_m: Fixed<4>,
-        length_m: Fixed<4>,
-        width_m: Fixed<4>,
-        height_m: Fixed<4>,
+        center_m: [Fixed<4>; 3] = ["center_x_m", "center_y_m", "center_z_m"],
+        length_width_height_m: [Fixed<4>; 3] = ["length_m", "width_m", "height_m"],
         yaw_rad: Fixed<4>,
         n_points: u64,
         box_score: Option<Fixed<6>>,
@@ -44,18 +40,12 @@ impl BoxRow {
     pub fn new(detection: &DetectionFacts, details: &BoxDetailFacts) -> Self {
         let fixed = |value: f32| Fixed(value.into());
         let bounding_box = &detection.bounding_box;
-        let [center_x_m, center_y_m, center_z_m] = bounding_box.center_m.map(fixed);
-        let [length_m, width_m, height_m] = bounding_box.length_width_height_m.map(fixed);
         Self {
             id: detection.id + 1,
             class: detection.class,
             score: detection.score.map(|score| Fixed(score.into())),
-            center_x_m,
-            center_y_m,
-            center_z_m,
-            length_m,
-            width_m,
-            height_m,
+            center_m: bounding_box.center_m.map(fixed),
+            length_width_height_m: bounding_box.length_width_height_m.map(fixed),
             yaw_rad: fixed(bounding_box.yaw_rad),
             n_points: detection.n_points,
             box_score: details.score.map(|score| Fixed(score.into())),
@@ -71,7 +61,7 @@ impl BoxRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::to_csv_bytes;
+    use crate::files::csv_rows::tests::csv_text;
     use crate::rows::match_outcome::BoxFacts;
 
     #[test]
@@ -98,8 +88,7 @@ mod tests {
             BoxRow::new(&detection(1, Some(0.5)), &sides(&["rear", "left"])),
             BoxRow::new(&detection(2, Some(0.5)), &sides(&[])),
         ];
-        let bytes = to_csv_bytes(&rows).unwrap();
-        insta::assert_snapshot!(String::from_utf8(bytes).unwrap(), @r"
+        insta::assert_snapshot!(csv_text(&rows), @r"
         id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points,box_score,seen_sides,front_sure
         1,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,,,
         2,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,1.250000,rear left,true

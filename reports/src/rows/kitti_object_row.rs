@@ -97,38 +97,55 @@ impl KittiBox {
     pub fn height_px(&self) -> f64 {
         self.left_top_right_bottom_px[3] - self.left_top_right_bottom_px[1]
     }
+
+    /// All its numbers, in the order of its fields.
+    pub(crate) fn numbers(&self) -> [f64; 12] {
+        let [left, top, right, bottom] = self.left_top_right_bottom_px;
+        let ([x, y, z], [height, width, length]) = (self.bottom_center_m, self.height_width_length_m);
+        [left, top, right, bottom, self.alpha_rad, x, y, z, height, width, length, self.rotation_y_rad]
+    }
+
+    fn of_numbers(class: AnnotationClass, numbers: [f64; 12]) -> Self {
+        let [left, top, right, bottom, alpha_rad, x, y, z, height, width, length, rotation_y_rad] = numbers;
+        Self {
+            class,
+            left_top_right_bottom_px: [left, top, right, bottom],
+            alpha_rad,
+            bottom_center_m: [x, y, z],
+            height_width_length_m: [height, width, length],
+            rotation_y_rad,
+        }
+    }
 }
 
 row! {
     for KittiObjectRow:
     #[derive(Default, Serialize, Deserialize)]
     struct KittiObjectRecord {
-        dataset: String,
-        sequence: String,
-        scan: u32,
+        scan: ScanName = ["dataset", "sequence", "scan"],
         detector: String,
         kind: Kind,
         annotation: Option<u32>,
         detection: Option<u32>,
         class: Option<AnnotationClass>,
-        left_px: Option<Exact>,
-        top_px: Option<Exact>,
-        right_px: Option<Exact>,
-        bottom_px: Option<Exact>,
-        alpha_rad: Option<Exact>,
-        bottom_center_x_m: Option<Exact>,
-        bottom_center_y_m: Option<Exact>,
-        bottom_center_z_m: Option<Exact>,
-        height_m: Option<Exact>,
-        width_m: Option<Exact>,
-        length_m: Option<Exact>,
-        rotation_y_rad: Option<Exact>,
+        numbers: [Option<Exact>; 12] = [
+            "left_px",
+            "top_px",
+            "right_px",
+            "bottom_px",
+            "alpha_rad",
+            "bottom_center_x_m",
+            "bottom_center_y_m",
+            "bottom_center_z_m",
+            "height_m",
+            "width_m",
+            "length_m",
+            "rotation_y_rad",
+        ],
         occlusion: Option<i64>,
         truncation: Option<Exact>,
         score: Option<Exact>,
-        overlap_image: Option<Exact>,
-        overlap_birds_eye: Option<Exact>,
-        overlap_volume: Option<Exact>,
+        overlap: [Option<Exact>; 3] = ["overlap_image", "overlap_birds_eye", "overlap_volume"],
         dont_care_share: Option<Exact>,
     }
 }
@@ -145,44 +162,17 @@ enum Kind {
 
 impl KittiObjectRecord {
     fn with_box(self, object: &KittiBox) -> Self {
-        let [left_px, top_px, right_px, bottom_px] =
-            object.left_top_right_bottom_px.map(|it| Some(Exact(it)));
-        let [bottom_center_x_m, bottom_center_y_m, bottom_center_z_m] =
-            object.bottom_center_m.map(|it| Some(Exact(it)));
-        let [height_m, width_m, length_m] = object.height_width_length_m.map(|it| Some(Exact(it)));
-        Self {
-            class: Some(object.class),
-            left_px,
-            top_px,
-            right_px,
-            bottom_px,
-            alpha_rad: Some(Exact(object.alpha_rad)),
-            bottom_center_x_m,
-            bottom_center_y_m,
-            bottom_center_z_m,
-            height_m,
-            width_m,
-            length_m,
-            rotation_y_rad: Some(Exact(object.rotation_y_rad)),
-            ..self
-        }
+        let numbers = object.numbers().map(|it| Some(Exact(it)));
+        Self { class: Some(object.class), numbers, ..self }
     }
 
     /// The box of its columns; `None` if one of them is empty.
     fn object(&self) -> Option<KittiBox> {
-        Some(KittiBox {
-            class: self.class?,
-            left_top_right_bottom_px: all([self.left_px, self.top_px, self.right_px, self.bottom_px])?,
-            alpha_rad: self.alpha_rad?.0,
-            bottom_center_m: all([self.bottom_center_x_m, self.bottom_center_y_m, self.bottom_center_z_m])?,
-            height_width_length_m: all([self.height_m, self.width_m, self.length_m])?,
-            rotation_y_rad: self.rotation_y_rad?.0,
-        })
+        Some(KittiBox::of_numbers(self.class?, all(self.numbers)?))
     }
 
     fn overlap(&self) -> Option<KittiOverlap> {
-        let [image, birds_eye, volume] =
-            all([self.overlap_image, self.overlap_birds_eye, self.overlap_volume])?;
+        let [image, birds_eye, volume] = all(self.overlap)?;
         Some(KittiOverlap { image, birds_eye, volume })
     }
 
@@ -222,8 +212,8 @@ fn all<const N: usize>(columns: [Option<Exact>; N]) -> Option<[f64; N]> {
 
 impl From<KittiObjectRow> for KittiObjectRecord {
     fn from(row: KittiObjectRow) -> Self {
-        let KittiObjectRow { scan: ScanName { dataset, sequence, scan }, detector, fact } = row;
-        let of_scan = Self { dataset, sequence, scan, detector, ..Self::default() };
+        let KittiObjectRow { scan, detector, fact } = row;
+        let of_scan = Self { scan, detector, ..Self::default() };
         match fact {
             KittiFact::Annotation { annotation, object, occlusion, truncation } => Self {
                 kind: Kind::Annotation,
@@ -242,9 +232,7 @@ impl From<KittiObjectRow> for KittiObjectRecord {
                 kind: Kind::Pair,
                 annotation: Some(annotation),
                 detection: Some(detection),
-                overlap_image: Some(Exact(overlap.image)),
-                overlap_birds_eye: Some(Exact(overlap.birds_eye)),
-                overlap_volume: Some(Exact(overlap.volume)),
+                overlap: [overlap.image, overlap.birds_eye, overlap.volume].map(|it| Some(Exact(it))),
                 ..of_scan
             },
             KittiFact::DontCare { detection, share } => Self {
@@ -262,15 +250,14 @@ impl TryFrom<KittiObjectRecord> for KittiObjectRow {
 
     fn try_from(record: KittiObjectRecord) -> Result<Self, &'static str> {
         let fact = record.fact().ok_or("a column that its kind needs is empty")?;
-        let KittiObjectRecord { dataset, sequence, scan, detector, .. } = record;
-        Ok(Self { scan: ScanName { dataset, sequence, scan }, detector, fact })
+        Ok(Self { scan: record.scan, detector: record.detector, fact })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::{read_rows, to_csv_bytes};
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
 
     const CAR: KittiBox = KittiBox {
         class: AnnotationClass::Car,
@@ -302,20 +289,13 @@ mod tests {
 
     #[test]
     fn rows_come_back_to_the_last_digit() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("kitti_object.csv");
-        std::fs::write(&path, to_csv_bytes(&rows()).unwrap()).unwrap();
-        assert_eq!(read_rows::<KittiObjectRow>(&path).unwrap(), rows());
+        assert_eq!(rows_of::<KittiObjectRow>(&csv_text(&rows())).unwrap(), rows());
     }
 
     #[test]
     fn a_row_without_what_its_kind_needs_is_refused_with_its_line() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("kitti_object.csv");
-        let text = String::from_utf8(to_csv_bytes(&rows()).unwrap()).unwrap();
-        std::fs::write(&path, text.replace("-2.718281828459046", "")).unwrap();
-        let error = read_rows::<KittiObjectRow>(&path).expect_err("no score");
-        let causes = crate::files::causes::with_causes(&error);
+        let text = csv_text(&rows()).replace("-2.718281828459046", "");
+        let causes = rows_of::<KittiObjectRow>(&text).expect_err("no score");
         assert!(causes.contains("line: 3") && causes.contains("a column that its kind needs"), "{causes}");
     }
 }

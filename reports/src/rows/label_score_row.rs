@@ -98,9 +98,10 @@ impl LabelScore {
     }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum KindName {
+    #[default]
     Instance,
     Things,
     Entropies,
@@ -111,11 +112,9 @@ row! {
     for LabelScoreRow:
     /// `class` is the number of the class of an instance, the name of that of things, or that of a definition of ground. `iou` is of the match of an
     /// instance, or the sum of those of things; `n_matched` is of things or points.
-    #[derive(Serialize, Deserialize)]
+    #[derive(Default, Serialize, Deserialize)]
     struct ScoreRecord {
-        dataset: String,
-        sequence: String,
-        scan: u32,
+        scan: ScanName = ["dataset", "sequence", "scan"],
         detector: String,
         kind: KindName,
         class: Option<String>,
@@ -135,30 +134,6 @@ row! {
 }
 
 impl ScoreRecord {
-    fn of(scan: ScanName, detector: String, kind: KindName) -> Self {
-        let ScanName { dataset, sequence, scan } = scan;
-        Self {
-            dataset,
-            sequence,
-            scan,
-            detector,
-            kind,
-            class: None,
-            instance: None,
-            n_points: None,
-            association: None,
-            iou: None,
-            n_matched: None,
-            n_missed: None,
-            n_false: None,
-            n_others: None,
-            n_objects: None,
-            ose_nats: None,
-            n_segments: None,
-            use_nats: None,
-        }
-    }
-
     fn score(&self) -> Option<LabelScore> {
         let class = self.class.as_deref();
         Some(match self.kind {
@@ -199,6 +174,7 @@ impl ScoreRecord {
 impl From<LabelScoreRow> for ScoreRecord {
     fn from(row: LabelScoreRow) -> Self {
         let LabelScoreRow { scan, detector, score } = row;
+        let of_kind = |kind| Self { scan, detector, kind, ..Self::default() };
         match score {
             LabelScore::Instance(it) => Self {
                 class: Some((it.label as u16).to_string()),
@@ -206,7 +182,7 @@ impl From<LabelScoreRow> for ScoreRecord {
                 n_points: Some(it.n_points),
                 association: Some(Exact(it.association)),
                 iou: it.matched_iou.map(Exact),
-                ..Self::of(scan, detector, KindName::Instance)
+                ..of_kind(KindName::Instance)
             },
             LabelScore::Things(class, it) => Self {
                 class: Some(class.name().to_owned()),
@@ -214,14 +190,14 @@ impl From<LabelScoreRow> for ScoreRecord {
                 n_missed: Some(it.n_missed),
                 n_false: Some(it.n_false),
                 iou: Some(Exact(it.iou_sum)),
-                ..Self::of(scan, detector, KindName::Things)
+                ..of_kind(KindName::Things)
             },
             LabelScore::Entropies(it) => Self {
                 n_objects: Some(it.n_objects),
                 ose_nats: Some(Exact(it.over_nats)),
                 n_segments: Some(it.n_segments),
                 use_nats: Some(Exact(it.under_nats)),
-                ..Self::of(scan, detector, KindName::Entropies)
+                ..of_kind(KindName::Entropies)
             },
             LabelScore::Ground(definition, it) => Self {
                 class: Some(definition.name().to_owned()),
@@ -229,7 +205,7 @@ impl From<LabelScoreRow> for ScoreRecord {
                 n_false: Some(it.n_false),
                 n_missed: Some(it.n_missed),
                 n_others: Some(it.n_others),
-                ..Self::of(scan, detector, KindName::Ground)
+                ..of_kind(KindName::Ground)
             },
         }
     }
@@ -240,16 +216,17 @@ impl TryFrom<ScoreRecord> for LabelScoreRow {
 
     fn try_from(record: ScoreRecord) -> Result<Self, String> {
         let score = record.score();
-        let ScoreRecord { dataset, sequence, scan, detector, class, .. } = record;
+        let ScoreRecord { scan, detector, class, .. } = record;
         let score = score.ok_or_else(|| format!("a row of class {class:?} lacks a value of its kind"))?;
-        Ok(Self { scan: ScanName { dataset, sequence, scan }, detector, score })
+        Ok(Self { scan, detector, score })
     }
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::files::csv_rows::{CsvRow, read_rows, to_csv_bytes};
+    use crate::files::csv_rows::CsvRow;
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
 
     /// A row of the detector `grid` on a scan of drive 08.
     pub(crate) fn row(scan: u32, score: LabelScore) -> LabelScoreRow {
@@ -275,25 +252,19 @@ pub(crate) mod tests {
             row(3, LabelScore::Entropies(nats)),
             row(4, LabelScore::Ground(GroundDefinition::GroundGrid, ground)),
         ];
-        let bytes = to_csv_bytes(&rows).unwrap();
-        let text = String::from_utf8(bytes.clone()).unwrap();
+        let text = csv_text(&rows);
         let second = "semantic-kitti,08,3,grid,instance,10,7,51,0.30000000000000004,0.75,,,,,,,,";
         assert_eq!(text.lines().nth(1), Some(second), "{text}");
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("protocol_labels.csv");
-        std::fs::write(&path, bytes).unwrap();
-        assert_eq!(read_rows::<LabelScoreRow>(&path).unwrap(), rows);
+        assert_eq!(rows_of::<LabelScoreRow>(&text).unwrap(), rows);
     }
 
     #[test]
     fn a_row_without_a_value_of_its_kind_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("protocol_labels.csv");
         for line in
             ["d,08,3,grid,instance,10,7,51,,,,,,,,,,", "d,08,3,grid,things,spaceship,,,,1.0,1,0,0,,,,,"]
         {
-            std::fs::write(&path, format!("{}\n{line}\n", LabelScoreRow::COLUMNS.join(","))).unwrap();
-            let problem = format!("{:?}", read_rows::<LabelScoreRow>(&path).unwrap_err());
+            let text = format!("{}\n{line}\n", LabelScoreRow::COLUMNS.join(","));
+            let problem = rows_of::<LabelScoreRow>(&text).unwrap_err();
             assert!(problem.contains("lacks a value of its kind"), "{problem}");
         }
     }

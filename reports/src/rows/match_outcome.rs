@@ -99,6 +99,15 @@ impl AnnotationFacts {
     }
 }
 
+#[cfg(test)]
+impl AnnotationFacts {
+    /// The first of its scan, on no track, with all its points inside of what is labelled, and nothing known of where it is.
+    pub(crate) fn placeless(class: AnnotationClass, n_points: u64) -> Self {
+        let (track, occlusion, bounding_box, centroid_m) = (None, None, None, None);
+        Self { id: 0, track, class, occlusion, n_points, n_points_outside: 0, bounding_box, centroid_m }
+    }
+}
+
 /// Distance of a place from the sensor on the ground plan, in metres.
 pub fn range_m(place_m: [f32; 3]) -> f64 {
     f64::from(place_m[0]).hypot(f64::from(place_m[1]))

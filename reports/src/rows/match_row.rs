@@ -62,24 +62,28 @@ row! {
         annotation_occlusion: Option<Occlusion>,
         annotation_n_points: Option<u64>,
         annotation_n_points_outside: Option<u64>,
-        annotation_center_x_m: Option<Fixed<4>>,
-        annotation_center_y_m: Option<Fixed<4>>,
-        annotation_center_z_m: Option<Fixed<4>>,
-        annotation_length_m: Option<Fixed<4>>,
-        annotation_width_m: Option<Fixed<4>>,
-        annotation_height_m: Option<Fixed<4>>,
-        annotation_yaw_rad: Option<Fixed<4>>,
+        annotation_place: PlaceColumns = [
+            "annotation_center_x_m",
+            "annotation_center_y_m",
+            "annotation_center_z_m",
+            "annotation_length_m",
+            "annotation_width_m",
+            "annotation_height_m",
+            "annotation_yaw_rad",
+        ],
         detection_id: Option<u64>,
         detection_class: Option<DetectionClass>,
         detection_score: Option<Fixed<6>>,
         detection_n_points: Option<u64>,
-        detection_center_x_m: Option<Fixed<4>>,
-        detection_center_y_m: Option<Fixed<4>>,
-        detection_center_z_m: Option<Fixed<4>>,
-        detection_length_m: Option<Fixed<4>>,
-        detection_width_m: Option<Fixed<4>>,
-        detection_height_m: Option<Fixed<4>>,
-        detection_yaw_rad: Option<Fixed<4>>,
+        detection_place: PlaceColumns = [
+            "detection_center_x_m",
+            "detection_center_y_m",
+            "detection_center_z_m",
+            "detection_length_m",
+            "detection_width_m",
+            "detection_height_m",
+            "detection_yaw_rad",
+        ],
     }
 }
 
@@ -247,8 +251,6 @@ fn place_from_columns(columns: PlaceColumns) -> Result<(Option<BoxFacts>, Option
 impl From<MatchRow> for MatchRecord {
     fn from(row: MatchRow) -> Self {
         let Parts { kind, outcome, reason, cost, annotation, detection } = row.outcome.into();
-        let annotation_box = annotation.as_ref().map_or([None; 7], columns_of_annotation);
-        let detection_box = detection.as_ref().map_or([None; 7], |it| box_columns(it.bounding_box));
         let (annotation_ref, detection_ref) = (annotation.as_ref(), detection.as_ref());
         Self {
             dataset: row.dataset,
@@ -267,38 +269,18 @@ impl From<MatchRow> for MatchRecord {
             annotation_n_points_outside: annotation_ref.map(|it| it.n_points_outside),
             annotation_occlusion: annotation_ref.and_then(|it| it.occlusion),
             annotation_class: annotation_ref.map(|it| it.class),
-            annotation_center_x_m: annotation_box[0],
-            annotation_center_y_m: annotation_box[1],
-            annotation_center_z_m: annotation_box[2],
-            annotation_length_m: annotation_box[3],
-            annotation_width_m: annotation_box[4],
-            annotation_height_m: annotation_box[5],
-            annotation_yaw_rad: annotation_box[6],
+            annotation_place: annotation_ref.map_or([None; 7], columns_of_annotation),
             detection_id: detection_ref.map(|it| it.id),
             detection_score: detection_ref.and_then(|it| it.score).map(|it| Fixed::rounded(f64::from(it))),
             detection_n_points: detection_ref.map(|it| it.n_points),
             detection_class: detection_ref.map(|it| it.class),
-            detection_center_x_m: detection_box[0],
-            detection_center_y_m: detection_box[1],
-            detection_center_z_m: detection_box[2],
-            detection_length_m: detection_box[3],
-            detection_width_m: detection_box[4],
-            detection_height_m: detection_box[5],
-            detection_yaw_rad: detection_box[6],
+            detection_place: detection_ref.map_or([None; 7], |it| box_columns(it.bounding_box)),
         }
     }
 }
 
 fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'static str> {
-    let (bounding_box, centroid_m) = place_from_columns([
-        record.annotation_center_x_m,
-        record.annotation_center_y_m,
-        record.annotation_center_z_m,
-        record.annotation_length_m,
-        record.annotation_width_m,
-        record.annotation_height_m,
-        record.annotation_yaw_rad,
-    ])?;
+    let (bounding_box, centroid_m) = place_from_columns(record.annotation_place)?;
     let Some(id) = record.annotation_id else { return Ok(None) };
     Ok(Some(AnnotationFacts {
         id,
@@ -315,15 +297,7 @@ fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'stat
 }
 
 fn detection_of(record: &MatchRecord) -> Result<Option<DetectionFacts>, &'static str> {
-    let (bounding_box, _) = place_from_columns([
-        record.detection_center_x_m,
-        record.detection_center_y_m,
-        record.detection_center_z_m,
-        record.detection_length_m,
-        record.detection_width_m,
-        record.detection_height_m,
-        record.detection_yaw_rad,
-    ])?;
+    let (bounding_box, _) = place_from_columns(record.detection_place)?;
     let Some(id) = record.detection_id else { return Ok(None) };
     Ok(Some(DetectionFacts {
         id,
@@ -362,7 +336,8 @@ impl TryFrom<MatchRecord> for MatchRow {
 mod tests {
     use super::*;
     use crate::files::archive::ArchiveError;
-    use crate::files::csv_rows::{CsvRowWriter, read_rows};
+    use crate::files::csv_rows::CsvRowWriter;
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
     use crate::files::whole_file::WholeFile;
 
     fn car() -> AnnotationFacts {
@@ -435,18 +410,10 @@ mod tests {
         MatchRow { dataset, sequence, scan: 7, detector, task, criterion, outcome }
     }
 
-    fn write(rows: &[MatchRow], path: &std::path::Path) -> Result<(), ArchiveError> {
-        let mut writer = CsvRowWriter::new(WholeFile::create(path)?)?;
-        rows.iter().try_for_each(|it| writer.write(it))?;
-        writer.finish()
-    }
-
     #[test]
     fn rows_read_back_as_they_were() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("matches.csv");
-        write(&rows(), &path).unwrap();
-        insta::assert_snapshot!(std::fs::read_to_string(&path).unwrap(), @r#"
+        let text = csv_text(&rows());
+        insta::assert_snapshot!(text, @r#"
         dataset,sequence,scan,detector,task,criterion,kind,outcome,reason,cost,annotation_id,annotation_track,annotation_class,annotation_occlusion,annotation_n_points,annotation_n_points_outside,annotation_center_x_m,annotation_center_y_m,annotation_center_z_m,annotation_length_m,annotation_width_m,annotation_height_m,annotation_yaw_rad,detection_id,detection_class,detection_score,detection_n_points,detection_center_x_m,detection_center_y_m,detection_center_z_m,detection_length_m,detection_width_m,detection_height_m,detection_yaw_rad
         main_road,0000,7,pca,objects,points,pair,matched,,0.125000,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,0.750000,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
         main_road,0000,7,pca,objects,points,annotation,missed,nothing there,,3,,car,,240,130,10.5000,-3.2500,0.1250,,,,,,,,,,,,,,,
@@ -458,15 +425,12 @@ mod tests {
         main_road,0000,7,pca,objects,points,detection,ignored,on ignored points,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
         main_road,0000,7,pca,objects,points,detection,unknowable,,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
         "#);
-        assert_eq!(read_rows::<MatchRow>(&path).unwrap(), rows());
+        assert_eq!(rows_of::<MatchRow>(&text).unwrap(), rows());
     }
 
     #[test]
     fn numbers_are_rounded_and_zero_has_no_sign() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("matches.csv");
-        write(&[row(MatchOutcome::Unknowable { detection: blob() })], &path).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
+        let text = csv_text(&[row(MatchOutcome::Unknowable { detection: blob() })]);
         assert!(text.contains(",10.0000,-3.2500,0.0000,"), "{text}");
     }
 
@@ -476,23 +440,19 @@ mod tests {
         let mut detection = blob();
         detection.bounding_box.yaw_rad = f32::NAN;
         let path = folder.path().join("matches.csv");
-        let error = write(&[row(MatchOutcome::Unknowable { detection })], &path).unwrap_err();
+        let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
+        let error = writer.write(&row(MatchOutcome::Unknowable { detection })).unwrap_err();
+        drop(writer);
         assert!(matches!(error, ArchiveError::Csv { .. }), "{error}");
         assert!(!path.exists());
     }
 
     #[track_caller]
     fn check_refused(from: &str, to: &str, expected: &str) {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("matches.csv");
-        write(&rows(), &path).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
+        let text = csv_text(&rows());
         assert!(text.contains(from), "{text}");
-        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
-        let ArchiveError::Csv { source, .. } = read_rows::<MatchRow>(&path).unwrap_err() else {
-            panic!("another error");
-        };
-        assert!(source.to_string().contains(expected), "{source}");
+        let problem = rows_of::<MatchRow>(&text.replacen(from, to, 1)).unwrap_err();
+        assert!(problem.contains(expected), "{problem}");
     }
 
     #[test]

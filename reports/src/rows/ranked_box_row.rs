@@ -4,10 +4,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::csv_rows::CsvRow;
+use crate::files::csv_rows::row;
 use crate::files::exact_number::Exact;
 use crate::rows::scan_name::ScanName;
-use crate::vocabulary::ranked_protocol::{PAIR_DISTANCES_M, RankedProtocol};
+use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, RankedProtocol};
 
 /// An annotation or a detection of a class that the protocol evaluates, and what became of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -98,42 +98,6 @@ pub enum BoxState {
     BeyondNumber,
 }
 
-impl CsvRow for RankedBoxRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "dataset",
-        "sequence",
-        "scan",
-        "detector",
-        "protocol",
-        "kind",
-        "id",
-        "name",
-        "class",
-        "state",
-        "score",
-        "center_x_m",
-        "center_y_m",
-        "center_z_m",
-        "length_m",
-        "width_m",
-        "height_m",
-        "yaw_rad",
-        "velocity_x_m_per_s",
-        "velocity_y_m_per_s",
-        "attribute",
-        "n_points",
-        "pair_at_0.5_m",
-        "pair_at_1_m",
-        "pair_at_2_m",
-        "pair_at_4_m",
-        "translation_error_m",
-        "scale_error",
-        "orientation_error_rad",
-        "velocity_error_m_per_s",
-        "attribute_error",
-    ];
-}
-
 #[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum KindName {
@@ -141,56 +105,49 @@ enum KindName {
     Detection,
 }
 
-#[derive(Serialize, Deserialize)]
-struct BoxRecord {
-    dataset: String,
-    sequence: String,
-    scan: u32,
-    detector: String,
-    protocol: RankedProtocol,
-    kind: KindName,
-    id: u32,
-    name: String,
-    class: String,
-    state: BoxState,
-    score: Option<Exact>,
-    center_x_m: Exact,
-    center_y_m: Exact,
-    center_z_m: Exact,
-    length_m: Exact,
-    width_m: Exact,
-    height_m: Exact,
-    yaw_rad: Exact,
-    velocity_x_m_per_s: Option<Exact>,
-    velocity_y_m_per_s: Option<Exact>,
-    attribute: Option<String>,
-    n_points: Option<u64>,
-    #[serde(rename = "pair_at_0.5_m")]
-    pair_at_half_m: Option<u32>,
-    pair_at_1_m: Option<u32>,
-    pair_at_2_m: Option<u32>,
-    pair_at_4_m: Option<u32>,
-    translation_error_m: Option<Exact>,
-    scale_error: Option<Exact>,
-    orientation_error_rad: Option<Exact>,
-    velocity_error_m_per_s: Option<Exact>,
-    attribute_error: Option<Exact>,
+row! {
+    for RankedBoxRow:
+    #[derive(Serialize, Deserialize)]
+    struct BoxRecord {
+        scan: ScanName = ["dataset", "sequence", "scan"],
+        detector: String,
+        protocol: RankedProtocol,
+        kind: KindName,
+        id: u32,
+        name: String,
+        class: String,
+        state: BoxState,
+        score: Option<Exact>,
+        center_m: [Exact; 3] = ["center_x_m", "center_y_m", "center_z_m"],
+        length_width_height_m: [Exact; 3] = ["length_m", "width_m", "height_m"],
+        yaw_rad: Exact,
+        velocity_m_per_s: [Option<Exact>; 2] = ["velocity_x_m_per_s", "velocity_y_m_per_s"],
+        attribute: Option<String>,
+        n_points: Option<u64>,
+        pairs: [Option<u32>; 4] = ["pair_at_0.5_m", "pair_at_1_m", "pair_at_2_m", "pair_at_4_m"],
+        errors: [Option<Exact>; 5] = [
+            "translation_error_m",
+            "scale_error",
+            "orientation_error_rad",
+            "velocity_error_m_per_s",
+            "attribute_error",
+        ],
+    }
 }
 
 impl From<RankedBoxRow> for BoxRecord {
     fn from(row: RankedBoxRow) -> Self {
-        let RankedBoxRow { scan: ScanName { dataset, sequence, scan }, detector, protocol, ranked_box: it } =
-            row;
-        let [center_x_m, center_y_m, center_z_m] = it.center_m.map(Exact);
-        let [length_m, width_m, height_m] = it.length_width_height_m.map(Exact);
+        let RankedBoxRow { scan, detector, protocol, ranked_box: it } = row;
         let (kind, score, pairs, errors) = match it.kind {
             BoxKind::Annotation => (KindName::Annotation, None, [None; 4], None),
             BoxKind::Detection { score, pairs, errors } => (KindName::Detection, Some(score), pairs, errors),
         };
-        let [pair_at_half_m, pair_at_1_m, pair_at_2_m, pair_at_4_m] = pairs;
+        let in_columns = |it: PairErrors| {
+            let [translation, scale, orientation] =
+                [it.translation_m, it.scale, it.orientation_rad].map(Some);
+            [translation, scale, orientation, it.velocity_m_per_s, it.attribute].map(|it| it.map(Exact))
+        };
         Self {
-            dataset,
-            sequence,
             scan,
             detector,
             protocol,
@@ -200,26 +157,14 @@ impl From<RankedBoxRow> for BoxRecord {
             class: it.class.to_owned(),
             state: it.state,
             score: score.map(Exact),
-            center_x_m,
-            center_y_m,
-            center_z_m,
-            length_m,
-            width_m,
-            height_m,
+            center_m: it.center_m.map(Exact),
+            length_width_height_m: it.length_width_height_m.map(Exact),
             yaw_rad: Exact(it.yaw_rad),
-            velocity_x_m_per_s: it.velocity_m_per_s.map(|it| Exact(it[0])),
-            velocity_y_m_per_s: it.velocity_m_per_s.map(|it| Exact(it[1])),
+            velocity_m_per_s: it.velocity_m_per_s.map_or([None; 2], |it| it.map(|it| Some(Exact(it)))),
             attribute: it.attribute,
             n_points: it.n_points,
-            pair_at_half_m,
-            pair_at_1_m,
-            pair_at_2_m,
-            pair_at_4_m,
-            translation_error_m: errors.map(|it| Exact(it.translation_m)),
-            scale_error: errors.map(|it| Exact(it.scale)),
-            orientation_error_rad: errors.map(|it| Exact(it.orientation_rad)),
-            velocity_error_m_per_s: errors.and_then(|it| it.velocity_m_per_s).map(Exact),
-            attribute_error: errors.and_then(|it| it.attribute).map(Exact),
+            pairs,
+            errors: errors.map_or([None; 5], in_columns),
         }
     }
 }
@@ -232,13 +177,13 @@ impl TryFrom<BoxRecord> for RankedBoxRow {
         let class =
             class.ok_or_else(|| format!("{} has no class {:?}", record.protocol.protocol(), record.class))?;
         let kind = record.kind()?;
-        let sides_m = [record.length_m, record.width_m, record.height_m].map(|it| it.0);
+        let sides_m = record.length_width_height_m.map(|it| it.0);
         if sides_m.iter().any(|it| *it <= 0.0) {
             return Err(format!("a box has sides of {sides_m:?} m"));
         }
-        let velocity = record.velocity_x_m_per_s.zip(record.velocity_y_m_per_s);
+        let [velocity_x, velocity_y] = record.velocity_m_per_s;
         Ok(Self {
-            scan: ScanName { dataset: record.dataset, sequence: record.sequence, scan: record.scan },
+            scan: record.scan,
             detector: record.detector,
             protocol: record.protocol,
             ranked_box: RankedBox {
@@ -246,10 +191,10 @@ impl TryFrom<BoxRecord> for RankedBoxRow {
                 name: record.name,
                 class,
                 state: record.state,
-                center_m: [record.center_x_m.0, record.center_y_m.0, record.center_z_m.0],
+                center_m: record.center_m.map(|it| it.0),
                 length_width_height_m: sides_m,
                 yaw_rad: record.yaw_rad.0,
-                velocity_m_per_s: velocity.map(|(x, y)| [x.0, y.0]),
+                velocity_m_per_s: velocity_x.zip(velocity_y).map(|(x, y)| [x.0, y.0]),
                 attribute: record.attribute,
                 n_points: record.n_points,
                 kind,
@@ -260,22 +205,20 @@ impl TryFrom<BoxRecord> for RankedBoxRow {
 
 impl BoxRecord {
     fn kind(&self) -> Result<BoxKind, String> {
-        let pairs = [self.pair_at_half_m, self.pair_at_1_m, self.pair_at_2_m, self.pair_at_4_m];
+        let pairs = self.pairs;
         let score = match (self.kind, self.score) {
             (KindName::Detection, Some(score)) => score.0,
             (KindName::Detection, None) => return Err("a detection has no score".to_owned()),
             (KindName::Annotation, None) if pairs == [None; 4] => return Ok(BoxKind::Annotation),
             (KindName::Annotation, _) => return Err("an annotation has a score or a pair".to_owned()),
         };
-        let always = self.translation_error_m.zip(self.scale_error).zip(self.orientation_error_rad);
-        let errors = always.map(|((translation, scale), orientation)| PairErrors {
-            translation_m: translation.0,
-            scale: scale.0,
-            orientation_rad: orientation.0,
-            velocity_m_per_s: self.velocity_error_m_per_s.map(|it| it.0),
-            attribute: self.attribute_error.map(|it| it.0),
-        });
-        if errors.is_some() != self.pair_at_2_m.is_some() {
+        let errors = match self.errors.map(|it| it.map(|it| it.0)) {
+            [Some(translation_m), Some(scale), Some(orientation_rad), velocity_m_per_s, attribute] => {
+                Some(PairErrors { translation_m, scale, orientation_rad, velocity_m_per_s, attribute })
+            }
+            _ => None,
+        };
+        if errors.is_some() != pairs[ERROR_DISTANCE].is_some() {
             return Err("errors belong to pairs at 2 m, and to no others".to_owned());
         }
         Ok(BoxKind::Detection { score, pairs, errors })
@@ -285,7 +228,7 @@ impl BoxRecord {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::{read_rows, to_csv_bytes};
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
 
     /// A car that was labelled, and a detection half a metre and a little beside it.
     fn rows() -> [RankedBoxRow; 2] {
@@ -329,20 +272,13 @@ mod tests {
         })
     }
 
-    fn read(text: &str) -> Result<Vec<RankedBoxRow>, crate::files::archive::ArchiveError> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("protocol_boxes.csv");
-        std::fs::write(&path, text).unwrap();
-        read_rows(&path)
-    }
-
     fn written() -> String {
-        String::from_utf8(to_csv_bytes(&rows()).unwrap()).unwrap()
+        csv_text(&rows())
     }
 
     #[test]
     fn rows_read_back_as_they_were() {
-        assert_eq!(read(&written()).unwrap(), rows());
+        assert_eq!(rows_of::<RankedBoxRow>(&written()).unwrap(), rows());
         assert!(written().contains(",0.30000000000000004,"), "{}", written());
     }
 
@@ -350,7 +286,7 @@ mod tests {
     fn check_refused(from: &str, to: &str, problem: &str) {
         let changed = written().replacen(from, to, 1);
         assert_ne!(changed, written());
-        let error = crate::files::causes::with_causes(&read(&changed).unwrap_err());
+        let error = rows_of::<RankedBoxRow>(&changed).unwrap_err();
         assert!(error.contains(problem), "{error}");
     }
 

@@ -1,7 +1,9 @@
 //! Names a scan among those of a run.
 
+use serde::{Deserialize, Serialize};
+
 /// A scan. Sorted by the names of data sets and drives, so that nothing depends on the order in which scans were seen.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ScanName {
     /// Id of the data set.
     pub dataset: String,

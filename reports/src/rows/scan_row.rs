@@ -79,10 +79,9 @@ pub struct ScanNumbers {
     pub n_dropped_too_large: u64,
 }
 
-#[cfg(test)]
 impl ScanNumbers {
     /// Of a scan of a thousand points with these counts, where nothing was ignored and nothing timed.
-    pub(crate) fn of_counts(counts: Counts) -> Self {
+    pub fn of_counts(counts: Counts) -> Self {
         Self {
             failure: None,
             n_points: 1000,
@@ -295,9 +294,8 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::archive::ArchiveError;
-    use crate::files::csv_rows::{CsvRow, CsvRowWriter, read_rows};
-    use crate::files::whole_file::WholeFile;
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
+    use crate::files::csv_rows::{CsvRow, to_csv_bytes};
 
     fn row(scan: u32, outcome: ScanOutcome) -> ScanRow {
         let [dataset, sequence, detector] = ["kitti, tracking", "0000", "kd-tree"].map(str::to_owned);
@@ -347,28 +345,9 @@ mod tests {
         ]
     }
 
-    /// Writes rows, replaces `from` by `to` in the file, reads it.
-    fn written_and_read(
-        rows: &[ScanRow],
-        from: &str,
-        to: &str,
-    ) -> (String, Result<Vec<ScanRow>, ArchiveError>) {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("scans.csv");
-        let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
-        for row in rows {
-            writer.write(row).unwrap();
-        }
-        writer.finish().unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
-        assert!(text.contains(from), "{text}");
-        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
-        (text, read_rows(&path))
-    }
-
     #[test]
     fn rows_read_back_as_they_were() {
-        let (text, read) = written_and_read(&rows(), "", "");
+        let text = csv_text(&rows());
         insta::assert_snapshot!(text, @r#"
         dataset,sequence,scan,time_s,detector,task,status,reason,n_points,checksum,latency_ms,least_latency_ms,reference_ms,cpu_ms,door_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
         "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,00c0ffee,,,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
@@ -376,64 +355,50 @@ mod tests {
         "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,,,,
         "kitti, tracking",0000,3,0.300,kd-tree,objects,failed,it closed its pipe,120000,00c0ffee,,,,,,7,5,2,0,3,2,40,1,6,2,8,0.500000,0.250000,900,1
         "#);
-        assert_eq!(read.unwrap(), rows());
+        assert_eq!(rows_of::<ScanRow>(&text).unwrap(), rows());
     }
 
     #[test]
     fn a_file_without_rows_has_columns() {
-        let (text, read) = written_and_read(&[], "", "");
+        let text = csv_text::<ScanRow>(&[]);
         assert_eq!(text.trim_end().split(',').count(), ScanRow::COLUMNS.len());
-        assert!(read.unwrap().is_empty());
+        assert!(rows_of::<ScanRow>(&text).unwrap().is_empty());
+    }
+
+    /// What is read of the rows where the first `from` in their file is `to`.
+    fn read_with(from: &str, to: &str) -> Result<Vec<ScanRow>, String> {
+        let text = csv_text(&rows());
+        assert!(text.contains(from), "{text}");
+        rows_of(&text.replacen(from, to, 1))
     }
 
     #[track_caller]
     fn check_refused(from: &str, to: &str, expected: &str) {
-        let error = written_and_read(&rows(), from, to).1.unwrap_err();
-        let reason = match &error {
-            ArchiveError::Csv { source, .. } => source.to_string(),
-            other => other.to_string(),
-        };
-        assert!(reason.contains(expected), "{reason}");
+        let problem = read_with(from, to).unwrap_err();
+        assert!(problem.contains(expected), "{problem}");
     }
 
     #[test]
-    fn counts_that_contradict_each_other_are_refused_with_their_line() {
+    fn what_contradicts_itself_or_is_missing_is_refused_with_its_line() {
         check_refused(",7,5,2,4,", ",7,5,3,4,", "line: 2");
         check_refused(",7,5,2,4,", ",7,5,3,4,", "mo is not no - tp");
         check_refused(",7,5,2,4,", ",7,9,2,4,", "tp is larger than no");
-    }
-
-    #[test]
-    fn a_checksum_that_is_none_is_refused() {
         check_refused("00c0ffee", "c0ffee", "checksum is not one of eight hexadecimal digits");
         check_refused("00c0ffee", "00coffee", "checksum is not one of eight hexadecimal digits");
-    }
-
-    #[test]
-    fn an_evaluated_scan_without_numbers_is_refused() {
         check_refused("skipped", "evaluated", "an evaluated scan has an empty number");
-    }
-
-    #[test]
-    fn other_columns_are_refused() {
         check_refused("n_points", "n_echoes", "has the columns");
     }
 
     #[test]
     fn a_time_that_is_no_number_is_refused_and_none_is_read() {
-        let (_, rows) = written_and_read(&rows(), "0000,1,0.100,", "0000,1,,");
-        assert_eq!(
-            rows.unwrap().iter().map(|it| it.time_s).collect::<Vec<_>>()[..3],
-            [Some(0.0), None, Some(0.2)]
-        );
+        let rows = read_with("0000,1,0.100,", "0000,1,,").unwrap();
+        let times_s: Vec<_> = rows.iter().map(|it| it.time_s).take(3).collect();
+        assert_eq!(times_s, [Some(0.0), None, Some(0.2)]);
         check_refused("0000,1,0.100,", "0000,1,NaN,", "time_s is not a time");
     }
 
     #[test]
     fn a_time_that_is_not_a_number_is_not_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = WholeFile::create(&folder.path().join("scans.csv")).unwrap();
-        let mut writer = CsvRowWriter::new(file).unwrap();
-        writer.write(&row(0, numbers(Some(f64::NAN), None))).unwrap_err();
+        to_csv_bytes(&[row(0, numbers(Some(f64::NAN), None))]).unwrap_err();
     }
 }

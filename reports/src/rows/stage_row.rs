@@ -40,7 +40,8 @@ fn with_four_decimals<S: Serializer>(time_ms: &f64, serializer: S) -> Result<S::
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::{read_rows, to_csv_bytes};
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
+    use crate::files::csv_rows::to_csv_bytes;
 
     fn row(time_ms: f64) -> StageRow {
         let [dataset, sequence, detector, stage] = ["street", "0000", "pca", "grid"].map(str::to_owned);
@@ -49,16 +50,13 @@ mod tests {
 
     #[test]
     fn rows_read_back_as_they_were() {
-        let bytes = to_csv_bytes(&[row(0.25), row(12.5)]).unwrap();
-        insta::assert_snapshot!(String::from_utf8(bytes.clone()).unwrap(), @r"
+        let text = csv_text(&[row(0.25), row(12.5)]);
+        insta::assert_snapshot!(text, @r"
         dataset,sequence,scan,detector,stage,time_ms
         street,0000,7,pca,grid,0.2500
         street,0000,7,pca,grid,12.5000
         ");
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("stages.csv");
-        std::fs::write(&path, bytes).unwrap();
-        assert_eq!(read_rows::<StageRow>(&path).unwrap(), [row(0.25), row(12.5)]);
+        assert_eq!(rows_of::<StageRow>(&text).unwrap(), [row(0.25), row(12.5)]);
     }
 
     #[test]

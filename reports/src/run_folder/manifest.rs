@@ -15,6 +15,7 @@ use crate::vocabulary::origin::Origin;
 use crate::vocabulary::protocol::Protocol;
 
 /// Everything that decides the numbers of a run.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
@@ -71,6 +72,7 @@ pub struct Manifest {
 }
 
 /// Which annotations of any data set do not count, whatever the detector.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IgnoreRule {
@@ -81,6 +83,7 @@ pub struct IgnoreRule {
 }
 
 /// A data set of the run.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetEntry {
@@ -206,16 +209,19 @@ pub struct Simulation {
 }
 
 /// Which objects of the street a data set annotates.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AnnotatedClasses {
     /// Every free-standing object.
+    #[cfg_attr(test, default)]
     EveryObject,
     /// Objects of these classes only.
     Only(Vec<AnnotationClass>),
 }
 
 /// A detector of the run.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DetectorEntry {
@@ -280,6 +286,7 @@ pub struct GitState {
 }
 
 /// A computer.
+#[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
@@ -361,53 +368,37 @@ mod tests {
                 id: "drive".to_owned(),
                 format: "kitti-tracking".to_owned(),
                 root: Some("/data/kitti".to_owned()),
-                simulated: false,
                 annotated: AnnotatedClasses::Only(vec![AnnotationClass::Car]),
-                checksum: None,
                 n_scans: 40,
-                skipped_scans: Vec::new(),
-                seen: None,
-                doubts: Vec::new(),
-                n_points_left_out: 0,
-                classes: BTreeMap::new(),
                 selection: Some("0..80:2".to_owned()),
-                blocks: BTreeMap::new(),
-                blocks_checksum: None,
                 sensor_height_m: 1.73,
                 sensor: "hdl-64e-s2".to_owned(),
-                licence: None,
-                simulation: None,
+                ..DatasetEntry::default()
             }],
             detectors: vec![DetectorEntry {
                 name: "kd-tree".to_owned(),
                 parameters: serde_json::json!({"tolerance_m": 0.5}),
                 rules: vec!["completion".to_owned()],
-                vehicles: None,
-                foreign: None,
+                ..DetectorEntry::default()
             }],
             git: Some(GitState { commit: "c0ffee".to_owned(), dirty: true }),
             rustc_version: "1.95.0".to_owned(),
-            rerun_version: None,
             machine: Machine { cpu_model: "some processor".to_owned(), n_cores: 2, os: "linux".to_owned() },
-            experiment: None,
-            sweep: None,
-            shard: None,
-            shards: Vec::new(),
-            protocols: Vec::new(),
+            ..Manifest::default()
         }
     }
 
-    #[test]
-    fn a_manifest_reads_back_as_it_was() {
+    fn read_back(manifest: &Manifest) -> Result<Manifest, ArchiveError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("manifest.json");
-        std::fs::write(&path, manifest().to_json()).unwrap();
-        assert_eq!(Manifest::read(&path).unwrap(), manifest());
+        std::fs::write(&path, manifest.to_json()).unwrap();
+        Manifest::read(&path)
     }
 
     #[test]
     #[expect(clippy::too_many_lines, reason = "most of it is a snapshot")]
-    fn a_manifest_can_be_read_by_people() {
+    fn a_manifest_reads_back_as_it_was_and_can_be_read_by_people() {
+        assert_eq!(read_back(&manifest()).unwrap(), manifest());
         insta::assert_snapshot!(manifest().to_json(), @r#"
         {
           "schema": 1,
@@ -481,10 +472,7 @@ mod tests {
 
     #[test]
     fn a_manifest_of_another_schema_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("manifest.json");
-        std::fs::write(&path, Manifest { schema: SCHEMA + 1, ..manifest() }.to_json()).unwrap();
-        let error = Manifest::read(&path).unwrap_err();
+        let error = read_back(&Manifest { schema: SCHEMA + 1, ..manifest() }).unwrap_err();
         assert!(matches!(error, ArchiveError::Schema { found: 2, expected: 1, .. }), "{error}");
     }
 }

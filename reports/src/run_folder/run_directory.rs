@@ -194,7 +194,7 @@ fn sync_folder(folder: &Path) -> Result<(), RunDirectoryError> {
 /// Lets `latest` beside `target` point at it: as a link or, where there are none, as a text file with its name.
 fn point_latest_at(target: &Path) -> Result<(), RunDirectoryError> {
     let latest = folder_of(target).join(LATEST);
-    let name = target.file_name().ok_or_else(|| RunDirectoryError::NoName { target: target.into() })?;
+    let name = target.file_name().ok_or_else(|| RunDirectoryError::NoName(target.into()))?;
     #[cfg(unix)]
     {
         // Made under another name and moved, so that there is no moment without `latest`.
@@ -303,7 +303,7 @@ mod tests {
         let target = folder.path().join("a");
         write_run(&target, ExistingTarget::Refuse, "old").unwrap();
         let error = write_run(&target, ExistingTarget::Refuse, "new").unwrap_err();
-        assert!(matches!(error, RunDirectoryError::Occupied { .. }), "{error}");
+        assert!(matches!(error, RunDirectoryError::Occupied(_)), "{error}");
         assert_eq!(report_of(&target), "old");
         write_run(&target, ExistingTarget::Replace, "new").unwrap();
         assert_eq!(report_of(&target), "new");
@@ -320,7 +320,7 @@ mod tests {
         std::fs::write(&file, "").unwrap();
         for target in [home, file] {
             let error = begin(&target, ExistingTarget::Replace).unwrap_err();
-            assert!(matches!(error, RunDirectoryError::NotARun { .. }), "{error}");
+            assert!(matches!(error, RunDirectoryError::NotARun(_)), "{error}");
         }
         assert_eq!(names_in(folder.path()), ["file", "home"]);
     }
@@ -333,7 +333,7 @@ mod tests {
         std::fs::create_dir(&target).unwrap();
         std::fs::write(target.join(REPORT_JSON), "theirs").unwrap();
         let error = late.finish().unwrap_err();
-        assert!(matches!(error, RunDirectoryError::Occupied { .. }), "{error}");
+        assert!(matches!(error, RunDirectoryError::Occupied(_)), "{error}");
         assert_eq!((report_of(&target).as_str(), names_in(folder.path())), ("theirs", vec!["a".to_owned()]));
     }
 
@@ -344,7 +344,7 @@ mod tests {
         for existing in [ExistingTarget::Refuse, ExistingTarget::Replace] {
             let first = begin(&target, existing).unwrap();
             let error = begin(&target, existing).unwrap_err();
-            assert!(matches!(error, RunDirectoryError::InUse { .. }), "{error}");
+            assert!(matches!(error, RunDirectoryError::InUse(_)), "{error}");
             first.write_file(MANIFEST_JSON, b"{}").unwrap();
             first.finish().unwrap();
         }
@@ -365,7 +365,7 @@ mod tests {
     fn a_path_without_a_name_is_an_error() {
         for target in [".", "..", "/"] {
             let error = begin(Path::new(target), ExistingTarget::Refuse).unwrap_err();
-            assert!(matches!(error, RunDirectoryError::NoName { .. }), "{error}");
+            assert!(matches!(error, RunDirectoryError::NoName(_)), "{error}");
         }
     }
 
@@ -374,7 +374,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir(folder.path().join(LATEST)).unwrap();
         let error = begin(&folder.path().join("a"), ExistingTarget::Refuse).unwrap_err();
-        assert!(matches!(error, RunDirectoryError::LatestOccupied { .. }), "{error}");
+        assert!(matches!(error, RunDirectoryError::LatestOccupied(_)), "{error}");
         assert_eq!(names_in(folder.path()), [LATEST]);
     }
 }

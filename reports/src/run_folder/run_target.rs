@@ -39,37 +39,22 @@ pub enum LatestPointer {
 #[derive(Debug, thiserror::Error)]
 pub enum RunDirectoryError {
     /// The path does not end in the name of a folder.
-    #[error("{target:?} does not end in the name of a run; give one, such as runs/first")]
-    NoName {
-        /// Where the run was to be written.
-        target: PathBuf,
-    },
+    #[error("{0:?} does not end in the name of a run; give one, such as runs/first")]
+    NoName(PathBuf),
     /// There is something already.
-    #[error("{target:?} exists; choose another name, remove it, or replace it")]
-    Occupied {
-        /// Where the run was to be written.
-        target: PathBuf,
-    },
+    #[error("{0:?} exists; choose another name, remove it, or replace it")]
+    Occupied(PathBuf),
     /// There is something already that is no run, and is not replaced.
     #[error(
-        "{target:?} exists, but is not the directory of a run, which has a {MANIFEST_JSON}; it is not replaced"
+        "{0:?} exists, but is not the directory of a run, which has a {MANIFEST_JSON}; it is not replaced"
     )]
-    NotARun {
-        /// Where the run was to be written.
-        target: PathBuf,
-    },
+    NotARun(PathBuf),
     /// Somebody else is writing it.
-    #[error("another program is writing {target:?}; choose another name, or wait for it")]
-    InUse {
-        /// Where the run was to be written.
-        target: PathBuf,
-    },
+    #[error("another program is writing {0:?}; choose another name, or wait for it")]
+    InUse(PathBuf),
     /// The name `latest` is taken by something that does not point at a run.
-    #[error("{path:?} is not a link to the newest run; rename it")]
-    LatestOccupied {
-        /// What has that name.
-        path: PathBuf,
-    },
+    #[error("{0:?} is not a link to the newest run; rename it")]
+    LatestOccupied(PathBuf),
     /// The operating system refused.
     #[error("cannot write {path:?}")]
     Io {
@@ -107,7 +92,7 @@ impl ClaimedTarget {
         existing: ExistingTarget,
         latest: LatestPointer,
     ) -> Result<Self, RunDirectoryError> {
-        let name = target.file_name().ok_or_else(|| RunDirectoryError::NoName { target: target.into() })?;
+        let name = target.file_name().ok_or_else(|| RunDirectoryError::NoName(target.into()))?;
         check_target(target, existing)?;
         let parent = folder_of(target);
         // A run that is itself called `latest` needs no pointer.
@@ -117,7 +102,7 @@ impl ClaimedTarget {
         }
         let new_parents = NewFolders::create(parent).map_err(refused(parent))?;
         let claimed = ClaimedName::claim(target).map_err(refused(parent))?;
-        let name = claimed.ok_or_else(|| RunDirectoryError::InUse { target: target.into() })?;
+        let name = claimed.ok_or_else(|| RunDirectoryError::InUse(target.into()))?;
         // Whoever had it until now may have made something.
         check_target(target, existing)?;
         Ok(Self { _name: name, _new_parents: new_parents, target: target.into(), existing, latest })
@@ -136,11 +121,11 @@ impl ClaimedTarget {
                 continue;
             }
             match Self::claim(&target, ExistingTarget::Refuse, latest) {
-                Err(RunDirectoryError::InUse { .. } | RunDirectoryError::Occupied { .. }) => {}
+                Err(RunDirectoryError::InUse(_) | RunDirectoryError::Occupied(_)) => {}
                 claimed => return claimed,
             }
         }
-        Err(RunDirectoryError::Occupied { target: folder.join(name) })
+        Err(RunDirectoryError::Occupied(folder.join(name)))
     }
 
     /// Where the run will be.
@@ -189,10 +174,10 @@ fn check_target(target: &Path, existing: ExistingTarget) -> Result<(), RunDirect
         return Ok(());
     }
     match existing {
-        ExistingTarget::Refuse => Err(RunDirectoryError::Occupied { target: target.into() }),
+        ExistingTarget::Refuse => Err(RunDirectoryError::Occupied(target.into())),
         // A slip of the keyboard must not cost a home directory.
         ExistingTarget::Replace if metadata.is_dir() && target.join(MANIFEST_JSON).is_file() => Ok(()),
-        ExistingTarget::Replace => Err(RunDirectoryError::NotARun { target: target.into() }),
+        ExistingTarget::Replace => Err(RunDirectoryError::NotARun(target.into())),
     }
 }
 
@@ -200,7 +185,7 @@ fn check_target(target: &Path, existing: ExistingTarget) -> Result<(), RunDirect
 fn check_latest(latest: &Path) -> Result<(), RunDirectoryError> {
     match metadata(latest)? {
         Some(metadata) if cfg!(unix) && !metadata.is_symlink() || metadata.is_dir() => {
-            Err(RunDirectoryError::LatestOccupied { path: latest.into() })
+            Err(RunDirectoryError::LatestOccupied(latest.into()))
         }
         _ => Ok(()),
     }
@@ -216,7 +201,7 @@ mod tests {
         let target = folder.path().join("a");
         let claim = || ClaimedTarget::claim(&target, ExistingTarget::Replace, LatestPointer::Leave);
         let first = claim().unwrap();
-        assert!(matches!(claim(), Err(RunDirectoryError::InUse { .. })));
+        assert!(matches!(claim(), Err(RunDirectoryError::InUse(_))));
         drop(first);
         drop(claim().unwrap());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

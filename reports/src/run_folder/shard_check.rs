@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::run_folder::made_in_shards::MadeInShards;
 use crate::run_folder::shard_record::ShardRecord;
-use crate::vocabulary::shard::{Shard, ShardError};
+use crate::vocabulary::shard::Shard;
 use crate::vocabulary::study::Study;
 
 /// A directory that should be a shard, and its manifest.
@@ -16,137 +16,16 @@ pub struct NamedShard<M> {
     pub manifest: M,
 }
 
-/// Why shards do not make a run.
+/// Why shards do not make a run: the first thing that differs, with the directories that it differs in.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ShardMismatch {
-    /// One is a whole run.
-    #[error("{name} is no shard, but a whole run")]
-    NoShard {
-        /// Which directory.
-        name: String,
-    },
-    /// One has a number that there is not.
-    #[error("{name}: {problem}")]
-    Number {
-        /// Which directory.
-        name: String,
-        /// What is wrong with it.
-        problem: ShardError,
-    },
-    /// They are parts of different studies.
-    #[error("{first} is a shard of `{}`, {other} one of `{}`", study.name(), other_study.name())]
-    Study {
-        /// A directory.
-        first: String,
-        /// The verb that it is of.
-        study: Study,
-        /// Another directory.
-        other: String,
-        /// The verb that this is of.
-        other_study: Study,
-    },
-    /// They were judged by different rules.
-    #[error("{first} has scoring version {version}, {other} has {other_version}")]
-    ScoringVersion {
-        /// A directory.
-        first: String,
-        /// Its version.
-        version: u32,
-        /// Another directory.
-        other: String,
-        /// Its version.
-        other_version: u32,
-    },
-    /// They were made by different programs.
-    #[error("{first} and {other} were made by different programs: {versions}")]
-    Program {
-        /// A directory.
-        first: String,
-        /// Another directory.
-        other: String,
-        /// What the programs say of themselves.
-        versions: String,
-    },
-    /// They are of different data.
-    #[error("{first} and {other} are of different data: {what}")]
-    Data {
-        /// A directory.
-        first: String,
-        /// Another directory.
-        other: String,
-        /// What differs.
-        what: String,
-    },
-    /// Detectors or judging had different parameters.
-    #[error("{first} and {other} have different parameters: {what}")]
-    Parameters {
-        /// A directory.
-        first: String,
-        /// Another directory.
-        other: String,
-        /// What differs.
-        what: String,
-    },
-    /// They were cut into different numbers of shards.
-    #[error("{first} is one of {count} shards, {other} one of {other_count}")]
-    Count {
-        /// A directory.
-        first: String,
-        /// Of how many it is one.
-        count: u32,
-        /// Another directory.
-        other: String,
-        /// Of how many that is one.
-        other_count: u32,
-    },
-    /// One is there more than once.
-    #[error("{first} and {other} are both shard {shard}")]
-    Twice {
-        /// A directory.
-        first: String,
-        /// Another directory.
-        other: String,
-        /// Which shard.
-        shard: Shard,
-    },
-    /// Some are not there.
-    #[error("{} of {count} shards are missing: {}", missing.len(), in_words(missing))]
-    Missing {
-        /// How many there should be.
-        count: u32,
-        /// Their numbers.
-        missing: Vec<u32>,
-    },
-    /// A scan is in two of them.
-    #[error("{first} and {other} overlap: both have scans of {dataset:?} from place {place} on")]
-    Overlap {
-        /// A directory.
-        first: String,
-        /// Another directory.
-        other: String,
-        /// The data set.
-        dataset: String,
-        /// The first place of both.
-        place: u64,
-    },
-    /// Rows of a scan are in two of them.
-    #[error("{name} overlaps with an earlier shard: both have scan {scan}")]
-    SameScan {
-        /// The later directory.
-        name: String,
-        /// Which scan.
-        scan: String,
-    },
-    /// A scan is in none of them.
-    #[error("{n_scans} scans of {dataset:?} from place {place} on are in no shard")]
-    Gap {
-        /// The data set.
-        dataset: String,
-        /// The first of them.
-        place: u64,
-        /// How many they are.
-        n_scans: u64,
-    },
+#[error("{0}")]
+pub struct ShardMismatch(String);
+
+impl ShardMismatch {
+    /// The directory `name` has rows of a scan that an earlier one has, too.
+    pub fn same_scan(name: &str, scan: &str) -> Self {
+        Self(format!("{name} overlaps with an earlier shard: both have scan {scan}"))
+    }
 }
 
 /// The first few of `numbers`.
@@ -169,56 +48,47 @@ fn in_words(numbers: &[u32]) -> String {
 pub fn check_shards<M: MadeInShards>(shards: &[NamedShard<M>]) -> Result<Vec<usize>, ShardMismatch> {
     let mut records: Vec<(usize, Shard, &ShardRecord)> = Vec::new();
     for (idx, NamedShard { name, manifest }) in shards.iter().enumerate() {
-        let no_shard = || ShardMismatch::NoShard { name: name.clone() };
+        let no_shard = || ShardMismatch(format!("{name} is no shard, but a whole run"));
         let record = manifest.shard().ok_or_else(no_shard)?;
-        let bad_number = |problem| ShardMismatch::Number { name: name.clone(), problem };
+        let bad_number = |problem| ShardMismatch(format!("{name}: {problem}"));
         records.push((idx, record.shard().map_err(bad_number)?, record));
     }
     // So that the order in which they are given decides no word.
     records.sort_by_key(|(idx, shard, _)| (shard.index(), &shards[*idx].name));
     let Some((&(first, ..), others)) = records.split_first() else { return Ok(Vec::new()) };
     for (other, ..) in others {
-        check_same_run(&shards[first], &shards[*other])?;
+        if let Some(difference) = not_of_same_run(&shards[first], &shards[*other]) {
+            return Err(ShardMismatch(difference));
+        }
     }
     check_numbers(shards, &mut records)?;
     check_scans(shards, &records)?;
     Ok(records.into_iter().map(|(idx, ..)| idx).collect())
 }
 
-fn check_same_run<M: MadeInShards>(
-    first: &NamedShard<M>,
-    other: &NamedShard<M>,
-) -> Result<(), ShardMismatch> {
-    let names = || (first.name.clone(), other.name.clone());
+/// What keeps two shards from being of one run, if anything does.
+fn not_of_same_run<M: MadeInShards>(first: &NamedShard<M>, other: &NamedShard<M>) -> Option<String> {
     let (ours, theirs) = (&first.manifest, &other.manifest);
-    let study = |it: &M| it.shard().map_or(Study::Run, |it| it.study);
-    if study(ours) != study(theirs) {
-        let (first, other) = names();
-        let [study, other_study] = [ours, theirs].map(study);
-        return Err(ShardMismatch::Study { first, study, other, other_study });
+    let (first, other) = (&first.name, &other.name);
+    let [study, other_study] = [ours, theirs].map(|it| it.shard().map_or(Study::Run, |it| it.study));
+    if study != other_study {
+        let [study, other_study] = [study, other_study].map(Study::name);
+        return Some(format!("{first} is a shard of `{study}`, {other} one of `{other_study}`"));
     }
-    let versions = (ours.scoring_version(), theirs.scoring_version());
-    if let (Some(version), Some(other_version)) = versions
-        && version != other_version
-    {
-        let (first, other) = names();
-        return Err(ShardMismatch::ScoringVersion { first, version, other, other_version });
+    let versions = ours.scoring_version().zip(theirs.scoring_version());
+    if let Some((version, other_version)) = versions.filter(|(version, other)| version != other) {
+        return Some(format!("{first} has scoring version {version}, {other} has {other_version}"));
     }
     let program = |it: &M| it.shard().map(|it| it.program.clone());
     if program(ours) != program(theirs) {
-        let (first, other) = names();
         let versions = [ours, theirs].map(program_in_words).join(" and ");
-        return Err(ShardMismatch::Program { first, other, versions });
+        return Some(format!("{first} and {other} were made by different programs: {versions}"));
     }
     if let Some(what) = ours.different_data(theirs) {
-        let (first, other) = names();
-        return Err(ShardMismatch::Data { first, other, what });
+        return Some(format!("{first} and {other} are of different data: {what}"));
     }
-    if let Some(what) = ours.different_parameters(theirs) {
-        let (first, other) = names();
-        return Err(ShardMismatch::Parameters { first, other, what });
-    }
-    Ok(())
+    let what = ours.different_parameters(theirs)?;
+    Some(format!("{first} and {other} have different parameters: {what}"))
 }
 
 fn program_in_words<M: MadeInShards>(manifest: &M) -> String {
@@ -236,21 +106,23 @@ fn check_numbers<M>(
     shards: &[NamedShard<M>],
     records: &mut [(usize, Shard, &ShardRecord)],
 ) -> Result<(), ShardMismatch> {
-    let name = |idx: usize| shards[idx].name.clone();
+    let name = |idx: usize| &shards[idx].name;
     if let Some([one, other]) = records.array_windows().find(|[one, other]| one.1.count() != other.1.count())
     {
-        let (first, other_name) = (name(one.0), name(other.0));
-        let (count, other_count) = (one.1.count(), other.1.count());
-        return Err(ShardMismatch::Count { first, count, other: other_name, other_count });
+        let (first, count, other_count) = (name(one.0), one.1.count(), other.1.count());
+        let other = name(other.0);
+        return Err(ShardMismatch(format!("{first} is one of {count} shards, {other} one of {other_count}")));
     }
     records.sort_by_key(|(idx, shard, _)| (shard.index(), *idx));
     if let Some([one, other]) = records.array_windows().find(|[one, other]| one.1 == other.1) {
-        return Err(ShardMismatch::Twice { first: name(one.0), other: name(other.0), shard: one.1 });
+        let (first, other, shard) = (name(one.0), name(other.0), one.1);
+        return Err(ShardMismatch(format!("{first} and {other} are both shard {shard}")));
     }
     let there: BTreeSet<u32> = records.iter().map(|it| it.1.index()).collect();
     let count = records.first().map_or(0, |it| it.1.count());
     let missing: Vec<u32> = (1..=count).filter(|it| !there.contains(it)).collect();
-    if missing.is_empty() { Ok(()) } else { Err(ShardMismatch::Missing { count, missing }) }
+    let said = || format!("{} of {count} shards are missing: {}", missing.len(), in_words(&missing));
+    if missing.is_empty() { Ok(()) } else { Err(ShardMismatch(said())) }
 }
 
 /// Every scan that was selected has to be in one of `records`.
@@ -260,24 +132,26 @@ fn check_scans<M: MadeInShards>(
 ) -> Result<(), ShardMismatch> {
     let datasets = shards.first().map_or_else(Vec::new, |it| it.manifest.selected());
     for (dataset_idx, (id, n_selected)) in datasets.into_iter().enumerate() {
-        let dataset = || id.to_owned();
+        let gap = |place, n_scans| {
+            Err(ShardMismatch(format!("{n_scans} scans of {id:?} from place {place} on are in no shard")))
+        };
         let (mut place, mut last) = (0, None);
         for (idx, _, record) in records {
             let Some(part) = record.parts.get(dataset_idx).filter(|it| it.first < it.end) else { continue };
             if part.first < place {
-                let first = shards[last.unwrap_or(*idx)].name.clone();
-                let other = shards[*idx].name.clone();
-                return Err(ShardMismatch::Overlap { first, other, dataset: dataset(), place: part.first });
+                let [first, other] = [last.unwrap_or(*idx), *idx].map(|it| &shards[it].name);
+                return Err(ShardMismatch(format!(
+                    "{first} and {other} overlap: both have scans of {id:?} from place {} on",
+                    part.first
+                )));
             }
             if part.first > place {
-                let n_scans = part.first - place;
-                return Err(ShardMismatch::Gap { dataset: dataset(), place, n_scans });
+                return gap(place, part.first - place);
             }
             (place, last) = (part.end, Some(*idx));
         }
         if place < n_selected {
-            let n_scans = n_selected - place;
-            return Err(ShardMismatch::Gap { dataset: dataset(), place, n_scans });
+            return gap(place, n_selected - place);
         }
     }
     Ok(())

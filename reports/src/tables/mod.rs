@@ -3,7 +3,6 @@
 
 pub mod paper_figures;
 pub(crate) mod grid;
-pub mod table_error;
 pub mod task_table;
 pub(crate) mod notes;
 pub mod sheet;
@@ -13,7 +12,6 @@ pub mod stage_table;
 pub mod protocol_table;
 pub mod studies;
 pub mod verdict;
-pub(crate) mod service_rows;
 pub mod formats;
 
 #[cfg(test)]

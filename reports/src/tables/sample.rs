@@ -1,7 +1,5 @@
 //! A small run that the tests of the tables share: three detectors on a simulated street and two KITTI data sets.
 
-use std::collections::BTreeMap;
-
 use crate::files::archive::SCHEMA;
 use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
@@ -17,67 +15,39 @@ use crate::vocabulary::task::Task;
 pub(crate) const DATASETS: [&str; 3] = ["main_road", "kitti_tracking", "kitti_object"];
 
 pub(crate) fn manifest() -> Manifest {
-    let detectors = ["paper", "kd-tree", "pca"];
     Manifest {
         schema: SCHEMA,
         scoring_version: 1,
         scanbench_version: "0.1.0".to_owned(),
         created: "2026-03-02T09:30:00Z".to_owned(),
-        argv: Vec::new(),
-        config: serde_json::Value::Null,
-        seeds: BTreeMap::new(),
         n_warmup_detections: 1,
         n_repeats: 1,
         matching_criterion: "points, Jaccard at least 0.5".to_owned(),
         ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
         datasets: DATASETS.map(dataset).to_vec(),
-        detectors: detectors
-            .map(|name| DetectorEntry {
-                name: name.to_owned(),
-                parameters: serde_json::Value::Null,
-                rules: Vec::new(),
-                vehicles: None,
-                foreign: None,
-            })
-            .to_vec(),
-        git: None,
+        detectors: ["paper", "kd-tree", "pca"].map(detector).to_vec(),
         rustc_version: "1.95.0".to_owned(),
-        rerun_version: None,
         machine: Machine { cpu_model: "Example CPU @ 2 GHz".to_owned(), n_cores: 2, os: "linux".to_owned() },
-        experiment: None,
-        sweep: None,
-        shard: None,
-        shards: Vec::new(),
-        protocols: Vec::new(),
+        ..Manifest::default()
     }
+}
+
+pub(crate) fn detector(name: &str) -> DetectorEntry {
+    DetectorEntry { name: name.to_owned(), ..DetectorEntry::default() }
 }
 
 fn dataset(id: &str) -> DatasetEntry {
     let simulated = id == "main_road";
+    let only_cars = AnnotatedClasses::Only(vec![AnnotationClass::Car]);
     DatasetEntry {
         id: id.to_owned(),
         format: if simulated { "simulated" } else { "kitti-tracking" }.to_owned(),
-        root: None,
         simulated,
-        annotated: if simulated {
-            AnnotatedClasses::EveryObject
-        } else {
-            AnnotatedClasses::Only(vec![AnnotationClass::Car])
-        },
-        checksum: None,
+        annotated: if simulated { AnnotatedClasses::EveryObject } else { only_cars },
         n_scans: 20,
-        skipped_scans: Vec::new(),
-        seen: None,
-        doubts: Vec::new(),
-        n_points_left_out: 0,
-        classes: std::collections::BTreeMap::new(),
-        selection: None,
-        blocks: std::collections::BTreeMap::new(),
-        blocks_checksum: None,
         sensor_height_m: 1.73,
         sensor: "hdl-64e-s2".to_owned(),
-        licence: None,
-        simulation: None,
+        ..DatasetEntry::default()
     }
 }
 

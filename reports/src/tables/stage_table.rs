@@ -144,6 +144,7 @@ impl Tabular for StageTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
     use crate::tables::formats::format::Format as _;
     use crate::tables::formats::markdown::Markdown;
     use crate::tables::sample;
@@ -153,12 +154,10 @@ mod tests {
     fn table(detectors: &[(&str, &[(&str, f64)])]) -> Option<String> {
         let mut manifest = sample::manifest();
         manifest.datasets.truncate(1);
-        let entry = manifest.detectors[0].clone();
         manifest.detectors.clear();
         let mut rows = Vec::new();
         for (detector, stages) in detectors {
-            let name = (*detector).to_owned();
-            manifest.detectors.push(crate::run_folder::manifest::DetectorEntry { name, ..entry.clone() });
+            manifest.detectors.push(sample::detector(detector));
             let stages = stages.iter().map(|(stage, ms)| (Metric::StageP50((*stage).to_owned()), *ms));
             let times = stages.chain([(Metric::Latency(LatencyStatistic::P50), 9.5)]);
             let subject = || Subject::of_all("main_road", Task::Objects, detector);
@@ -208,11 +207,10 @@ mod tests {
     fn a_step_with_a_stage_that_is_left_out_is_not_that_of_the_paper() {
         let without_model: Vec<_> = OF_PAPER.into_iter().filter(|(stage, _)| *stage != "features").collect();
         let text = table(&[("paper", &without_model)]).unwrap();
-        for line in
-            ["|  | boxes |  |  | 0.50 |", "| **paper** | whole |  |  | 9.50 |", "| grid | grid | 13 |"]
-        {
-            assert!(text.contains(line), "{line} is not in {text}");
-        }
+        check_holds(
+            &text,
+            &["|  | boxes |  |  | 0.50 |", "| **paper** | whole |  |  | 9.50 |", "| grid | grid | 13 |"],
+        );
         assert!(!text.contains("undefined"), "{text}");
     }
 

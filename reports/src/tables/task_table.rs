@@ -6,11 +6,15 @@ use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
 use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
 use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, PaperRow, PaperTable, Recordings};
-use crate::tables::table_error::TableError;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
+
+/// Why a report makes no table.
+#[derive(Debug, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct TableError(String);
 
 /// The table of one task.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +66,7 @@ pub struct MeasuredRow {
 }
 
 /// What a detector reached.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Score {
     /// Number of scans evaluated.
     pub n_scans: u64,
@@ -157,16 +161,20 @@ pub fn task_tables(report: &RunReport, manifest: &Manifest) -> Result<Vec<TaskTa
     let mut tasks: Vec<Task> = Vec::new();
     for Subject { dataset, task, detector, .. } in report.rows().iter().map(|it| &it.subject) {
         if !manifest.datasets.iter().any(|it| it.id == *dataset) {
-            return Err(TableError::UnknownDataset(dataset.clone()));
+            return Err(not_in_manifest("data set", dataset));
         }
         if !manifest.detectors.iter().any(|it| it.name == *detector) {
-            return Err(TableError::UnknownDetector(detector.clone()));
+            return Err(not_in_manifest("detector", detector));
         }
         if !tasks.contains(task) {
             tasks.push(*task);
         }
     }
     tasks.into_iter().map(|task| task_table(report, manifest, task)).collect()
+}
+
+fn not_in_manifest(what: &str, name: &str) -> TableError {
+    TableError(format!("the report has the {what} {name:?}, but the manifest does not"))
 }
 
 fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<TaskTable, TableError> {
@@ -276,13 +284,11 @@ fn measured_row(
     // A task in the report has at least one row, which has a detector.
     let no = scores[0].counts.no();
     if let Some(other) = scores.iter().position(|it| it.counts.no() != no) {
-        return Err(TableError::DifferentAnnotations {
-            dataset: entry.id.clone(),
-            first: detectors[0].clone(),
-            n_first: no,
-            second: detectors[other].clone(),
-            n_second: scores[other].counts.no(),
-        });
+        let (dataset, first, second) = (&entry.id, &detectors[0], &detectors[other]);
+        let n_second = scores[other].counts.no();
+        return Err(TableError(format!(
+            "on {dataset}, {first} has {no} annotations that count, but {second} has {n_second}"
+        )));
     }
     Ok(MeasuredRow { extent: Extent::Dataset(entry.id.clone()), origin: entry.origin(), no, scores })
 }
@@ -335,15 +341,13 @@ fn rate_intervals(report: &RunReport, subject: &Subject) -> RateIntervals {
 /// The numbers of one data set, task and detector.
 fn score(report: &RunReport, entry: &DatasetEntry, task: Task, detector: &str) -> Result<Score, TableError> {
     let subject = Subject::of_all(&entry.id, task, detector);
+    let what = |metric: Metric| format!("{} of {detector} on {} in the task {task}", metric.id(), entry.id);
     let row = |metric: Metric| {
-        report.row(&subject, &metric).ok_or_else(|| {
-            let Subject { dataset, task, detector, .. } = subject.clone();
-            TableError::Missing { dataset, task, detector, metric: metric.id() }
-        })
+        let found = report.row(&subject, &metric);
+        found.ok_or_else(|| TableError(format!("the report has no {}", what(metric))))
     };
-    let bad = |metric: Metric, value| {
-        let Subject { dataset, task, detector, .. } = subject.clone();
-        TableError::BadCount { dataset, task, detector, metric: metric.id(), value }
+    let bad = |metric: Metric, value: Option<f64>| {
+        TableError(format!("{} is {value:?}, which is not a count", what(metric)))
     };
     let known_count = |metric: Metric| {
         let value = row(metric.clone())?.value();
@@ -488,48 +492,28 @@ mod tests {
     }
 
     #[test]
-    fn a_data_set_without_entry_is_an_error() {
+    fn a_report_that_does_not_fit_the_manifest_or_itself_is_an_error() {
         let mut manifest = sample::manifest();
         manifest.datasets.remove(1);
         let expected = "the report has the data set \"kitti_tracking\", but the manifest does not";
         check_refused(&sample::report(), &manifest, expected);
-    }
-
-    #[test]
-    fn a_detector_without_entry_is_an_error() {
         let mut manifest = sample::manifest();
         manifest.detectors.remove(1);
         let expected = "the report has the detector \"kd-tree\", but the manifest does not";
         check_refused(&sample::report(), &manifest, expected);
-    }
-
-    #[test]
-    fn a_missing_number_is_an_error() {
+        let manifest = sample::manifest();
         let report = sample::report_where(|it| {
             it.metric != Metric::Fo || it.subject.detector != "pca" || it.subject.dataset != "main_road"
         });
-        let expected = "the report has no fo of pca on main_road in the task objects";
-        check_refused(&report, &sample::manifest(), expected);
-    }
-
-    #[test]
-    fn different_annotations_are_an_error() {
+        check_refused(&report, &manifest, "the report has no fo of pca on main_road in the task objects");
         let report = sample::report_with("kitti_object", "pca", &Metric::No, Some(99.0));
         let expected = "on kitti_object, paper has 61 annotations that count, but pca has 99";
-        check_refused(&report, &sample::manifest(), expected);
-    }
-
-    #[test]
-    fn a_count_that_is_none_is_an_error() {
-        let report = sample::report_with("main_road", "pca", &Metric::Tp, Some(2.5));
-        let expected = "tp of pca on main_road in the task objects is Some(2.5), which is not a count";
-        check_refused(&report, &sample::manifest(), expected);
-    }
-
-    #[test]
-    fn more_matches_than_annotations_are_an_error() {
-        let report = sample::report_with("main_road", "pca", &Metric::Tp, Some(1e6));
-        let expected = "tp of pca on main_road in the task objects is Some(1000000.0), which is not a count";
-        check_refused(&report, &sample::manifest(), expected);
+        check_refused(&report, &manifest, expected);
+        // A part of an object, and more matches than annotations.
+        for (tp, said) in [(2.5, "2.5"), (1e6, "1000000.0")] {
+            let report = sample::report_with("main_road", "pca", &Metric::Tp, Some(tp));
+            let what = "tp of pca on main_road in the task objects";
+            check_refused(&report, &manifest, &format!("{what} is Some({said}), which is not a count"));
+        }
     }
 }

@@ -152,6 +152,7 @@ impl Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::csv_rows::tests::csv_text;
     use crate::numbers::blocks::{BlockKind, Interval};
     use crate::numbers::tally::Processors;
     use crate::rows::counts::Counts;
@@ -171,17 +172,8 @@ mod tests {
     }
 
     fn annotation(class: AnnotationClass, n_points: u64, bounding_box: BoxFacts) -> AnnotationFacts {
-        let occlusion = Some(Occlusion::None);
-        AnnotationFacts {
-            id: 0,
-            track: None,
-            class,
-            occlusion,
-            n_points,
-            n_points_outside: 0,
-            bounding_box: Some(bounding_box),
-            centroid_m: None,
-        }
+        let (occlusion, bounding_box) = (Some(Occlusion::None), Some(bounding_box));
+        AnnotationFacts { occlusion, bounding_box, ..AnnotationFacts::placeless(class, n_points) }
     }
 
     fn detection(score: Option<f32>, n_points: u64, bounding_box: BoxFacts) -> DetectionFacts {
@@ -198,18 +190,11 @@ mod tests {
         let [dataset, sequence, detector] = ["street", "0000", "pca"].map(str::to_owned);
         let task = Task::Vehicles;
         let numbers = ScanNumbers {
-            n_points: 1000,
-            checksum: 0,
             latency_ms: Some(1.0),
             least_latency_ms: Some(0.8),
             reference_ms: Some(0.2),
-            cpu_ms: None,
-            door_ms: None,
-            failure: None,
-            counts: Counts::new(no, tp, fo).unwrap(),
             n_ignored_annotations: 1,
             n_ignored_detections: 2,
-            n_unknowable_detections: 0,
             segmentation: SegmentationNumbers {
                 n_split: 1,
                 n_holding: 4,
@@ -218,18 +203,30 @@ mod tests {
                 over_entropy_nats: 0.5,
                 under_entropy_nats: 1.0,
             },
-            n_dropped_too_small: 0,
-            n_dropped_too_large: 0,
+            ..ScanNumbers::of_counts(Counts::new(no, tp, fo).unwrap())
         };
         let (time_s, outcome) = (Some(f64::from(scan) / 10.0), ScanOutcome::Evaluated(numbers));
         ScanRow { dataset, sequence, scan, time_s, detector, task, outcome }
     }
 
+    /// What these outcomes of a scan give.
+    fn seen(scan: &ScanRow, outcomes: impl IntoIterator<Item = MatchOutcome>) -> Tally {
+        let mut tally = Tally::default();
+        tally.add_scan(scan);
+        for outcome in outcomes {
+            tally.add_match(&MatchRow { task: scan.task, ..match_row(scan.scan, outcome) });
+        }
+        tally
+    }
+
+    fn missed(class: AnnotationClass, n_points: u64, bounding_box: BoxFacts) -> MatchOutcome {
+        let annotation = annotation(class, n_points, bounding_box);
+        MatchOutcome::Missed { annotation, reason: MissReason::Split }
+    }
+
     /// Four annotations and three detections: a car found by a box half a metre off, 1 m too short and turned by 190°; a car
     /// found exactly but for 20°; a van missed; a truck 40 m away missed; one false detection 20 m away.
     fn scene() -> Tally {
-        let mut tally = Tally::default();
-        tally.add_scan(&scan_row(3, 4, 2, Some(1)));
         let outcomes = [
             MatchOutcome::Matched {
                 annotation: annotation(AnnotationClass::Car, 300, boxed(10.0, 4.0, 0.0)),
@@ -241,14 +238,8 @@ mod tests {
                 detection: detection(Some(0.7), 30, boxed(20.0, 4.0, -30.0)),
                 cost: 0.0,
             },
-            MatchOutcome::Missed {
-                annotation: annotation(AnnotationClass::Van, 100, boxed(12.0, 5.0, 0.0)),
-                reason: MissReason::Split,
-            },
-            MatchOutcome::Missed {
-                annotation: annotation(AnnotationClass::Truck, 60, boxed(40.0, 8.0, 0.0)),
-                reason: MissReason::Split,
-            },
+            missed(AnnotationClass::Van, 100, boxed(12.0, 5.0, 0.0)),
+            missed(AnnotationClass::Truck, 60, boxed(40.0, 8.0, 0.0)),
             MatchOutcome::False {
                 detection: detection(Some(0.8), 70, boxed(20.0, 1.0, 0.0)),
                 reason: FalseReason::NothingThere,
@@ -258,10 +249,7 @@ mod tests {
                 reason: IgnoredDetection::BeyondRange,
             },
         ];
-        for outcome in outcomes {
-            tally.add_match(&match_row(3, outcome));
-        }
-        tally
+        seen(&scan_row(3, 4, 2, Some(1)), outcomes)
     }
 
     #[track_caller]
@@ -327,21 +315,18 @@ mod tests {
 
     #[test]
     fn what_the_labelled_region_cuts_has_a_slice_and_counts_as_any_other() {
-        let mut tally = Tally::default();
-        tally.add_scan(&scan_row(3, 3, 1, Some(0)));
         let cut = |n_points_outside| AnnotationFacts {
             n_points_outside,
             ..annotation(AnnotationClass::Car, 100, boxed(10.0, 4.0, 0.0))
         };
         let reason = MissReason::Split;
         let detection = detection(Some(0.9), 100, boxed(10.0, 4.0, 0.0));
-        for outcome in [
+        let outcomes = [
             MatchOutcome::Matched { annotation: cut(50), detection, cost: 0.1 },
             MatchOutcome::Missed { annotation: cut(100), reason },
             MatchOutcome::Missed { annotation: cut(49), reason },
-        ] {
-            tally.add_match(&match_row(3, outcome));
-        }
+        ];
+        let tally = seen(&scan_row(3, 3, 1, Some(0)), outcomes);
         check(&tally, "truncated", &[(Metric::No, 2.0), (Metric::Tp, 1.0), (Metric::Recall, 0.5)]);
         check(&tally, "class/car", &[(Metric::No, 3.0)]);
         check(&tally, "range/0-15", &[(Metric::No, 3.0)]);
@@ -368,8 +353,6 @@ mod tests {
     /// Annotations without a box are in the range of their centroid, so that the ranges add up.
     #[test]
     fn ranges_add_up_without_boxes() {
-        let mut tally = Tally::default();
-        tally.add_scan(&scan_row(3, 4, 2, Some(1)));
         let unboxed = |x_m| AnnotationFacts {
             bounding_box: None,
             centroid_m: Some([x_m, 3.0, 0.0]),
@@ -383,9 +366,8 @@ mod tests {
         let missed = |x_m| MatchOutcome::Missed { annotation: unboxed(x_m), reason: MissReason::Split };
         let detection = detection(Some(0.9), 100, boxed(20.0, 4.0, 0.0));
         let false_one = MatchOutcome::False { detection, reason: FalseReason::Fragment };
-        for outcome in [found(10.0), found(40.0), missed(10.0), missed(70.0), false_one] {
-            tally.add_match(&match_row(3, outcome));
-        }
+        let outcomes = [found(10.0), found(40.0), missed(10.0), missed(70.0), false_one];
+        let tally = seen(&scan_row(3, 4, 2, Some(1)), outcomes);
         let rows = tally.metric_rows();
         for metric in [Metric::No, Metric::Tp, Metric::Fo] {
             let sum = |is_asked: &dyn Fn(Slice) -> bool| -> f64 {
@@ -405,18 +387,9 @@ mod tests {
 
     #[test]
     fn a_detector_that_found_nothing_has_an_average_precision_of_zero() {
-        let missed = || MatchOutcome::Missed {
-            annotation: annotation(AnnotationClass::Car, 100, boxed(10.0, 4.0, 0.0)),
-            reason: MissReason::NothingThere,
-        };
+        let missed = || missed(AnnotationClass::Car, 100, boxed(10.0, 4.0, 0.0));
         let average_precision = |scan: ScanRow, outcomes: Vec<MatchOutcome>| -> Vec<Option<f64>> {
-            let mut tally = Tally::default();
-            let task = scan.task;
-            tally.add_scan(&scan);
-            for outcome in outcomes {
-                tally.add_match(&MatchRow { task, ..match_row(3, outcome) });
-            }
-            let rows = tally.metric_rows().into_iter();
+            let rows = seen(&scan, outcomes).metric_rows().into_iter();
             rows.filter(|it| matches!(it.metric, Metric::AveragePrecision(_))).map(|it| it.value()).collect()
         };
         assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![missed()]), [Some(0.0); 2]);
@@ -440,11 +413,7 @@ mod tests {
             }
         };
         let rows = |order: [bool; 4]| {
-            let mut tally = Tally::default();
-            tally.add_scan(&scan_row(3, 4, 2, Some(2)));
-            for is_match in order {
-                tally.add_match(&match_row(3, outcome(is_match)));
-            }
+            let tally = seen(&scan_row(3, 4, 2, Some(2)), order.map(outcome));
             (tally.metric_rows(), tally.precision_recall_rows())
         };
         assert_eq!(rows([true, true, false, false]), rows([false, true, false, true]));
@@ -452,8 +421,7 @@ mod tests {
 
     #[test]
     fn precision_over_recall_begins_with_the_highest_score() {
-        let rows = crate::files::csv_rows::to_csv_bytes(&scene().precision_recall_rows()).unwrap();
-        insta::assert_snapshot!(String::from_utf8(rows).unwrap(), @r"
+        insta::assert_snapshot!(csv_text(&scene().precision_recall_rows()), @r"
         dataset,task,detector,min_score,no,tp,fo,precision,recall
         street,vehicles,pca,0.900000,4,1,0,1.000000,0.250000
         street,vehicles,pca,0.800000,4,1,1,0.500000,0.250000
@@ -508,9 +476,7 @@ mod tests {
         let mut tally = Tally::default();
         for (scan, time_s) in [(3, 20.3), (4, 0.4)] {
             tally.add_scan(&ScanRow { time_s: Some(time_s), ..scan_row(scan, 1, 0, Some(0)) });
-            let annotation = annotation(AnnotationClass::Car, 30, boxed(10.0, 4.0, 0.0));
-            let reason = MissReason::Split;
-            tally.add_match(&match_row(scan, MatchOutcome::Missed { annotation, reason }));
+            tally.add_match(&match_row(scan, missed(AnnotationClass::Car, 30, boxed(10.0, 4.0, 0.0))));
         }
         let rows = tally.metric_rows();
         let of_cars = rows
@@ -518,8 +484,7 @@ mod tests {
             .find(|it| it.subject.slice == Slice::Class(AnnotationClass::Car) && it.metric == Metric::Recall);
         assert_eq!(of_cars.unwrap().interval().unwrap().blocks.n_blocks, 2);
         // One of a scan that is not there counts nowhere.
-        let annotation = annotation(AnnotationClass::Bus, 30, boxed(10.0, 4.0, 0.0));
-        tally.add_match(&match_row(5, MatchOutcome::Missed { annotation, reason: MissReason::Split }));
+        tally.add_match(&match_row(5, missed(AnnotationClass::Bus, 30, boxed(10.0, 4.0, 0.0))));
         assert!(!tally.metric_rows().iter().any(|it| it.subject.slice == Slice::Class(AnnotationClass::Bus)));
     }
 
@@ -555,9 +520,7 @@ mod tests {
 
     #[test]
     fn unknown_false_objects_leave_recall() {
-        let mut tally = Tally::default();
-        tally.add_scan(&scan_row(3, 4, 2, None));
-        let rows = tally.metric_rows();
+        let rows = seen(&scan_row(3, 4, 2, None), []).metric_rows();
         let value = |metric| rows.iter().find(|it| it.metric == metric).unwrap().value();
         assert_eq!([Metric::Fo, Metric::Precision, Metric::FRate].map(value), [None; 3]);
         assert_eq!(value(Metric::Recall), Some(0.5));

@@ -53,18 +53,12 @@ pub enum Succession {
 pub enum AcceptError {
     /// The program that made them was built from changes that nobody can find again.
     #[error(
-        "the run was made by a program with uncommitted changes after commit {commit}; commit them and run again"
+        "the run was made by a program with uncommitted changes after commit {0}; commit them and run again"
     )]
-    Dirty {
-        /// The commit that the changes are beyond.
-        commit: String,
-    },
+    Dirty(String),
     /// There is an accepted run that these results say nothing about.
-    #[error("{reason}; to accept it all the same, give --new-baseline")]
-    NoSuccessor {
-        /// Why.
-        reason: String,
-    },
+    #[error("{0}; to accept it all the same, give --new-baseline")]
+    NoSuccessor(String),
     /// A file cannot be read or written.
     #[error(transparent)]
     Archive(#[from] ArchiveError),
@@ -134,7 +128,7 @@ pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) ->
 /// [`AcceptError::Dirty`] if there were some.
 pub fn refuse_uncommitted(git: Option<&GitState>) -> Result<(), AcceptError> {
     match git {
-        Some(git) if git.dirty => Err(AcceptError::Dirty { commit: git.commit.clone() }),
+        Some(git) if git.dirty => Err(AcceptError::Dirty(git.commit.clone())),
         _ => Ok(()),
     }
 }
@@ -162,7 +156,7 @@ pub(super) fn line_after<B>(
         Some(Err(reason)) if succession == Succession::Anew => {
             Ok(format!("{} New baseline: {reason}.", line(None)))
         }
-        Some(Err(reason)) => Err(AcceptError::NoSuccessor { reason }),
+        Some(Err(reason)) => Err(AcceptError::NoSuccessor(reason)),
     }
 }
 

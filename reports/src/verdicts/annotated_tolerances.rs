@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use crate::verdicts::built_in_tolerances::Sizes;
-use crate::verdicts::tolerances::{ProtocolRule, QualityRule, SpeedRule, Tolerances};
-use crate::vocabulary::metric::Metric;
+use crate::verdicts::tolerances::{Rule, Tolerances};
+use crate::vocabulary::metric::SPEED_REFERENCE;
 use crate::vocabulary::slice::Slice;
 
 const HEAD: &str = "\
@@ -26,74 +26,59 @@ impl Tolerances {
         let mut text = HEAD.to_owned();
         writeln!(text, "drift = {}", quoted(self.drift.name())).expect("a string takes all");
         for rule in &self.quality {
-            text.push('\n');
-            push_comment(&mut text, &meaning(rule, &sizes));
-            push_quality(&mut text, rule);
+            push_head(&mut text, &meaning(rule, &sizes), "[[quality]]");
+            push_names(&mut text, "metrics", Some(&rule.metrics));
+            push_names(&mut text, "slices", Some(&rule.parts));
+            push_names(&mut text, "tasks", rule.tasks.as_ref());
+            push_sizes(&mut text, rule);
         }
         for rule in &self.protocols {
-            text.push('\n');
-            push_comment(&mut text, &sizes.protocols.meaning);
-            push_protocol(&mut text, rule);
+            let protocol = rule.tasks.iter().flatten().map(|it| quoted(it)).collect::<String>();
+            push_head(&mut text, &sizes.protocols.meaning, &format!("[[protocol]]\nprotocol = {protocol}"));
+            push_names(&mut text, "metrics", Some(&rule.metrics));
+            push_names(&mut text, "classes", Some(&rule.parts));
+            push_sizes(&mut text, rule);
         }
         if let Some(rule) = &self.speed {
-            text.push('\n');
-            push_comment(&mut text, &sizes.speed.meaning);
-            push_speed(&mut text, rule);
+            let head = format!("[speed]\nreference = {}", quoted(SPEED_REFERENCE));
+            push_head(&mut text, &sizes.speed.meaning, &head);
+            push_names(&mut text, "detectors", rule.detectors.as_ref());
+            push_size(&mut text, "relative", rule.relative);
         }
         text
     }
 }
 
-fn meaning(rule: &QualityRule, sizes: &Sizes) -> String {
-    if !rule.slices.contains(&Slice::All.name()) {
+fn meaning(rule: &Rule, sizes: &Sizes) -> String {
+    if !rule.parts.contains(&Slice::All.name()) {
         return sizes.slices.meaning.clone();
     }
-    let meant = sizes.metric.iter().filter(|it| rule.metrics.contains(&it.metric()));
+    let meant = sizes.metric.iter().filter(|it| rule.metrics.contains(&it.id));
     meant.map(|it| it.meaning.as_str()).collect::<Vec<_>>().join("\n")
 }
 
-fn push_comment(text: &mut String, meaning: &str) {
+/// What a rule means, and the beginning of its table.
+fn push_head(text: &mut String, meaning: &str, head: &str) {
+    text.push('\n');
     for line in meaning.trim().lines() {
         writeln!(text, "# {line}").expect("a string takes all");
     }
+    writeln!(text, "{head}").expect("a string takes all");
 }
 
-fn push_quality(text: &mut String, rule: &QualityRule) {
-    text.push_str("[[quality]]\n");
-    push_names(text, "metrics", &rule.metrics.iter().map(Metric::id).collect::<Vec<_>>());
-    push_names(text, "slices", &rule.slices);
-    if let Some(tasks) = &rule.tasks {
-        push_names(text, "tasks", &tasks.iter().map(|it| it.name().to_owned()).collect::<Vec<_>>());
+/// Nothing where names are left out.
+fn push_names(text: &mut String, field: &str, names: Option<&Vec<String>>) {
+    if let Some(names) = names {
+        let names: Vec<String> = names.iter().map(|it| quoted(it)).collect();
+        writeln!(text, "{field} = [{}]", names.join(", ")).expect("a string takes all");
     }
-    if let Some(detectors) = &rule.detectors {
-        push_names(text, "detectors", detectors);
-    }
+}
+
+/// Of which detectors, and how much.
+fn push_sizes(text: &mut String, rule: &Rule) {
+    push_names(text, "detectors", rule.detectors.as_ref());
     push_size(text, "absolute", rule.absolute);
     push_size(text, "relative", rule.relative);
-}
-
-fn push_protocol(text: &mut String, rule: &ProtocolRule) {
-    writeln!(text, "[[protocol]]\nprotocol = {}", quoted(rule.protocol.name())).expect("a string takes all");
-    push_names(text, "metrics", &rule.metrics);
-    push_names(text, "classes", &rule.classes);
-    if let Some(detectors) = &rule.detectors {
-        push_names(text, "detectors", detectors);
-    }
-    push_size(text, "absolute", rule.absolute);
-    push_size(text, "relative", rule.relative);
-}
-
-fn push_speed(text: &mut String, rule: &SpeedRule) {
-    writeln!(text, "[speed]\nreference = {}", quoted(&rule.reference)).expect("a string takes all");
-    if let Some(detectors) = &rule.detectors {
-        push_names(text, "detectors", detectors);
-    }
-    push_size(text, "relative", rule.relative);
-}
-
-fn push_names(text: &mut String, field: &str, names: &[String]) {
-    let names: Vec<String> = names.iter().map(|it| quoted(it)).collect();
-    writeln!(text, "{field} = [{}]", names.join(", ")).expect("a string takes all");
 }
 
 fn push_size(text: &mut String, field: &str, size: f64) {

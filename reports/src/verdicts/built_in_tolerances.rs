@@ -8,10 +8,8 @@ use crate::protocols::protocol_number::{ALL_CLASSES, ProtocolMetric};
 use crate::protocols::protocol_tally::ProtocolQuestion;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::{Draw, Question};
-use crate::verdicts::tolerances::{
-    DriftRule, Origin, ProtocolRule, QualityRule, SpeedRule, Tolerances, is_meant,
-};
-use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
+use crate::verdicts::tolerances::{DriftRule, Origin, Rule, Tolerances, names_meant};
+use crate::vocabulary::metric::Metric;
 use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -32,7 +30,7 @@ pub(super) struct Sizes {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MetricSize {
-    id: String,
+    pub(super) id: String,
     pub(super) meaning: String,
     absolute: f64,
     relative: f64,
@@ -73,28 +71,20 @@ impl Sizes {
     }
 }
 
-impl MetricSize {
-    pub(super) fn metric(&self) -> Metric {
-        Metric::from_id(&self.id).expect("the file is a part of the program and tested")
-    }
-}
-
-impl SliceSize {
-    fn metric(&self) -> Metric {
-        Metric::from_id(&self.metric).expect("the file is a part of the program and tested")
-    }
-}
-
 impl Tolerances {
     /// The built-in tolerances for `baseline`: rules about every metric, task and detector that it has a number of, and about its times.
     pub fn built_in(baseline: &RunArchive) -> Self {
         let tally = baseline.tally();
         let numbers = Numbers { draws: tally.undrawn(), tally: &tally };
         let sizes = Sizes::built_in();
-        let of_metrics = sizes.metric.iter().flat_map(|it| numbers.rules_about(it));
-        let of_slices = numbers.rules_about_slices(&sizes.slices);
+        let all = [Slice::All.name()];
+        let of_metrics = sizes.metric.iter();
+        let of_metrics =
+            of_metrics.flat_map(|it| numbers.rules_about(&it.id, &all, [it.absolute, it.relative]));
+        let SliceSize { metric, patterns, absolute, relative, .. } = &sizes.slices;
+        let of_slices = numbers.rules_about(metric, patterns, [*absolute, *relative]);
         let quality = of_metrics.chain(of_slices).collect();
-        let speed = numbers.speed_rule(&sizes.speed);
+        let speed = numbers.speed_rule(sizes.speed.relative);
         let protocols = protocol_rules(baseline, &sizes.protocols);
         Self {
             origin: Origin::BuiltIn,
@@ -108,7 +98,7 @@ impl Tolerances {
 }
 
 /// One rule for each protocol that the baseline was evaluated under, about those of `metrics` that it has of all classes together.
-fn protocol_rules(baseline: &RunArchive, size: &ProtocolSize) -> Vec<ProtocolRule> {
+fn protocol_rules(baseline: &RunArchive, size: &ProtocolSize) -> Vec<Rule> {
     let tally = baseline.tally();
     let names = tally.datasets().iter().flat_map(|it| DrawnScans::of(&tally, it).names().to_vec());
     let scans = DrawnScans::undrawn(names.collect());
@@ -120,11 +110,11 @@ fn protocol_rules(baseline: &RunArchive, size: &ProtocolSize) -> Vec<ProtocolRul
         let known: Vec<ProtocolMetric> = of_detectors.flat_map(|it| it.metrics()).collect();
         let has_it = |id: &&String| known.iter().any(|it| it.class == ALL_CLASSES && it.id == **id);
         let metrics: Vec<String> = size.metrics.iter().filter(has_it).cloned().collect();
-        (!metrics.is_empty()).then(|| ProtocolRule {
+        (!metrics.is_empty()).then(|| Rule {
             line: None,
-            protocol,
             metrics,
-            classes: vec![ALL_CLASSES.to_owned()],
+            parts: vec![ALL_CLASSES.to_owned()],
+            tasks: Some(vec![protocol.name().to_owned()]),
             detectors: None,
             absolute: size.absolute,
             relative: size.relative,
@@ -151,65 +141,42 @@ impl Numbers<'_> {
     /// The detectors that have `metric` in `task`, of a slice that `pattern` stands for.
     fn detectors(&self, metric: &Metric, task: Task, pattern: &str) -> Vec<String> {
         let has_it = |detector: &&String| {
-            let slices = self.tally.slices(task, detector);
-            slices.into_iter().any(|it| is_meant(pattern, it) && self.has(metric, task, detector, it))
+            let slices = self.tally.slices(task, detector).into_iter();
+            let mut slices = slices.filter(|it| names_meant(pattern, &it.name()));
+            slices.any(|it| self.has(metric, task, detector, it))
         };
         self.tally.detectors().iter().filter(has_it).cloned().collect()
     }
 
-    /// One rule for all tasks that the same detectors have it in.
-    fn rules_about(&self, size: &MetricSize) -> Vec<QualityRule> {
-        let metric = size.metric();
-        let of_tasks = self.tally.tasks().iter().map(|&task| (task, self.detectors(&metric, task, "all")));
-        let of_tasks: Vec<_> = of_tasks.filter(|(_, detectors)| !detectors.is_empty()).collect();
-        let alike = of_tasks.chunk_by(|a, b| a.1 == b.1);
-        let rules = alike.map(|tasks| QualityRule {
-            line: None,
-            metrics: vec![metric.clone()],
-            slices: vec![Slice::All.name()],
-            tasks: Some(tasks.iter().map(|(task, _)| *task).collect()),
-            detectors: Some(tasks[0].1.clone()),
-            absolute: size.absolute,
-            relative: size.relative,
-        });
-        rules.collect()
-    }
-
-    /// One rule for all tasks that have slices of the same kinds by the same detectors.
-    fn rules_about_slices(&self, size: &SliceSize) -> Vec<QualityRule> {
-        let metric = size.metric();
+    /// Rules about a metric of the slices that `patterns` stand for: one for all tasks, and all patterns, that the same detectors have it in.
+    fn rules_about(&self, id: &str, patterns: &[String], [absolute, relative]: [f64; 2]) -> Vec<Rule> {
+        let metric = Metric::from_id(id).expect("the file is a part of the program and tested");
         let of_task = |task: Task| {
             let of_pattern = |it: &String| (it.clone(), self.detectors(&metric, task, it));
-            let kinds = size.patterns.iter().map(of_pattern).filter(|(_, detectors)| !detectors.is_empty());
+            let kinds = patterns.iter().map(of_pattern).filter(|(_, detectors)| !detectors.is_empty());
             (task, kinds.collect::<Vec<_>>())
         };
         let of_tasks: Vec<_> = self.tally.tasks().iter().map(|it| of_task(*it)).collect();
         let alike = of_tasks.chunk_by(|a, b| a.1 == b.1);
         let rules = alike.flat_map(|tasks| {
-            tasks[0].1.chunk_by(|a, b| a.1 == b.1).map(|kinds| QualityRule {
+            tasks[0].1.chunk_by(|a, b| a.1 == b.1).map(|kinds| Rule {
                 line: None,
-                metrics: vec![metric.clone()],
-                slices: kinds.iter().map(|(pattern, _)| pattern.clone()).collect(),
-                tasks: Some(tasks.iter().map(|(task, _)| *task).collect()),
+                metrics: vec![id.to_owned()],
+                parts: kinds.iter().map(|(pattern, _)| pattern.clone()).collect(),
+                tasks: Some(tasks.iter().map(|(task, _)| task.name().to_owned()).collect()),
                 detectors: Some(kinds[0].1.clone()),
-                absolute: size.absolute,
-                relative: size.relative,
+                absolute,
+                relative,
             })
         });
         rules.collect()
     }
 
     /// Of the detectors that were timed; nothing if none was.
-    fn speed_rule(&self, size: &SpeedSize) -> Option<SpeedRule> {
+    fn speed_rule(&self, relative: f64) -> Option<Rule> {
         // Every task has the same times.
-        let task = *self.tally.tasks().first()?;
-        let timed = self.detectors(&Metric::TimeRatio, task, "all");
-        (!timed.is_empty()).then(|| SpeedRule {
-            line: None,
-            reference: SPEED_REFERENCE.to_owned(),
-            detectors: Some(timed),
-            relative: size.relative,
-        })
+        let timed = self.detectors(&Metric::TimeRatio, *self.tally.tasks().first()?, "all");
+        (!timed.is_empty()).then(|| Rule { detectors: Some(timed), ..Rule::of_times(relative) })
     }
 }
 
@@ -221,11 +188,11 @@ mod tests {
     #[test]
     fn every_ratio_has_a_size() {
         let sizes = Sizes::built_in();
-        let mut known: Vec<Metric> = sizes.metric.iter().map(MetricSize::metric).collect();
+        let mut known: Vec<Metric> = sizes.metric.iter().filter_map(|it| Metric::from_id(&it.id)).collect();
         known.sort();
         let mut ratios = RATIOS.to_vec();
         ratios.sort();
         assert_eq!(known, ratios);
-        assert!(RATIOS.contains(&sizes.slices.metric()));
+        assert!(RATIOS.iter().any(|it| it.id() == sizes.slices.metric));
     }
 }

@@ -1,16 +1,19 @@
 //! What a difference means for a gate.
 
-/// What a difference means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Finding {
-    /// Surely worse than tolerated.
-    Regression,
-    /// A number is missing on one side, so nothing can be said.
-    Incomparable,
-    /// Worse than tolerated, but it may be chance.
-    Inconclusive,
-    /// Not worse than tolerated.
-    Pass,
+use crate::vocabulary::named::named;
+
+named! {
+    /// What a difference means.
+    pub enum Finding {
+        /// Surely worse than tolerated.
+        Regression = "regression",
+        /// A number is missing on one side, so nothing can be said.
+        Incomparable = "incomparable",
+        /// Worse than tolerated, but it may be chance.
+        Inconclusive = "inconclusive",
+        /// Not worse than tolerated.
+        Pass = "pass",
+    }
 }
 
 impl Finding {
@@ -21,16 +24,6 @@ impl Finding {
             Self::Incomparable => "missing",
             Self::Inconclusive => "inconclusive",
             Self::Pass => "passed",
-        }
-    }
-
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Regression => "regression",
-            Self::Incomparable => "incomparable",
-            Self::Inconclusive => "inconclusive",
-            Self::Pass => "pass",
         }
     }
 

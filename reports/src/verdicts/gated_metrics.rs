@@ -3,13 +3,14 @@
 use std::collections::BTreeSet;
 
 use crate::numbers::tally::Tally;
-use crate::uncertainty::sample::{Draw, Question, Sample};
+use crate::uncertainty::sample::{Draw, Question};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleProblems, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
-use crate::verdicts::tolerances::{GatedPlace, QualityRule, Tolerances, is_meant, names_meant};
+use crate::verdicts::tolerances::{GatedPlace, Rule, Tolerances, names_meant};
 use crate::vocabulary::metric::Metric;
+use crate::vocabulary::named::named;
 use crate::vocabulary::slice::Slice;
 
 /// A number that is gated.
@@ -36,6 +37,21 @@ pub struct GatedMetric {
 }
 
 impl GatedMetric {
+    /// A number of this place, on these data sets if there are others, held to the rule of this place, which tolerates so much.
+    pub(super) fn new(
+        (place, on): (GatedPlace<'_>, Option<&str>),
+        metric: &Metric,
+        difference: Result<PairedDifference, Missing>,
+        (rule_idx, tolerance): (usize, f64),
+    ) -> Self {
+        let finding = difference
+            .as_ref()
+            .map_or(Finding::Incomparable, |it| Finding::of(it.worsening(), it.sure_worsening(), tolerance));
+        let [task, detector, slice] = [place.task, place.detector, place.part].map(str::to_owned);
+        let (on, metric) = (on.map(str::to_owned), metric.clone());
+        Self { on, task, detector, slice, metric, rule_idx, difference, tolerance, finding }
+    }
+
     /// What it is about: the task, and the data sets if there are others.
     pub fn about(&self) -> String {
         about(&self.task, self.on.as_deref())
@@ -47,33 +63,34 @@ pub(crate) fn about(what: &str, on: Option<&str>) -> String {
     on.map_or_else(|| what.to_owned(), |it| format!("{what} on {it}"))
 }
 
-/// Where a number is missing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Missing {
-    /// In the baseline, but not in the run.
-    InBaseline,
-    /// In the run, but not in the baseline.
-    InRun,
-    /// In both, although a rule names it.
-    InBoth,
+named! {
+    /// Where a number is missing.
+    pub enum Missing {
+        /// In the baseline, but not in the run.
+        InBaseline = "baseline",
+        /// In the run, but not in the baseline.
+        InRun = "run",
+        /// In both, although a rule names it.
+        InBoth = "both",
+    }
 }
 
 impl Missing {
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::InBaseline => "baseline",
-            Self::InRun => "run",
-            Self::InBoth => "both",
-        }
-    }
-
     /// Where, in words.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::InBaseline => "missing in the baseline",
             Self::InRun => "missing in the run",
             Self::InBoth => "missing in the baseline and in the run",
+        }
+    }
+
+    /// Where a number is missing that is, or is not, in the baseline and in the run.
+    pub(super) fn of(is_there: [bool; 2]) -> Self {
+        match is_there {
+            [true, _] => Self::InRun,
+            [false, true] => Self::InBaseline,
+            [false, false] => Self::InBoth,
         }
     }
 }
@@ -98,32 +115,71 @@ impl Sides<'_> {
         problems.extend(self.unknown_names(tolerances, &slices));
         let metrics = tolerances.metrics();
         let mut gated = Vec::new();
-        for (dataset, on) in self.judged() {
+        for (dataset, on) in judged(self.before) {
             for &task in self.before.tasks() {
                 for detector in self.before.detectors() {
                     for &slice in &slices {
-                        let place = GatedPlace { task, detector, slice };
-                        let wanted =
-                            metrics.iter().filter_map(|it| Some((it, tolerances.rule_about(it, place)?)));
-                        let wanted: Vec<(&Metric, usize)> = wanted.collect();
-                        if !wanted.is_empty() {
-                            let samples =
-                                self.samples(&Question { dataset: &dataset, task, detector, slice });
-                            let of_metric = |(metric, rule_idx)| {
-                                let rule = (rule_idx, &tolerances.quality[rule_idx]);
-                                let gated = gated_metric(metric, place, &samples, rule)?;
-                                Some(GatedMetric { on: on.clone(), ..gated })
-                            };
-                            gated.extend(wanted.into_iter().filter_map(of_metric));
-                        }
+                        let question = Question { dataset: &dataset, task, detector, slice };
+                        gated.extend(self.held(&tolerances.quality, &metrics, (&question, on.as_deref())));
                     }
                 }
             }
         }
         let gated = without_gaps(gated);
-        problems.extend(void_rules(tolerances, &gated, &problems));
+        // What is wrong with a rule is why it has no effect.
+        let is_sound = |it: &RuleProblem| problems.iter().all(|known| known.place.table != it.place.table);
+        let void = void_rules(&tolerances.quality, RuleTable::Quality, &gated, str::to_owned);
+        let void: Vec<RuleProblem> = void.into_iter().filter(is_sound).collect();
+        problems.extend(void);
         RuleProblems::check(tolerances.path(), problems)?;
         Ok(gated)
+    }
+
+    /// How long every detector of the baseline that `rule` is about takes beside the reference.
+    pub(super) fn gated_speeds(&self, rule: &Rule) -> Vec<GatedMetric> {
+        let mut gated = Vec::new();
+        // Every task has the same times.
+        let Some(&task) = self.before.tasks().first() else { return gated };
+        for (dataset, on) in judged(self.before) {
+            for detector in self.before.detectors() {
+                let question = Question { dataset: &dataset, task, detector, slice: Slice::All };
+                let rules = std::slice::from_ref(rule);
+                gated.extend(self.held(rules, &[Metric::TimeRatio], (&question, on.as_deref())));
+            }
+        }
+        gated
+    }
+
+    /// Those of `metrics` that `rules` are about, of one subject; what neither side has is left out unless its rule names it.
+    fn held(
+        &self,
+        rules: &[Rule],
+        metrics: &[Metric],
+        (question, on): (&Question<'_>, Option<&str>),
+    ) -> Vec<GatedMetric> {
+        let part = question.slice.name();
+        let place = GatedPlace { task: question.task.name(), detector: question.detector, part: &part };
+        let rule_about = |metric: &Metric| rules.iter().position(|it| it.is_about(&metric.id(), place));
+        let wanted = metrics.iter().filter_map(|it| Some((it, rule_about(it)?)));
+        let wanted: Vec<(&Metric, usize)> = wanted.collect();
+        if wanted.is_empty() {
+            return Vec::new();
+        }
+        let sides = [self.before, self.after].map(|it| it.sample(question, self.draws));
+        let of_metric = |(metric, rule_idx): (&Metric, usize)| {
+            let rule = &rules[rule_idx];
+            let values = sides.each_ref().map(|it| it.as_ref().and_then(|it| it.value(metric)));
+            let is_expected = metric.is_time() || rule.names(place);
+            if values == [None, None] && !is_expected {
+                return None;
+            }
+            let both = sides[0].as_ref().zip(sides[1].as_ref());
+            let difference = both.and_then(|(before, after)| paired_difference(before, after, metric));
+            let difference = difference.ok_or_else(|| Missing::of(values.map(|it| it.is_some())));
+            let tolerance = rule.tolerance(metric, values[0].unwrap_or(0.0));
+            Some(GatedMetric::new((place, on), metric, difference, (rule_idx, tolerance)))
+        };
+        wanted.into_iter().filter_map(of_metric).collect()
     }
 
     /// All slices of both sides, in the order of a report.
@@ -137,44 +193,34 @@ impl Sides<'_> {
         slices
     }
 
-    /// Names of the data sets that are judged together, and again if there are others.
-    pub(super) fn judged(&self) -> Vec<(String, Option<String>)> {
-        judged(self.before)
-    }
-
-    fn samples(&self, question: &Question<'_>) -> [Option<Sample>; 2] {
-        [self.before, self.after].map(|it| it.sample(question, self.draws))
-    }
-
     /// Names of the rules that neither side knows.
     fn unknown_names(&self, tolerances: &Tolerances, slices: &BTreeSet<Slice>) -> Vec<RuleProblem> {
         let sides = || [self.before, self.after].into_iter();
         let tasks: BTreeSet<String> = sides().flat_map(Tally::tasks).map(|it| it.name().to_owned()).collect();
         let detectors: BTreeSet<String> = sides().flat_map(Tally::detectors).cloned().collect();
-        let slice_names: Vec<String> = slices.iter().map(Slice::name).collect();
+        let slices: Vec<String> = slices.iter().map(Slice::name).collect();
         let mut problems = Vec::new();
-        let mut complain = |place: RulePlace, what: &str, name: &str, suggestion: String| {
-            let what = format!("there is no {what} {name:?} in either run{suggestion}");
-            problems.push(RuleProblem { place, what });
+        let mut check = |rule: &Rule, table: RuleTable| {
+            let mut complain = |what: &str, name: &str, suggestion: String| {
+                let what = format!("there is no {what} {name:?} in either run{suggestion}");
+                problems.push(RuleProblem { place: RulePlace { line: rule.line, table }, what });
+            };
+            for (what, names, known) in
+                [("task", &rule.tasks, &tasks), ("detector", &rule.detectors, &detectors)]
+            {
+                for name in names.iter().flatten().filter(|it| !known.contains(*it)) {
+                    complain(what, name, did_you_mean(name, known.iter()));
+                }
+            }
+            for pattern in rule.parts.iter().filter(|it| !slices.iter().any(|slice| names_meant(it, slice))) {
+                complain("slice", pattern, did_you_mean(pattern, slices.iter()));
+            }
         };
         for (rule_idx, rule) in tolerances.quality.iter().enumerate() {
-            let of_tasks = rule.tasks.iter().flatten().map(|it| ("task", it.name(), &tasks));
-            let of_detectors =
-                rule.detectors.iter().flatten().map(|it| ("detector", it.as_str(), &detectors));
-            for (what, name, known) in
-                of_tasks.chain(of_detectors).filter(|(_, name, known)| !known.contains(*name))
-            {
-                complain(rule.place(rule_idx), what, name, did_you_mean(name, known.iter()));
-            }
-            for pattern in rule.slices.iter().filter(|it| !slices.iter().any(|slice| is_meant(it, *slice))) {
-                complain(rule.place(rule_idx), "slice", pattern, did_you_mean(pattern, slice_names.iter()));
-            }
+            check(rule, RuleTable::Quality(rule_idx));
         }
         if let Some(rule) = &tolerances.speed {
-            let place = RulePlace { line: rule.line, table: RuleTable::Speed };
-            for name in rule.detectors.iter().flatten().filter(|it| !detectors.contains(*it)) {
-                complain(place.clone(), "detector", name, did_you_mean(name, detectors.iter()));
-            }
+            check(rule, RuleTable::Speed);
         }
         problems
     }
@@ -195,55 +241,30 @@ fn without_gaps(gated: Vec<GatedMetric>) -> Vec<GatedMetric> {
     gated.into_iter().filter(|it| !is_gap(it) || !known.contains(&key(it))).collect()
 }
 
-/// Metrics and slices of rules that no number was held to: of no slice is the metric measured, or an earlier rule decides. Rules
-/// with `known` problems are left out, because those are why.
-fn void_rules(tolerances: &Tolerances, gated: &[GatedMetric], known: &[RuleProblem]) -> Vec<RuleProblem> {
+/// Metrics and parts of `rules` that no number of `gated` was held to: of no part is the metric measured, or an earlier rule decides.
+pub(super) fn void_rules(
+    rules: &[Rule],
+    table: fn(usize) -> RuleTable,
+    gated: &[GatedMetric],
+    named: impl Fn(&str) -> String,
+) -> Vec<RuleProblem> {
     let mut problems = Vec::new();
-    for (rule_idx, rule) in tolerances.quality.iter().enumerate() {
-        if known.iter().any(|it| it.place.table == RuleTable::Quality(rule_idx)) {
-            continue;
-        }
+    for (rule_idx, rule) in rules.iter().enumerate() {
+        let of_rule = || gated.iter().filter(|it| it.rule_idx == rule_idx);
         for metric in &rule.metrics {
-            for pattern in &rule.slices {
-                let is_held = |it: &&GatedMetric| {
-                    it.metric == *metric && names_meant(pattern, &it.slice) && it.rule_idx == rule_idx
-                };
-                if !gated.iter().any(|it| is_held(&it)) {
+            for part in &rule.parts {
+                let is_held =
+                    |it: &GatedMetric| names_meant(metric, &it.metric.id()) && names_meant(part, &it.slice);
+                if !of_rule().any(is_held) {
                     let what = format!(
-                        "the rule has no effect on {} of {pattern:?}: neither run has it, or an earlier rule applies",
-                        metric.id()
+                        "the rule has no effect on {} of {part:?}: neither run has it, or an earlier rule applies",
+                        named(metric)
                     );
-                    problems.push(RuleProblem { place: rule.place(rule_idx), what });
+                    let place = RulePlace { line: rule.line, table: table(rule_idx) };
+                    problems.push(RuleProblem { place, what });
                 }
             }
         }
     }
     problems
-}
-
-/// `None` if neither side has the number and the rule does not name it.
-fn gated_metric(
-    metric: &Metric,
-    place: GatedPlace<'_>,
-    [before, after]: &[Option<Sample>; 2],
-    (rule_idx, rule): (usize, &QualityRule),
-) -> Option<GatedMetric> {
-    let [value_before, value_after] = [before, after].map(|it| it.as_ref().and_then(|it| it.value(metric)));
-    let difference = match (value_before, value_after) {
-        (Some(_), None) => Err(Missing::InRun),
-        (None, Some(_)) => Err(Missing::InBaseline),
-        (None, None) if rule.names(place) => Err(Missing::InBoth),
-        (None, None) => return None,
-        (Some(_), Some(_)) => {
-            paired_difference(before.as_ref()?, after.as_ref()?, metric).ok_or(Missing::InBoth)
-        }
-    };
-    let tolerance = rule.tolerance(value_before.unwrap_or(0.0));
-    let finding = difference
-        .as_ref()
-        .map_or(Finding::Incomparable, |it| Finding::of(it.worsening(), it.sure_worsening(), tolerance));
-    let GatedPlace { task, detector, slice } = place;
-    let (task, detector, slice) = (task.name().to_owned(), detector.to_owned(), slice.name());
-    let metric = metric.clone();
-    Some(GatedMetric { on: None, task, detector, slice, metric, rule_idx, difference, tolerance, finding })
 }

@@ -3,11 +3,10 @@
 use crate::numbers::tally::Tally;
 use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_tally::ProtocolTally;
-use crate::verdicts::finding::Finding;
-use crate::verdicts::gated_metrics::{GatedMetric, Missing, judged};
+use crate::verdicts::gated_metrics::{GatedMetric, Missing, judged, void_rules};
 use crate::verdicts::protocol_differences::{ProtocolPair, ProtocolSide, pairs};
-use crate::verdicts::rule_problems::{RuleProblem, RuleProblems};
-use crate::verdicts::tolerances::{Tolerances, names_meant};
+use crate::verdicts::rule_problems::{RuleProblems, RuleTable};
+use crate::verdicts::tolerances::{GatedPlace, Tolerances};
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::protocol::Protocol;
 
@@ -26,11 +25,11 @@ pub(super) fn gated_protocols(
         return Ok(gated);
     }
     let judged: Vec<_> = judged(tally).into_iter().map(|(it, on)| (DrawnScans::of(tally, &it), on)).collect();
-    let asked = |it: &Protocol| tolerances.protocols.iter().any(|rule| rule.protocol == *it);
-    let protocols = Protocol::ALL.into_iter().filter(asked);
-    for (protocol, (scans, on)) in protocols.flat_map(|protocol| judged.iter().map(move |it| (protocol, it)))
-    {
-        for detector in tally.detectors() {
+    let asked = |it: &Protocol| tolerances.protocols.iter().any(|rule| rule.is_within(it.name()));
+    for protocol in Protocol::ALL.into_iter().filter(asked) {
+        for ((scans, on), detector) in
+            judged.iter().flat_map(|it| tally.detectors().iter().map(move |detector| (it, detector)))
+        {
             let sides = [before, after].map(|it| ProtocolSide::of(it, protocol, detector, scans));
             let pairs = match &sides {
                 [Some(before), Some(after)] => pairs(before, after, scans),
@@ -42,70 +41,30 @@ pub(super) fn gated_protocols(
                 }
                 [None, None] => continue,
             };
-            let of_pair = |it| {
-                let gated = gated_number(it, (protocol, detector), tolerances)?;
-                Some(GatedMetric { on: on.clone(), ..gated })
-            };
-            gated.extend(pairs.into_iter().filter_map(of_pair));
+            gated.extend(pairs.into_iter().filter_map(|it| {
+                let place = GatedPlace { task: protocol.name(), detector, part: &it.class };
+                gated_number(&it, (place, on.as_deref()), tolerances)
+            }));
         }
     }
-    RuleProblems::check(tolerances.path(), void_rules(tolerances, &gated))?;
+    let named = |metric: &str| format!("{metric:?}");
+    let problems = void_rules(&tolerances.protocols, RuleTable::Protocol, &gated, named);
+    RuleProblems::check(tolerances.path(), problems)?;
     Ok(gated)
 }
 
 /// `None` if no rule is about it, it has no better way, or neither side has the number.
 fn gated_number(
-    pair: ProtocolPair,
-    (protocol, detector): (Protocol, &str),
+    ProtocolPair { metric, is_there, difference, .. }: &ProtocolPair,
+    place: (GatedPlace<'_>, Option<&str>),
     tolerances: &Tolerances,
 ) -> Option<GatedMetric> {
-    let ProtocolPair { class, metric, is_there, difference } = pair;
-    let mut rules = tolerances.protocols.iter();
-    let rule_idx = rules.position(|it| it.is_about((protocol, detector), &class, &metric.id()))?;
-    let difference = match (difference, is_there) {
-        (Some(difference), _) => Ok(difference),
-        (None, [true, _]) => Err(Missing::InRun),
-        (None, [false, true]) => Err(Missing::InBaseline),
-        (None, [false, false]) => return None,
-    };
-    if metric.direction() == Direction::Neither {
+    let rule_idx = tolerances.protocols.iter().position(|it| it.is_about(&metric.id(), place.0))?;
+    if *is_there == [false; 2] || metric.direction() == Direction::Neither {
         return None;
     }
-    let tolerance = tolerances.protocols[rule_idx].tolerance(difference.as_ref().map_or(0.0, |it| it.before));
-    let finding = difference
-        .as_ref()
-        .map_or(Finding::Incomparable, |it| Finding::of(it.worsening(), it.sure_worsening(), tolerance));
-    let (task, detector) = (protocol.name().to_owned(), detector.to_owned());
-    Some(GatedMetric {
-        on: None,
-        task,
-        detector,
-        slice: class,
-        metric,
-        rule_idx,
-        difference,
-        tolerance,
-        finding,
-    })
-}
-
-/// Metrics and classes of rules that no number was held to.
-fn void_rules(tolerances: &Tolerances, gated: &[GatedMetric]) -> Vec<RuleProblem> {
-    let mut problems = Vec::new();
-    for (rule_idx, rule) in tolerances.protocols.iter().enumerate() {
-        let of_rule = || gated.iter().filter(|it| it.rule_idx == rule_idx && it.task == rule.protocol.name());
-        for metric in &rule.metrics {
-            for class in &rule.classes {
-                let is_held =
-                    |it: &GatedMetric| names_meant(metric, &it.metric.id()) && names_meant(class, &it.slice);
-                if !of_rule().any(is_held) {
-                    let what = format!(
-                        "the rule has no effect on {metric:?} of {class:?}: neither run has it, or an earlier rule applies"
-                    );
-                    problems.push(RuleProblem { place: rule.place(rule_idx), what });
-                }
-            }
-        }
-    }
-    problems
+    let difference = difference.clone().ok_or_else(|| Missing::of(*is_there));
+    let before = difference.as_ref().map_or(0.0, |it| it.before);
+    let tolerance = tolerances.protocols[rule_idx].tolerance(metric, before);
+    Some(GatedMetric::new(place, metric, difference, (rule_idx, tolerance)))
 }

@@ -57,9 +57,10 @@ pub fn least_losses(run: &RunArchive, tolerances: &Tolerances) -> LeastLosses {
                 continue;
             };
             let [low, high] = rates.interval().ends;
-            let place = GatedPlace { task, detector, slice: Slice::All };
+            let part = Slice::All.name();
+            let place = GatedPlace { task: task.name(), detector, part: &part };
             let rule = tolerances.rule_about(&metric, place);
-            let tolerated = rule.map_or(0.0, |it| tolerances.quality[it].tolerance(value));
+            let tolerated = rule.map_or(0.0, |it| tolerances.quality[it].tolerance(&metric, value));
             let loss = tolerated + (high - low) / 2.0;
             losses.push(LeastLoss { task, detector: detector.clone(), metric, loss });
         }

@@ -18,7 +18,6 @@ pub mod least_loss;
 pub mod finding;
 pub mod gated_metrics;
 mod gated_protocols;
-pub mod gated_speeds;
 pub mod verdict;
 pub mod accept;
 pub mod fitness_verdict;

@@ -1,6 +1,6 @@
 //! What lies between two numbers that were measured on the same scans, and how surely.
 
-use crate::numbers::blocks::Interval;
+use crate::numbers::blocks::{BlockCount, Interval};
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::Sample;
 use crate::vocabulary::metric::{Direction, Metric};
@@ -14,7 +14,7 @@ pub struct PairedDifference {
     pub before: f64,
     /// The number that is compared.
     pub after: f64,
-    /// How sure `after` - `before` is: both are of the same resamples. `None` where a data set has one block of scans only.
+    /// How sure [`Self::difference`] is: both are of the same resamples. `None` where a data set has one block of scans only.
     pub interval: Option<Interval>,
     /// The least difference that scans like these would show, see [`Distribution::least_effect`].
     pub least_effect: Option<f64>,
@@ -24,23 +24,38 @@ pub struct PairedDifference {
 ///
 /// `None` if the metric is undefined in one of them.
 pub fn paired_difference(before: &Sample, after: &Sample, metric: &Metric) -> Option<PairedDifference> {
-    let [value_before, value_after] = [before.value(metric)?, after.value(metric)?];
+    let values = [before.value(metric)?, after.value(metric)?];
     let of_resamples = before.resampled_values(metric).zip(after.resampled_values(metric));
-    let differences = of_resamples.map(|(before, after)| Some(after? - before?));
-    let distribution = Distribution::new(differences, before.blocks);
-    Some(PairedDifference {
-        metric: metric.clone(),
-        before: value_before,
-        after: value_after,
-        interval: distribution.as_ref().map(Distribution::interval),
-        least_effect: distribution.as_ref().map(Distribution::least_effect),
-    })
+    Some(PairedDifference::new(metric, values, of_resamples, Some(before.blocks)))
+}
+
+/// `after` - `before`; of times over those of the reference the share by which it is slower.
+fn between(metric: &Metric, before: f64, after: f64) -> f64 {
+    if *metric == Metric::TimeRatio { after / before - 1.0 } else { after - before }
 }
 
 impl PairedDifference {
-    /// `after` - `before`.
+    /// What lies between two values, and between those of the same draws from `blocks`.
+    pub(super) fn new(
+        metric: &Metric,
+        [before, after]: [f64; 2],
+        of_draws: impl Iterator<Item = (Option<f64>, Option<f64>)>,
+        blocks: Option<BlockCount>,
+    ) -> Self {
+        let differences = of_draws.map(|(before, after)| Some(between(metric, before?, after?)));
+        let distribution = blocks.and_then(|it| Distribution::new(differences, it));
+        Self {
+            metric: metric.clone(),
+            before,
+            after,
+            interval: distribution.as_ref().map(Distribution::interval),
+            least_effect: distribution.as_ref().map(Distribution::least_effect),
+        }
+    }
+
+    /// `after` - `before`. Of times over those of the reference it is a share: 0.1 is a tenth slower.
     pub fn difference(&self) -> f64 {
-        self.after - self.before
+        between(&self.metric, self.before, self.after)
     }
 
     /// How much worse it has become: positive is worse, whichever way is better. A metric that has no better way is never

@@ -4,7 +4,6 @@ use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_number::ProtocolMetric;
 use crate::protocols::protocol_tally::{ProtocolQuestion, ProtocolTally};
 use crate::protocols::under_protocol::DrawnValues;
-use crate::uncertainty::bootstrap::Distribution;
 use crate::verdicts::paired_difference::PairedDifference;
 use crate::vocabulary::metric::{Metric, ProtocolMetricName};
 use crate::vocabulary::protocol::Protocol;
@@ -36,12 +35,10 @@ impl ProtocolSide {
         Some(Self { metrics: rows.metrics(), drawn: DrawnValues::new(&*rows, scans) })
     }
 
-    fn place_of(&self, class: &str, id: &str) -> Option<usize> {
-        self.metrics.iter().position(|it| it.class == class && it.id == id)
-    }
-
-    fn value(&self, place: Option<usize>) -> Option<f64> {
-        self.drawn.values[place?]
+    /// The place of a metric, and its value there; `None` if it has none.
+    fn value(&self, ProtocolMetric { class, id, .. }: &ProtocolMetric) -> Option<(usize, f64)> {
+        let place = self.metrics.iter().position(|it| it.class == *class && it.id == *id)?;
+        Some((place, self.drawn.values[place]?))
     }
 }
 
@@ -53,36 +50,20 @@ pub fn common_protocols(before: &ProtocolTally, after: &ProtocolTally) -> Vec<Pr
 
 /// Every number of either side, first those of `before`.
 pub fn pairs(before: &ProtocolSide, after: &ProtocolSide, scans: &DrawnScans) -> Vec<ProtocolPair> {
-    let is_new = |it: &&ProtocolMetric| before.place_of(&it.class, &it.id).is_none();
+    let is_same = |a: &ProtocolMetric, b: &ProtocolMetric| a.class == b.class && a.id == b.id;
+    let is_new = |it: &&ProtocolMetric| !before.metrics.iter().any(|known| is_same(known, it));
     let metrics = before.metrics.iter().chain(after.metrics.iter().filter(is_new));
-    metrics.map(|it| pair(it, before, after, scans)).collect()
-}
-
-fn pair(
-    metric: &ProtocolMetric,
-    before: &ProtocolSide,
-    after: &ProtocolSide,
-    scans: &DrawnScans,
-) -> ProtocolPair {
-    let places = [before, after].map(|it| it.place_of(&metric.class, &metric.id));
-    let values = [before.value(places[0]), after.value(places[1])];
-    let ProtocolMetric { class, id, unit, direction, .. } = metric.clone();
-    let metric = Metric::OfProtocol(ProtocolMetricName { id, unit, direction });
-    let difference = match (values, places) {
-        ([Some(value_before), Some(value_after)], [Some(place_before), Some(place_after)]) => {
-            let of_draws = before.drawn.resampled.iter().zip(&after.drawn.resampled);
-            let differences =
-                of_draws.map(|(before, after)| Some(after[place_after]? - before[place_before]?));
-            let distribution = scans.blocks().and_then(|it| Distribution::new(differences, it));
-            Some(PairedDifference {
-                metric: metric.clone(),
-                before: value_before,
-                after: value_after,
-                interval: distribution.as_ref().map(Distribution::interval),
-                least_effect: distribution.as_ref().map(Distribution::least_effect),
-            })
-        }
-        _ => None,
+    let pair = |of: &ProtocolMetric| {
+        let values = [before, after].map(|it| it.value(of));
+        let ProtocolMetric { class, id, unit, direction, .. } = of.clone();
+        let metric = Metric::OfProtocol(ProtocolMetricName { id, unit, direction });
+        let difference =
+            values[0].zip(values[1]).map(|((place_before, before_it), (place_after, after_it))| {
+                let of_draws = before.drawn.resampled.iter().zip(&after.drawn.resampled);
+                let of_draws = of_draws.map(|(before, after)| (before[place_before], after[place_after]));
+                PairedDifference::new(&metric, [before_it, after_it], of_draws, scans.blocks())
+            });
+        ProtocolPair { class, metric, is_there: values.map(|it| it.is_some()), difference }
     };
-    ProtocolPair { class, metric, is_there: values.map(|it| it.is_some()), difference }
+    metrics.map(pair).collect()
 }

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
-use crate::verdicts::tolerances::{DriftRule, Origin, ProtocolRule, QualityRule, SpeedRule, Tolerances};
+use crate::verdicts::tolerances::{DriftRule, Origin, Rule, Tolerances};
 use crate::vocabulary::metric::{Direction, Metric, SPEED_REFERENCE};
 use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::task::Task;
@@ -52,8 +52,11 @@ impl Tolerances {
             .map_err(|problem| TolerancesError::Toml { path: path.to_path_buf(), problem: problem.into() })?;
         let mut top = Section::new(&text, RuleTable::Top, 0, Some(table.get_ref()));
         let drift = drift_rule(&mut top);
-        let quality = quality_rules(&mut top);
-        let protocols = protocol_rules(&mut top);
+        let quality = top.require("quality");
+        let quality = top.rules("quality", quality, RuleTable::Quality, quality_rule);
+        let protocols = top.take("protocol");
+        let protocols = top.rules("protocol", protocols, RuleTable::Protocol, protocol_rule);
+        let protocols = protocols.into_iter().flatten().collect();
         let speed = top.take("speed").and_then(|it| {
             top.expect("a table", it, it.get_ref().as_table())?;
             Some(speed_rule(Section::of_value(&text, RuleTable::Speed, it), &mut top.problems))
@@ -76,61 +79,50 @@ fn drift_rule(top: &mut Section<'_>) -> DriftRule {
     name.flatten().and_then(|it| DriftRule::from_name(&it)).unwrap_or(DriftRule::Fail)
 }
 
-fn quality_rules(top: &mut Section<'_>) -> Vec<QualityRule> {
-    let tables = top.require("quality");
-    top.rules("quality", tables, RuleTable::Quality, quality_rule)
-}
-
-/// None where the file has none.
-fn protocol_rules(top: &mut Section<'_>) -> Vec<ProtocolRule> {
-    let tables = top.take("protocol");
-    top.rules("protocol", tables, RuleTable::Protocol, protocol_rule).into_iter().flatten().collect()
-}
-
 /// `None` if it names no protocol; what else is wrong is left out of the rule, and all is one of `problems`.
-fn protocol_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Option<ProtocolRule> {
-    for name in ["metrics", "classes"] {
-        section.refuse_missing(name);
-    }
-    let protocol = section.text("protocol", protocol_problem);
-    let [metrics, classes] = ["metrics", "classes"].map(|it| section.names(it, |_| None).unwrap_or_default());
-    let detectors = section.names("detectors", |_| None);
-    let absolute = section.size("absolute", |size| absolute_problem(size, &[]));
-    let relative = section.size("relative", |size| share_problem("relative", size));
-    let line = Some(section.line);
+fn protocol_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Option<Rule> {
+    section.refuse_missing(&["metrics", "classes"]);
+    let protocol = section.text("protocol", |it| unknown("protocol", it, &Protocol::ALL.map(Protocol::name)));
+    let rule = Rule {
+        line: Some(section.line),
+        metrics: section.names("metrics", |_| None).unwrap_or_default(),
+        parts: section.names("classes", |_| None).unwrap_or_default(),
+        detectors: section.names("detectors", |_| None),
+        absolute: section.size("absolute", |size| absolute_problem(size, &[])),
+        relative: section.size("relative", |size| share_problem("relative", size)),
+        tasks: None,
+    };
     problems.extend(section.finish(&PROTOCOL_FIELDS));
     let protocol = Protocol::from_name(&protocol?)?;
-    Some(ProtocolRule { line, protocol, metrics, classes, detectors, absolute, relative })
+    Some(Rule { tasks: Some(vec![protocol.name().to_owned()]), ..rule })
 }
 
 /// What is wrong is left out of the rule, and is one of `problems`.
-fn quality_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> QualityRule {
-    for name in ["metrics", "slices"] {
-        section.refuse_missing(name);
-    }
-    let metrics = section.names("metrics", metric_problem);
-    let slices = section.names("slices", |_| None);
-    let tasks = section.names("tasks", task_problem);
-    let detectors = section.names("detectors", |_| None);
-    let metrics: Vec<Metric> =
-        metrics.unwrap_or_default().iter().filter_map(|it| Metric::from_id(it)).collect();
-    let absolute = section.size("absolute", |size| absolute_problem(size, &metrics));
-    let relative = section.size("relative", |size| share_problem("relative", size));
-    let tasks = tasks.map(|names| names.iter().filter_map(|name| Task::from_name(name)).collect());
-    let line = Some(section.line);
+fn quality_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Rule {
+    section.refuse_missing(&["metrics", "slices"]);
+    let metrics = section.names("metrics", metric_problem).unwrap_or_default();
+    let measured: Vec<Metric> = metrics.iter().filter_map(|it| Metric::from_id(it)).collect();
+    let rule = Rule {
+        line: Some(section.line),
+        metrics,
+        parts: section.names("slices", |_| None).unwrap_or_default(),
+        tasks: section.names("tasks", |it| unknown("task", it, &Task::ALL.map(Task::name))),
+        detectors: section.names("detectors", |_| None),
+        absolute: section.size("absolute", |size| absolute_problem(size, &measured)),
+        relative: section.size("relative", |size| share_problem("relative", size)),
+    };
     problems.extend(section.finish(&QUALITY_FIELDS));
-    QualityRule { line, metrics, slices: slices.unwrap_or_default(), tasks, detectors, absolute, relative }
+    rule
 }
 
-fn speed_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> SpeedRule {
-    let reference = section.text("reference", |it| {
+fn speed_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Rule {
+    section.text("reference", |it| {
         (it != SPEED_REFERENCE).then(|| format!("the reference for times is {SPEED_REFERENCE:?}, not {it:?}"))
     });
-    let detectors = section.names("detectors", |_| None);
+    let (line, detectors) = (Some(section.line), section.names("detectors", |_| None));
     let relative = section.size("relative", |size| share_problem("relative", size));
-    let line = Some(section.line);
     problems.extend(section.finish(&SPEED_FIELDS));
-    SpeedRule { line, reference: reference.unwrap_or_default(), detectors, relative }
+    Rule { line, detectors, ..Rule::of_times(relative) }
 }
 
 /// A table of the file, whose fields are taken out one by one.
@@ -186,12 +178,12 @@ impl<'a> Section<'a> {
     }
 
     fn require(&mut self, name: &str) -> Option<&'a Spanned<DeValue<'a>>> {
-        self.refuse_missing(name);
+        self.refuse_missing(&[name]);
         self.take(name)
     }
 
-    fn refuse_missing(&mut self, name: &str) {
-        if !self.fields.contains_key(name) {
+    fn refuse_missing(&mut self, names: &[&str]) {
+        for name in names.iter().filter(|it| !self.fields.contains_key(**it)).collect::<Vec<_>>() {
             self.complain(self.line, format!("there is no `{name}`"));
         }
     }
@@ -277,18 +269,11 @@ fn number(value: &DeValue<'_>) -> Option<f64> {
     }
 }
 
-fn task_problem(name: &str) -> Option<String> {
-    let known = Task::ALL.map(|it| it.name().to_owned());
-    Task::from_name(name)
-        .is_none()
-        .then(|| format!("there is no task {name:?}{}", did_you_mean(name, known.iter())))
-}
-
-fn protocol_problem(name: &str) -> Option<String> {
-    let known = Protocol::ALL.map(|it| it.name().to_owned());
-    Protocol::from_name(name)
-        .is_none()
-        .then(|| format!("there is no protocol {name:?}{}", did_you_mean(name, known.iter())))
+/// That there is no such thing as `what`, if `name` is not known.
+fn unknown(what: &str, name: &str, known: &[&str]) -> Option<String> {
+    let names: Vec<String> = known.iter().map(|it| (*it).to_owned()).collect();
+    (!known.contains(&name))
+        .then(|| format!("there is no {what} {name:?}{}", did_you_mean(name, names.iter())))
 }
 
 fn metric_problem(id: &str) -> Option<String> {

@@ -130,88 +130,64 @@ const STAGE_PREFIX: &str = "stage_p50_ms/";
 /// The name of what detectors are timed in turns with: a plain write of a grid, the least that any grid method has to do.
 pub const SPEED_REFERENCE: &str = "grid-write";
 
+/// A metric with its id, its unit and which way is better.
+type Declared = (Metric, &'static str, &'static str, Direction);
+
+/// The metrics without a name in their id, in the order of a report.
+static METRICS: [Declared; 35] = {
+    use Direction::{HigherIsBetter, LowerIsBetter, Neither};
+    [
+        (Metric::No, "no", "count", Neither),
+        (Metric::Tp, "tp", "count", HigherIsBetter),
+        (Metric::Mo, "mo", "count", LowerIsBetter),
+        (Metric::Fo, "fo", "count", LowerIsBetter),
+        (Metric::Precision, "precision", "ratio", HigherIsBetter),
+        (Metric::Recall, "recall", "ratio", HigherIsBetter),
+        (Metric::FRate, "f_rate", "ratio", HigherIsBetter),
+        (Metric::IgnoredAnnotations, "ignored_annotations", "count", Neither),
+        (Metric::IgnoredDetections, "ignored_detections", "count", Neither),
+        (Metric::UnknowableDetections, "unknowable_detections", "count", Neither),
+        (Metric::OverSegmentation, "over_segmentation", "ratio", LowerIsBetter),
+        (Metric::UnderSegmentation, "under_segmentation", "ratio", LowerIsBetter),
+        (Metric::OverSegmentationEntropy, "ose", "nats", LowerIsBetter),
+        (Metric::OverSegmentationEntropyPerObject, "ose_per_object", "nats", LowerIsBetter),
+        (Metric::UnderSegmentationEntropy, "use", "nats", LowerIsBetter),
+        (Metric::UnderSegmentationEntropyPerObject, "use_per_object", "nats", LowerIsBetter),
+        (Metric::BoxError(BoxDimension::Center), "box_center_error_m", "m", LowerIsBetter),
+        (Metric::BoxError(BoxDimension::Length), "box_length_error_m", "m", LowerIsBetter),
+        (Metric::BoxError(BoxDimension::Width), "box_width_error_m", "m", LowerIsBetter),
+        (Metric::BoxError(BoxDimension::Yaw), "box_yaw_error_deg", "deg", LowerIsBetter),
+        (Metric::AveragePrecision(RecallPositions::Points101), "ap_101_points", "ratio", HigherIsBetter),
+        (Metric::AveragePrecision(RecallPositions::R40), "ap_r40", "ratio", HigherIsBetter),
+        (Metric::FpsMean, "fps_mean", "scans/s", HigherIsBetter),
+        (Metric::FpsP50, "fps_p50", "scans/s", HigherIsBetter),
+        (Metric::Latency(LatencyStatistic::Min), "latency_min_ms", "ms", LowerIsBetter),
+        (Metric::Latency(LatencyStatistic::P50), "latency_p50_ms", "ms", LowerIsBetter),
+        (Metric::Latency(LatencyStatistic::P90), "latency_p90_ms", "ms", LowerIsBetter),
+        (Metric::Latency(LatencyStatistic::P95), "latency_p95_ms", "ms", LowerIsBetter),
+        (Metric::Latency(LatencyStatistic::P99), "latency_p99_ms", "ms", LowerIsBetter),
+        (Metric::Latency(LatencyStatistic::Max), "latency_max_ms", "ms", LowerIsBetter),
+        (Metric::CpuMean, "cpu_mean_ms", "ms", LowerIsBetter),
+        (Metric::DoorP50, "door_p50_ms", "ms", Neither),
+        (Metric::FailedScans, "failed_scans", "count", LowerIsBetter),
+        (Metric::ReferenceTime, "reference_ms", "ms", Neither),
+        (Metric::TimeRatio, "time_over_reference", "times", LowerIsBetter),
+    ]
+};
+
 impl Metric {
-    /// The metrics without a name in their id, in the order of a report.
-    const UNNAMED: [Self; 35] = [
-        Self::No,
-        Self::Tp,
-        Self::Mo,
-        Self::Fo,
-        Self::Precision,
-        Self::Recall,
-        Self::FRate,
-        Self::IgnoredAnnotations,
-        Self::IgnoredDetections,
-        Self::UnknowableDetections,
-        Self::OverSegmentation,
-        Self::UnderSegmentation,
-        Self::OverSegmentationEntropy,
-        Self::OverSegmentationEntropyPerObject,
-        Self::UnderSegmentationEntropy,
-        Self::UnderSegmentationEntropyPerObject,
-        Self::BoxError(BoxDimension::Center),
-        Self::BoxError(BoxDimension::Length),
-        Self::BoxError(BoxDimension::Width),
-        Self::BoxError(BoxDimension::Yaw),
-        Self::AveragePrecision(RecallPositions::Points101),
-        Self::AveragePrecision(RecallPositions::R40),
-        Self::FpsMean,
-        Self::FpsP50,
-        Self::Latency(LatencyStatistic::Min),
-        Self::Latency(LatencyStatistic::P50),
-        Self::Latency(LatencyStatistic::P90),
-        Self::Latency(LatencyStatistic::P95),
-        Self::Latency(LatencyStatistic::P99),
-        Self::Latency(LatencyStatistic::Max),
-        Self::CpuMean,
-        Self::DoorP50,
-        Self::FailedScans,
-        Self::ReferenceTime,
-        Self::TimeRatio,
-    ];
+    /// The line of a metric without a name in its id.
+    fn declared(&self) -> &'static Declared {
+        METRICS.iter().find(|it| it.0 == *self).expect("all that have no name in their id are listed")
+    }
 
     /// The name used in files.
     pub fn id(&self) -> String {
-        let id = match self {
-            Self::No => "no",
-            Self::Tp => "tp",
-            Self::Mo => "mo",
-            Self::Fo => "fo",
-            Self::Precision => "precision",
-            Self::Recall => "recall",
-            Self::FRate => "f_rate",
-            Self::IgnoredAnnotations => "ignored_annotations",
-            Self::IgnoredDetections => "ignored_detections",
-            Self::UnknowableDetections => "unknowable_detections",
-            Self::OverSegmentation => "over_segmentation",
-            Self::UnderSegmentation => "under_segmentation",
-            Self::OverSegmentationEntropy => "ose",
-            Self::OverSegmentationEntropyPerObject => "ose_per_object",
-            Self::UnderSegmentationEntropy => "use",
-            Self::UnderSegmentationEntropyPerObject => "use_per_object",
-            Self::BoxError(BoxDimension::Center) => "box_center_error_m",
-            Self::BoxError(BoxDimension::Length) => "box_length_error_m",
-            Self::BoxError(BoxDimension::Width) => "box_width_error_m",
-            Self::BoxError(BoxDimension::Yaw) => "box_yaw_error_deg",
-            Self::AveragePrecision(RecallPositions::Points101) => "ap_101_points",
-            Self::AveragePrecision(RecallPositions::R40) => "ap_r40",
-            Self::FpsMean => "fps_mean",
-            Self::FpsP50 => "fps_p50",
-            Self::Latency(LatencyStatistic::Min) => "latency_min_ms",
-            Self::Latency(LatencyStatistic::P50) => "latency_p50_ms",
-            Self::Latency(LatencyStatistic::P90) => "latency_p90_ms",
-            Self::Latency(LatencyStatistic::P95) => "latency_p95_ms",
-            Self::Latency(LatencyStatistic::P99) => "latency_p99_ms",
-            Self::Latency(LatencyStatistic::Max) => "latency_max_ms",
-            Self::CpuMean => "cpu_mean_ms",
-            Self::DoorP50 => "door_p50_ms",
-            Self::FailedScans => "failed_scans",
-            Self::ReferenceTime => "reference_ms",
-            Self::TimeRatio => "time_over_reference",
-            Self::StageP50(stage) => return format!("{STAGE_PREFIX}{stage}"),
-            Self::OfProtocol(name) => &name.id,
-        };
-        id.to_owned()
+        match self {
+            Self::StageP50(stage) => format!("{STAGE_PREFIX}{stage}"),
+            Self::OfProtocol(name) => name.id.clone(),
+            listed => listed.declared().1.to_owned(),
+        }
     }
 
     /// The metric of this id; `None` if there is none.
@@ -219,89 +195,31 @@ impl Metric {
         match id.strip_prefix(STAGE_PREFIX) {
             Some("") => None,
             Some(stage) => Some(Self::StageP50(stage.to_owned())),
-            None => Self::UNNAMED.into_iter().find(|it| it.id() == id),
+            None => METRICS.iter().find(|it| it.1 == id).map(|it| it.0.clone()),
         }
     }
 
     /// The unit of its values.
     pub fn unit(&self) -> &'static str {
         match self {
-            Self::No
-            | Self::Tp
-            | Self::Mo
-            | Self::Fo
-            | Self::IgnoredAnnotations
-            | Self::IgnoredDetections
-            | Self::UnknowableDetections
-            | Self::FailedScans => "count",
-            Self::Precision
-            | Self::Recall
-            | Self::FRate
-            | Self::OverSegmentation
-            | Self::UnderSegmentation
-            | Self::AveragePrecision(_) => "ratio",
-            Self::OverSegmentationEntropy
-            | Self::OverSegmentationEntropyPerObject
-            | Self::UnderSegmentationEntropy
-            | Self::UnderSegmentationEntropyPerObject => "nats",
-            Self::BoxError(BoxDimension::Center | BoxDimension::Length | BoxDimension::Width) => "m",
-            Self::BoxError(BoxDimension::Yaw) => "deg",
-            Self::FpsMean | Self::FpsP50 => "scans/s",
-            Self::Latency(_) | Self::CpuMean | Self::DoorP50 | Self::StageP50(_) | Self::ReferenceTime => {
-                "ms"
-            }
-            Self::TimeRatio => "times",
+            Self::StageP50(_) => "ms",
             Self::OfProtocol(name) => name.unit,
+            listed => listed.declared().2,
         }
     }
 
     /// Which way is better.
     pub fn direction(&self) -> Direction {
         match self {
-            Self::No
-            | Self::IgnoredAnnotations
-            | Self::IgnoredDetections
-            | Self::UnknowableDetections
-            | Self::DoorP50
-            | Self::ReferenceTime => Direction::Neither,
-            Self::Tp
-            | Self::Precision
-            | Self::Recall
-            | Self::FRate
-            | Self::AveragePrecision(_)
-            | Self::FpsMean
-            | Self::FpsP50 => Direction::HigherIsBetter,
-            Self::Mo
-            | Self::Fo
-            | Self::OverSegmentation
-            | Self::UnderSegmentation
-            | Self::OverSegmentationEntropy
-            | Self::OverSegmentationEntropyPerObject
-            | Self::UnderSegmentationEntropy
-            | Self::UnderSegmentationEntropyPerObject
-            | Self::BoxError(_)
-            | Self::Latency(_)
-            | Self::CpuMean
-            | Self::FailedScans
-            | Self::TimeRatio
-            | Self::StageP50(_) => Direction::LowerIsBetter,
+            Self::StageP50(_) => Direction::LowerIsBetter,
             Self::OfProtocol(name) => name.direction,
+            listed => listed.declared().3,
         }
     }
 
     /// Whether it is a time or made of one, and so another in every run.
     pub fn is_time(&self) -> bool {
-        matches!(
-            self,
-            Self::FpsMean
-                | Self::FpsP50
-                | Self::Latency(_)
-                | Self::CpuMean
-                | Self::DoorP50
-                | Self::ReferenceTime
-                | Self::TimeRatio
-                | Self::StageP50(_)
-        )
+        !matches!(self, Self::OfProtocol(_)) && matches!(self.unit(), "ms" | "scans/s" | "times")
     }
 
     /// The metrics that a gate can hold to a tolerance.
@@ -309,7 +227,7 @@ impl Metric {
         let is_gated = |it: &Self| {
             !it.is_time() && it.direction() != Direction::Neither && !matches!(it, Self::AveragePrecision(_))
         };
-        Self::UNNAMED.into_iter().filter(is_gated)
+        METRICS.iter().map(|it| it.0.clone()).filter(is_gated)
     }
 
     /// What is to be said of a value made of `n`; `None` if nothing is.
@@ -342,7 +260,8 @@ mod tests {
 
     #[test]
     fn every_id_leads_back_to_its_metric() {
-        for metric in Metric::UNNAMED.into_iter().chain([Metric::StageP50("grid".to_owned())]) {
+        let listed = METRICS.iter().map(|it| it.0.clone());
+        for metric in listed.chain([Metric::StageP50("grid".to_owned())]) {
             assert_eq!(Metric::from_id(&metric.id()), Some(metric));
         }
     }
@@ -366,6 +285,6 @@ mod tests {
 
     #[test]
     fn metrics_are_listed_in_their_order() {
-        assert!(Metric::UNNAMED.is_sorted());
+        assert!(METRICS.iter().map(|it| &it.0).is_sorted());
     }
 }

@@ -1,5 +1,6 @@
 //! What numbers are about: the words that rows, numbers, verdicts and tables share.
 
+pub(crate) mod named;
 pub mod task;
 pub mod study;
 pub mod shard;

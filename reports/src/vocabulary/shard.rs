@@ -27,30 +27,8 @@ pub struct Shard {
 
 /// Why something is no part of a run.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ShardError {
-    /// It is not written as one.
-    #[error("{0:?} is no shard; write I/N, such as 3/8 for the third of eight")]
-    NotWrittenSo(String),
-    /// It counts from 0.
-    #[error(
-        "there is no shard 0: shards are counted from 1, the first of {count} is 1/{count}, the last {count}/{count}"
-    )]
-    Zero {
-        /// How many there are.
-        count: u32,
-    },
-    /// There are fewer.
-    #[error("there is no shard {index} of {count}: shards are counted from 1 to {count}")]
-    Beyond {
-        /// Which one.
-        index: u32,
-        /// How many there are.
-        count: u32,
-    },
-    /// There are none, or too many.
-    #[error("{0} shards cannot be made; their number is from 1 to {MOST_SHARDS}")]
-    Count(u32),
-}
+#[error("{0}")]
+pub struct ShardError(String);
 
 impl Shard {
     /// All in one piece.
@@ -62,12 +40,18 @@ impl Shard {
     ///
     /// [`ShardError`] if there is no such part.
     pub fn new(index: u32, count: u32) -> Result<Self, ShardError> {
-        match (index, count) {
-            (_, count) if !(1..=MOST_SHARDS).contains(&count) => Err(ShardError::Count(count)),
-            (0, count) => Err(ShardError::Zero { count }),
-            (index, count) if index > count => Err(ShardError::Beyond { index, count }),
-            (index, count) => Ok(Self { index, count }),
-        }
+        Err(ShardError(match index {
+            _ if !(1..=MOST_SHARDS).contains(&count) => {
+                format!("{count} shards cannot be made; their number is from 1 to {MOST_SHARDS}")
+            }
+            0 => format!(
+                "there is no shard 0: shards are counted from 1, the first of {count} is 1/{count}, the last {count}/{count}"
+            ),
+            index if index > count => {
+                format!("there is no shard {index} of {count}: shards are counted from 1 to {count}")
+            }
+            index => return Ok(Self { index, count }),
+        }))
     }
 
     /// Which one, from 1.
@@ -94,7 +78,8 @@ impl FromStr for Shard {
         let is_number = |it: &str| !it.is_empty() && it.bytes().all(|byte| byte.is_ascii_digit());
         let parts = text.split_once('/').filter(|(index, count)| is_number(index) && is_number(count));
         let numbers = parts.and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
-        let (index, count) = numbers.ok_or_else(|| ShardError::NotWrittenSo(text.to_owned()))?;
+        let not_so = || format!("{text:?} is no shard; write I/N, such as 3/8 for the third of eight");
+        let (index, count) = numbers.ok_or_else(|| ShardError(not_so()))?;
         Self::new(index, count)
     }
 }

@@ -125,42 +125,23 @@ mod tests {
     use crate::vocabulary::reason::{FalseReason, MissReason};
 
     fn row(detector: &str, outcome: MatchOutcome) -> MatchRow {
-        MatchRow {
-            dataset: "street".to_owned(),
-            sequence: "drive".to_owned(),
-            scan: 3,
-            detector: detector.to_owned(),
-            task: Task::Vehicles,
-            criterion: CriterionKind::Points,
-            outcome,
-        }
+        let [dataset, sequence, detector] = ["street", "drive", detector].map(str::to_owned);
+        let (task, criterion) = (Task::Vehicles, CriterionKind::Points);
+        MatchRow { dataset, sequence, scan: 3, detector, task, criterion, outcome }
     }
 
     const BOX: BoxFacts =
         BoxFacts { center_m: [3.0, 4.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
 
     fn missed(class: AnnotationClass, n_points: u64) -> MatchOutcome {
-        let annotation = AnnotationFacts {
-            id: 0,
-            track: None,
-            class,
-            occlusion: None,
-            n_points,
-            n_points_outside: 0,
-            bounding_box: None,
-            centroid_m: Some([6.0, -8.0, 0.0]),
-        };
+        let centroid_m = Some([6.0, -8.0, 0.0]);
+        let annotation = AnnotationFacts { centroid_m, ..AnnotationFacts::placeless(class, n_points) };
         MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
     }
 
     fn false_one(n_points: u64) -> MatchOutcome {
-        let detection = DetectionFacts {
-            id: 0,
-            class: DetectionClass::Vehicle,
-            score: None,
-            n_points,
-            bounding_box: BOX,
-        };
+        let class = DetectionClass::Vehicle;
+        let detection = DetectionFacts { id: 0, class, score: None, n_points, bounding_box: BOX };
         MatchOutcome::False { detection, reason: FalseReason::WrongClass }
     }
 

@@ -201,17 +201,8 @@ mod tests {
         BoxFacts { center_m: [30.0, 4.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
 
     fn missed(track: Option<u32>, n_points: u64, bounding_box: Option<BoxFacts>) -> MatchOutcome {
-        let (class, occlusion) = (AnnotationClass::Car, None);
-        let annotation = AnnotationFacts {
-            id: 0,
-            track,
-            class,
-            occlusion,
-            n_points,
-            n_points_outside: 0,
-            bounding_box,
-            centroid_m: None,
-        };
+        let annotation = AnnotationFacts::placeless(AnnotationClass::Car, n_points);
+        let annotation = AnnotationFacts { track, bounding_box, ..annotation };
         MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
     }
 

@@ -27,7 +27,7 @@ use reports::numbers::run_report::RunReportError;
 use reports::pages::run_page::PageError;
 use reports::run_folder::run_target::RunDirectoryError;
 use reports::run_folder::shard_check::ShardMismatch;
-use reports::tables::table_error::TableError;
+use reports::tables::task_table::TableError;
 use reports::verdicts::accept::AcceptError;
 use reports::verdicts::comparability::NotComparable;
 use reports::verdicts::tolerances_file::TolerancesError;

@@ -8,13 +8,13 @@ use evaluation::run::entrant::Entrant;
 use evaluation::run::robustness::{CONDITIONS, Condition};
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
-use reports::numbers::condition_scores::ConditionScores;
 use reports::plots::study_plots::robustness_plot;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::tables::formats::format::Format as _;
-use reports::tables::studies::condition_row::ConditionRow;
-use reports::tables::studies::robustness_table::{NamedCondition, RobustnessTable, condition_scores};
+use reports::tables::studies::robustness_table::{
+    ConditionRow, ConditionScores, NamedCondition, RobustnessTable, condition_scores,
+};
 use reports::vocabulary::study::Study;
 use simulator::StreetKind;
 

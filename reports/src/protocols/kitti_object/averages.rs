@@ -3,28 +3,19 @@
 use std::ops::RangeInclusive;
 
 use super::recall_curve::{N_RECALLS, RecallCurve};
+use crate::vocabulary::named::named;
 
-/// The recalls of a mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Recalls {
-    /// 0, 0.1, …, 1: until 8 October 2019.
-    R11,
-    /// 1/40, 2/40, …, 1: since then. Recall 0, where a single detection that is right gives precision 1, is left out.
-    R40,
+named! {
+    /// The recalls of a mean.
+    pub enum Recalls {
+        /// 0, 0.1, …, 1: until 8 October 2019.
+        R11 = "r11",
+        /// 1/40, 2/40, …, 1: since then. Recall 0, where a single detection that is right gives precision 1, is left out.
+        R40 = "r40",
+    }
 }
 
 impl Recalls {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::R11, Self::R40];
-
-    /// The name used in files and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::R11 => "r11",
-            Self::R40 => "r40",
-        }
-    }
-
     /// The recalls in steps, and how many steps make a recall of 1.
     pub fn steps(self) -> (RangeInclusive<u64>, u64) {
         match self {

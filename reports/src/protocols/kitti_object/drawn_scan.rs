@@ -1,8 +1,26 @@
 //! Scans for tests: objects in a row along the road, each by a number that says where.
 
+use super::rules::{Demand, Difficulty, KittiClass, Plane, Question};
 use super::scan::{KittiAnnotation, KittiDetection, KittiScan};
+use super::score_events::ScoreEvents;
 use crate::rows::kitti_object_row::{KittiBox, KittiFact, KittiOverlap};
 use crate::vocabulary::class::AnnotationClass;
+
+/// What is asked of these scans.
+pub const QUESTION: Question = Question {
+    class: KittiClass::Car,
+    difficulty: Difficulty::Moderate,
+    plane: Plane::Volume,
+    demand: Demand::Strict,
+};
+
+/// What changes at which score, the best first: by how much what is right and what is false grow.
+pub fn changes(events: &ScoreEvents) -> Vec<(f64, i32, i32)> {
+    let falses = events.falses.iter().map(|(score, _)| (*score, 0, 1));
+    let mut changes: Vec<_> = events.events.iter().map(|it| (it.score, it.tp, it.fp)).chain(falses).collect();
+    changes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    changes
+}
 
 /// A box at `place`, 100 pixels high.
 pub fn boxed(class: AnnotationClass, place: f64) -> KittiBox {

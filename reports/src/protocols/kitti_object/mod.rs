@@ -16,4 +16,3 @@ pub mod averages;
 pub mod sound_curve;
 pub mod measures;
 pub mod numbers;
-pub mod kitti_under_protocol;

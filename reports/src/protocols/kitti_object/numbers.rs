@@ -1,5 +1,7 @@
 //! From scans to the numbers of KITTI's protocol.
 
+use std::collections::BTreeMap;
+
 use super::class_scan::ClassScan;
 use super::measures::{Averaged, Measure, Reading};
 use super::official_curve::official_curves;
@@ -11,6 +13,10 @@ use super::score_events::{ScoreEvents, ScoredMatches};
 use super::sound_curve::sound_curves;
 use super::sound_matching::SoundMatching;
 use crate::protocols::drawn_scans::{Times, single_draw};
+use crate::protocols::protocol_number::ProtocolMetric;
+use crate::protocols::under_protocol::Ranking;
+use crate::rows::scan_name::ScanName;
+use crate::vocabulary::metric::Direction;
 
 /// What a heading is where it is not known.
 const UNKNOWN_ALPHA_RAD: f64 = -10.0;
@@ -40,6 +46,15 @@ impl KittiMatches {
         Self { has_headings: detections.all(|it| it.object.alpha_rad != UNKNOWN_ALPHA_RAD), of_questions }
     }
 
+    /// The same of those of `scans` that are among `names`, which ascend.
+    pub fn named(names: &[ScanName], scans: &BTreeMap<ScanName, KittiScan>) -> Self {
+        let placed = scans.iter().filter_map(|(name, scan)| {
+            let place = names.binary_search(name).ok()?;
+            Some((place as u32, scan))
+        });
+        Self::of(&placed.collect::<Vec<_>>())
+    }
+
     /// What is measured, with the number of annotations that it is made of, in the order of [`Self::values`].
     pub fn measures(&self) -> Vec<(Measure, u64)> {
         let of = |it: &OfQuestion| {
@@ -57,9 +72,18 @@ impl KittiMatches {
         let [values] = self.of_draws(&single_draw(times));
         values
     }
+}
 
-    /// The values of each draw.
-    pub fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
+impl Ranking for KittiMatches {
+    fn metrics(&self) -> Vec<ProtocolMetric> {
+        let metric = |(measure, n): (Measure, u64)| {
+            let number = (&*measure.id(), "ratio", Direction::HigherIsBetter);
+            ProtocolMetric::new(measure.question.class.name(), number, n)
+        };
+        self.measures().into_iter().map(metric).collect()
+    }
+
+    fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
         let mut values: [Vec<Option<f64>>; N] = std::array::from_fn(|_| Vec::new());
         for it in &self.of_questions {
             for (values, of_draw) in values.iter_mut().zip(it.of_draws(times, self.has_headings)) {

@@ -38,9 +38,7 @@ impl OfficialMatching {
         events: &mut ScoreEvents,
     ) {
         let n_annotations = scan.n_annotations(question.difficulty);
-        if n_annotations > 0 {
-            events.annotations.push((place, n_annotations));
-        }
+        events.annotations.extend((n_annotations > 0).then_some((place, n_annotations)));
         for flags in [&mut self.is_alone, &mut self.is_taken] {
             flags.clear();
             flags.resize(scan.scan.detections().len(), false);
@@ -161,31 +159,20 @@ impl Component<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawn_scan::{annotation, detection, scan};
-    use super::super::rules::{Demand, Difficulty, KittiClass};
+    use super::super::drawn_scan::{QUESTION, annotation, changes, detection, scan};
+    use super::super::rules::KittiClass;
     use super::super::scan::KittiScan;
     use super::*;
     use crate::vocabulary::class::AnnotationClass::{Car, Van};
-
-    const QUESTION: Question = Question {
-        class: KittiClass::Car,
-        difficulty: Difficulty::Moderate,
-        plane: Plane::Volume,
-        demand: Demand::Strict,
-    };
 
     /// The scores that thresholds are taken from, and what is right and false from each score on.
     fn counted(scan: &KittiScan) -> (Vec<f64>, Vec<(f64, i32, i32)>) {
         let mut events = ScoreEvents::default();
         let scan = ClassScan::of(scan, KittiClass::Car);
         OfficialMatching::default().add((0, &scan), &QUESTION, &mut events);
-        let falses = events.falses.iter().map(|(score, _)| (*score, 0, 1));
-        let mut changes: Vec<(f64, i32, i32)> =
-            events.events.iter().map(|it| (it.score, it.tp, it.fp)).chain(falses).collect();
-        changes.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (mut tp, mut fp) = (0, 0);
         let mut counted: Vec<(f64, i32, i32)> = Vec::new();
-        for change in changes {
+        for change in changes(&events) {
             (tp, fp) = (tp + change.1, fp + change.2);
             counted.retain(|it| it.0 != change.0);
             counted.push((change.0, tp, fp));

@@ -3,38 +3,38 @@
 //! Geiger, Lenz, Urtasun: Are we ready for autonomous driving?, CVPR 2012; the development kit of the object benchmark.
 
 use crate::vocabulary::class::AnnotationClass;
+use crate::vocabulary::named::named;
 
-/// A class that is evaluated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum KittiClass {
-    /// Passenger cars. Vans are ignored.
-    Car,
-    /// People on foot. People who sit are ignored.
-    Pedestrian,
-    /// Cycles with their riders.
-    Cyclist,
-}
+named! {
+    /// A class that is evaluated.
+    pub enum KittiClass {
+        /// Passenger cars. Vans are ignored.
+        Car = "car",
+        /// People on foot. People who sit are ignored.
+        Pedestrian = "pedestrian",
+        /// Cycles with their riders.
+        Cyclist = "cyclist",
+    }
 
-/// How hard annotations may be to find; each includes the one before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Difficulty {
-    /// High in the image, not hidden, hardly cut off.
-    Easy,
-    /// Partly hidden; the benchmark ranks by it.
-    Moderate,
-    /// Largely hidden.
-    Hard,
-}
+    /// How hard annotations may be to find; each includes the one before.
+    pub enum Difficulty {
+        /// High in the image, not hidden, hardly cut off.
+        Easy = "easy",
+        /// Partly hidden; the benchmark ranks by it.
+        Moderate = "moderate",
+        /// Largely hidden.
+        Hard = "hard",
+    }
 
-/// In what boxes have to overlap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Plane {
-    /// The image.
-    Image,
-    /// The ground plan.
-    BirdsEye,
-    /// Space.
-    Volume,
+    /// In what boxes have to overlap.
+    pub enum Plane {
+        /// The image.
+        Image = "2d",
+        /// The ground plan.
+        BirdsEye = "bev",
+        /// Space.
+        Volume = "3d",
+    }
 }
 
 /// How much they have to.
@@ -71,18 +71,6 @@ pub struct Limits {
 }
 
 impl KittiClass {
-    /// All, in the order of tables.
-    pub const ALL: [Self; 3] = [Self::Car, Self::Pedestrian, Self::Cyclist];
-
-    /// The name used in files and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Car => "car",
-            Self::Pedestrian => "pedestrian",
-            Self::Cyclist => "cyclist",
-        }
-    }
-
     /// What labels call it.
     pub fn annotation_class(self) -> AnnotationClass {
         match self {
@@ -112,18 +100,6 @@ impl KittiClass {
 }
 
 impl Difficulty {
-    /// All, in the order of tables.
-    pub const ALL: [Self; 3] = [Self::Easy, Self::Moderate, Self::Hard];
-
-    /// The name used in files and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Easy => "easy",
-            Self::Moderate => "moderate",
-            Self::Hard => "hard",
-        }
-    }
-
     /// Its limits.
     pub fn limits(self) -> Limits {
         let (min_height_px, max_occlusion, max_truncation) = match self {
@@ -132,20 +108,6 @@ impl Difficulty {
             Self::Hard => (25.0, 2, 0.5),
         };
         Limits { min_height_px, max_occlusion, max_truncation }
-    }
-}
-
-impl Plane {
-    /// All, in the order of tables.
-    pub const ALL: [Self; 3] = [Self::Image, Self::BirdsEye, Self::Volume];
-
-    /// The name used in files and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Image => "2d",
-            Self::BirdsEye => "bev",
-            Self::Volume => "3d",
-        }
     }
 }
 

@@ -36,9 +36,7 @@ impl SoundMatching {
         events: &mut ScoreEvents,
     ) {
         let n_annotations = scan.n_annotations(question.difficulty);
-        if n_annotations > 0 {
-            events.annotations.push((place, n_annotations));
-        }
+        events.annotations.extend((n_annotations > 0).then_some((place, n_annotations)));
         self.match_all(scan, *question);
         let min_share = question.class.min_overlap(Plane::Image, Demand::Strict);
         for (detection, KittiDetection { score, .. }) in scan.of_class() {
@@ -97,40 +95,24 @@ fn order(scan: &KittiScan, a: &Candidate, b: &Candidate) -> Ordering {
 fn by_content(scan: &KittiScan, a: &Candidate, b: &Candidate) -> Ordering {
     let boxes =
         |it: &Candidate| [&scan.annotations()[it.annotation].object, &scan.detections()[it.detection].object];
-    let numbers = |it: &Candidate| boxes(it).into_iter().flat_map(numbers_of);
+    let numbers = |it: &Candidate| boxes(it).into_iter().flat_map(KittiBox::numbers);
     let mut compared = numbers(a).zip(numbers(b)).map(|(a, b)| a.total_cmp(&b));
     compared.find(|it| it.is_ne()).unwrap_or(Ordering::Equal)
 }
 
-fn numbers_of(it: &KittiBox) -> impl Iterator<Item = f64> {
-    let in_image = it.left_top_right_bottom_px.into_iter().chain([it.alpha_rad]);
-    in_image.chain(it.bottom_center_m).chain(it.height_width_length_m).chain([it.rotation_y_rad])
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::drawn_scan::{annotation, detection, scan};
-    use super::super::rules::{Difficulty, KittiClass};
+    use super::super::drawn_scan::{QUESTION, annotation, changes, detection, scan};
+    use super::super::rules::KittiClass;
     use super::*;
     use crate::vocabulary::class::AnnotationClass::{Car, Van};
-
-    const QUESTION: Question = Question {
-        class: KittiClass::Car,
-        difficulty: Difficulty::Moderate,
-        plane: Plane::Volume,
-        demand: Demand::Strict,
-    };
 
     /// What detections of these scores find, as `(score, right, false)`.
     fn events(scan: &KittiScan) -> Vec<(f64, i32, i32)> {
         let mut events = ScoreEvents::default();
         let scan = ClassScan::of(scan, KittiClass::Car);
         SoundMatching::default().add((0, &scan), &QUESTION, &mut events);
-        let right = events.events.iter().map(|it| (it.score, it.tp, it.fp));
-        let mut all: Vec<(f64, i32, i32)> =
-            right.chain(events.falses.iter().map(|(score, _)| (*score, 0, 1))).collect();
-        all.sort_by(|a, b| b.0.total_cmp(&a.0));
-        all
+        changes(&events)
     }
 
     #[test]

@@ -1,45 +1,47 @@
 //! The table for programs: one row a data set and detector, with every count beside its rates.
 
-use crate::files::fixed_decimals::fixed_decimals;
-use crate::numbers::blocks::{BlockCount, Interval};
+use serde::{Deserialize, Serialize};
+
+use crate::files::csv_rows::{CsvRow, row, to_csv_bytes};
+use crate::files::fixed_decimals::{Fixed, fixed_decimals};
+use crate::numbers::blocks::{BlockColumns, Interval};
 use crate::protocols::protocol_number::ProtocolNumber;
 use crate::tables::formats::format::Format;
-use crate::tables::paper_figures::PaperRow;
+use crate::tables::paper_figures::{PaperRow, PaperScore};
 use crate::tables::protocol_table::ProtocolTable;
 use crate::tables::task_table::{MeasuredRow, RateIntervals, Score, TableRow, TaskTable};
-
-const COLUMNS: [&str; 26] = [
-    "task",
-    "source",
-    "dataset",
-    "origin",
-    "detector",
-    "n_scans",
-    "no",
-    "tp",
-    "mo",
-    "fo",
-    "precision",
-    "recall",
-    "f_rate",
-    "ignored_annotations",
-    "ignored_detections",
-    "n_timed_scans",
-    "fps_mean",
-    "precision_low",
-    "precision_high",
-    "recall_low",
-    "recall_high",
-    "f_rate_low",
-    "f_rate_high",
-    "n_blocks",
-    "blocks",
-    "few_blocks",
-];
+use crate::vocabulary::protocol::Protocol;
 
 /// Comma-separated values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Csv;
+
+row! {
+    #[derive(Default, Serialize, Deserialize)]
+    struct TaskRow {
+        task: String,
+        source: String,
+        dataset: String,
+        origin: String,
+        detector: String,
+        n_scans: Option<u64>,
+        no: u64,
+        tp: Option<u64>,
+        mo: Option<u64>,
+        fo: Option<u64>,
+        precision: Option<Fixed<6>>,
+        recall: Option<Fixed<6>>,
+        f_rate: Option<String>,
+        ignored_annotations: Option<u64>,
+        ignored_detections: Option<u64>,
+        n_timed_scans: Option<u64>,
+        fps_mean: Option<String>,
+        precision_within: [Option<Fixed<6>>; 2] = ["precision_low", "precision_high"],
+        recall_within: [Option<Fixed<6>>; 2] = ["recall_low", "recall_high"],
+        f_rate_within: [Option<Fixed<6>>; 2] = ["f_rate_low", "f_rate_high"],
+        blocks: BlockColumns = ["n_blocks", "blocks", "few_blocks"],
+    }
+}
 
 impl Format<TaskTable> for Csv {
     fn file_name(&self, stem: &str) -> String {
@@ -53,95 +55,80 @@ impl Format<TaskTable> for Csv {
     /// The column `source` says whether a row was measured or published in a paper, `origin` where its scans come from.
     /// A published row stands beside our detector that does what the paper describes.
     fn text(&self, table: &TaskTable) -> String {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let mut write =
-            |record: &[String]| writer.write_record(record).expect("memory takes rows of one length");
-        write(&COLUMNS.map(str::to_owned));
-        for row in &table.rows {
-            for (detector_idx, detector) in table.detectors.iter().enumerate() {
-                let record = match row {
-                    TableRow::Measured(row) => {
-                        Some(measured_record(table, row, detector, &row.scores[detector_idx]))
+        let rows = table.rows.iter().flat_map(|row| {
+            table.detectors.iter().enumerate().filter_map(move |(detector_idx, detector)| {
+                let of_row = match row {
+                    TableRow::Measured(row) => TaskRow::measured(row, &row.scores[detector_idx]),
+                    TableRow::Paper(row) => {
+                        TaskRow::published(row, &table.paper?.score_beside(row, detector)?)
                     }
-                    TableRow::Paper(row) => paper_record(table, row, detector),
                 };
-                if let Some(record) = record {
-                    write(&record);
-                }
-            }
-        }
-        let bytes = writer.into_inner().expect("memory takes all that is written");
-        String::from_utf8(bytes).expect("rows of text are text")
+                Some(TaskRow { task: table.task.name().to_owned(), detector: detector.clone(), ..of_row })
+            })
+        });
+        text_of(&rows.collect::<Vec<_>>())
     }
 }
 
-fn measured_record(table: &TaskTable, row: &MeasuredRow, detector: &str, score: &Score) -> [String; 26] {
-    let counts = score.counts;
-    let rate = |rate: Option<f64>| rate.map_or_else(String::new, |it| fixed_decimals(it, 6));
-    let RateIntervals { precision, recall, f_rate } = score.intervals;
-    let of_blocks =
-        |text: fn(BlockCount) -> String| recall.or(f_rate).map_or_else(String::new, |it| text(it.blocks));
-    let end = |interval: Option<Interval>, end_idx: usize| rate(interval.map(|it| it.ends[end_idx]));
-    [
-        table.task.name().to_owned(),
-        "measured".to_owned(),
-        row.extent.name().to_owned(),
-        row.origin.name().to_owned(),
-        detector.to_owned(),
-        score.n_scans.to_string(),
-        counts.no().to_string(),
-        counts.tp().to_string(),
-        counts.mo().to_string(),
-        counts.fo().map_or_else(String::new, |it| it.to_string()),
-        rate(counts.precision()),
-        rate(counts.recall()),
-        rate(counts.f_rate()),
-        score.n_ignored_annotations.to_string(),
-        score.n_ignored_detections.to_string(),
-        score.n_timed_scans.to_string(),
-        score.fps().map_or_else(String::new, |it| fixed_decimals(it, 3)),
-        end(precision, 0),
-        end(precision, 1),
-        end(recall, 0),
-        end(recall, 1),
-        end(f_rate, 0),
-        end(f_rate, 1),
-        of_blocks(|it| it.n_blocks.to_string()),
-        of_blocks(|it| it.kind.name().to_owned()),
-        of_blocks(|it| it.decide_nothing().to_string()),
-    ]
+impl TaskRow {
+    fn measured(row: &MeasuredRow, score: &Score) -> Self {
+        let counts = score.counts;
+        let RateIntervals { precision, recall, f_rate } = score.intervals;
+        let ends = |it: Option<Interval>| it.map_or([None; 2], |it| it.ends.map(|end| Some(Fixed(end))));
+        Self {
+            source: "measured".to_owned(),
+            dataset: row.extent.name().to_owned(),
+            origin: row.origin.name().to_owned(),
+            n_scans: Some(score.n_scans),
+            no: counts.no(),
+            tp: Some(counts.tp()),
+            mo: Some(counts.mo()),
+            fo: counts.fo(),
+            precision: counts.precision().map(Fixed),
+            recall: counts.recall().map(Fixed),
+            f_rate: counts.f_rate().map(|it| fixed_decimals(it, 6)),
+            ignored_annotations: Some(score.n_ignored_annotations),
+            ignored_detections: Some(score.n_ignored_detections),
+            n_timed_scans: Some(score.n_timed_scans),
+            fps_mean: score.fps().map(|it| fixed_decimals(it, 3)),
+            precision_within: ends(precision),
+            recall_within: ends(recall),
+            f_rate_within: ends(f_rate),
+            blocks: recall.or(f_rate).map(|it| it.blocks).into(),
+            ..Self::default()
+        }
+    }
+
+    /// With no more digits than the paper has.
+    fn published(row: &PaperRow, score: &PaperScore) -> Self {
+        Self {
+            source: "published".to_owned(),
+            dataset: row.name.to_owned(),
+            origin: "recorded".to_owned(),
+            no: row.no.into(),
+            f_rate: Some(fixed_decimals(score.f_rate_percent / 100.0, 2)),
+            fps_mean: Some(score.fps.to_string()),
+            ..Self::default()
+        }
+    }
 }
 
-fn paper_record(table: &TaskTable, row: &PaperRow, detector: &str) -> Option<[String; 26]> {
-    let score = table.paper?.score_beside(row, detector)?;
-    let mut record: [String; 26] = Default::default();
-    table.task.name().clone_into(&mut record[0]);
-    "published".clone_into(&mut record[1]);
-    row.name.clone_into(&mut record[2]);
-    "recorded".clone_into(&mut record[3]);
-    detector.clone_into(&mut record[4]);
-    record[6] = row.no.to_string();
-    record[12] = fixed_decimals(score.f_rate_percent / 100.0, 2);
-    record[16] = score.fps.to_string();
-    Some(record)
+row! {
+    #[derive(Serialize, Deserialize)]
+    struct ProtocolRow {
+        protocol: Protocol,
+        dataset: String,
+        detector: String,
+        class: String,
+        metric: String,
+        value: Option<String>,
+        unit: String,
+        higher_is_better: Option<bool>,
+        n: u64,
+        within: [Option<String>; 2] = ["low", "high"],
+        blocks: BlockColumns = ["n_blocks", "blocks", "few_blocks"],
+    }
 }
-
-const PROTOCOL_COLUMNS: [&str; 14] = [
-    "protocol",
-    "dataset",
-    "detector",
-    "class",
-    "metric",
-    "value",
-    "unit",
-    "higher_is_better",
-    "n",
-    "low",
-    "high",
-    "n_blocks",
-    "blocks",
-    "few_blocks",
-];
 
 impl Format<ProtocolTable<'_>> for Csv {
     fn file_name(&self, stem: &str) -> String {
@@ -150,34 +137,26 @@ impl Format<ProtocolTable<'_>> for Csv {
 
     /// One row a number, with all digits; undefined values and unknown intervals are empty.
     fn text(&self, table: &ProtocolTable<'_>) -> String {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let mut write =
-            |record: &[String]| writer.write_record(record).expect("memory takes rows of one length");
-        write(&PROTOCOL_COLUMNS.map(str::to_owned));
-        for ProtocolNumber { protocol, dataset, detector, metric, value, interval } in table.numbers() {
-            let text = |it: Option<f64>| it.map_or_else(String::new, |it| it.to_string());
-            let blocks = interval.map(|it| it.blocks);
-            let is_better = metric.direction.higher_is_better();
-            write(&[
-                protocol.name().to_owned(),
-                dataset.clone(),
-                detector.clone(),
-                metric.class.clone(),
-                metric.id.clone(),
-                text(*value),
-                metric.unit.to_owned(),
-                is_better.map_or_else(String::new, |it| it.to_string()),
-                metric.n.to_string(),
-                text(interval.map(|it| it.ends[0])),
-                text(interval.map(|it| it.ends[1])),
-                blocks.map_or_else(String::new, |it| it.n_blocks.to_string()),
-                blocks.map_or_else(String::new, |it| it.kind.name().to_owned()),
-                blocks.map_or_else(String::new, |it| it.decide_nothing().to_string()),
-            ]);
-        }
-        let bytes = writer.into_inner().expect("memory takes all that is written");
-        String::from_utf8(bytes).expect("names are text")
+        let row = |it: &&ProtocolNumber| ProtocolRow {
+            protocol: it.protocol,
+            dataset: it.dataset.clone(),
+            detector: it.detector.clone(),
+            class: it.metric.class.clone(),
+            metric: it.metric.id.clone(),
+            value: it.value.map(|it| it.to_string()),
+            unit: it.metric.unit.to_owned(),
+            higher_is_better: it.metric.direction.higher_is_better(),
+            n: it.metric.n,
+            within: [0, 1].map(|end: usize| it.interval.map(|it| it.ends[end].to_string())),
+            blocks: it.interval.map(|it| it.blocks).into(),
+        };
+        text_of(&table.numbers().iter().map(row).collect::<Vec<_>>())
     }
+}
+
+fn text_of<Row: CsvRow>(rows: &[Row]) -> String {
+    let bytes = to_csv_bytes(rows).expect("all numbers are finite");
+    String::from_utf8(bytes).expect("rows of text are text")
 }
 
 #[cfg(test)]

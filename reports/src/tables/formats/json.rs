@@ -7,10 +7,10 @@ use crate::run_folder::run_archive::ClaimName;
 use crate::tables::formats::format::Format;
 use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::gated_metrics::GatedMetric;
-use crate::verdicts::gated_speeds::{GatedSpeed, Slowdown, SpeedComparison};
 use crate::verdicts::paired_difference::PairedDifference;
 use crate::verdicts::verdict::Verdict;
 use crate::vocabulary::claim_verdict::ClaimVerdict;
+use crate::vocabulary::metric::SPEED_REFERENCE;
 use crate::vocabulary::task::Task;
 
 #[derive(Serialize)]
@@ -117,11 +117,8 @@ impl Format<Verdict> for Json {
             n_at_risk: verdict.n_at_risk(),
             most_false_alarms: verdict.most_false_alarms(),
             metrics: verdict.metrics.iter().map(metric_record).collect(),
-            speeds: verdict.speed.speeds().iter().map(speed_record).collect(),
-            speed_not_compared: match &verdict.speed {
-                SpeedComparison::NotCompared { reason } => Some(reason),
-                SpeedComparison::NotAsked | SpeedComparison::Compared(_) => None,
-            },
+            speeds: verdict.speeds.iter().map(speed_record).collect(),
+            speed_not_compared: verdict.speed_not_compared.as_deref(),
             configuration_changes: &verdict.configuration_changes,
             claims: verdict.claims.iter().map(claim_record).collect(),
             drift_rule: verdict.tolerances.drift.name(),
@@ -178,17 +175,17 @@ fn metric_record(gated: &GatedMetric) -> MetricRecord<'_> {
     }
 }
 
-fn speed_record(speed: &GatedSpeed) -> SpeedRecord<'_> {
-    let slowdown = speed.slowdown.as_ref().ok();
+fn speed_record(speed: &GatedMetric) -> SpeedRecord<'_> {
+    let slowdown = speed.difference.as_ref().ok();
     SpeedRecord {
         dataset: speed.on.as_deref(),
         detector: &speed.detector,
-        reference: &speed.reference,
+        reference: SPEED_REFERENCE,
         time_ratio_before: slowdown.map(|it| it.before),
         time_ratio_after: slowdown.map(|it| it.after),
-        slowdown: slowdown.map(Slowdown::share),
+        slowdown: slowdown.map(PairedDifference::difference),
         slowdown_interval_95: slowdown.and_then(|it| it.interval).map(|it| it.ends),
-        missing_in: speed.slowdown.as_ref().err().map(|it| it.name()),
+        missing_in: speed.difference.as_ref().err().map(|it| it.name()),
         tolerance: speed.tolerance,
         finding: speed.finding.name(),
     }

@@ -10,9 +10,9 @@ use crate::tables::verdict::wording::{
 use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, about};
-use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
 use crate::verdicts::tolerances::DriftRule;
 use crate::verdicts::verdict::Verdict;
+use crate::vocabulary::metric::SPEED_REFERENCE;
 
 /// The XML that `JUnit` writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,14 +68,11 @@ fn of_claim(changed: &ChangedClaim) -> TestCase {
 }
 
 fn speed_cases(verdict: &Verdict, doubt: Option<&str>) -> Vec<TestCase> {
-    match &verdict.speed {
-        SpeedComparison::NotAsked => Vec::new(),
-        SpeedComparison::NotCompared { reason } => {
-            let skipped = skipped(&format!("speed was not compared: {reason}"));
-            vec![case("scanbench.speed", "times of the baseline", skipped)]
-        }
-        SpeedComparison::Compared(speeds) => speeds.iter().map(|it| of_speed(it, doubt)).collect(),
-    }
+    let not_compared = verdict.speed_not_compared.iter().map(|reason| {
+        let skipped = skipped(&format!("speed was not compared: {reason}"));
+        case("scanbench.speed", "times of the baseline", skipped)
+    });
+    not_compared.chain(verdict.speeds.iter().map(|it| of_speed(it, doubt))).collect()
 }
 
 /// `doubt` is why nothing is sure about these scans, if nothing is.
@@ -100,16 +97,15 @@ fn of_metric(gated: &GatedMetric, doubt: Option<&str>) -> TestCase {
     case(&class, &name, status(gated.finding, &message, doubt))
 }
 
-fn of_speed(speed: &GatedSpeed, doubt: Option<&str>) -> TestCase {
-    let numbers = match &speed.slowdown {
+fn of_speed(speed: &GatedMetric, doubt: Option<&str>) -> TestCase {
+    let numbers = match &speed.difference {
         Ok(it) => format!("{:.3} before, {:.3} after", it.before, it.after),
         Err(missing) => missing.in_words().to_owned(),
     };
-    let tolerated = 100.0 * speed.tolerance;
-    let message = format!("time relative to {}: {numbers}, tolerance {tolerated:.0} %", speed.reference);
+    let (tolerated, what) = (100.0 * speed.tolerance, format!("time relative to {SPEED_REFERENCE}"));
+    let message = format!("{what}: {numbers}, tolerance {tolerated:.0} %");
     let class = format!("scanbench.speed.{}", speed.detector);
-    let name = about(&format!("time relative to {}", speed.reference), speed.on.as_deref());
-    case(&class, &name, status(speed.finding, &message, doubt))
+    case(&class, &about(&what, speed.on.as_deref()), status(speed.finding, &message, doubt))
 }
 
 /// `doubt` is why nothing is sure about these scans, if nothing is.

@@ -1,14 +1,13 @@
 //! Which formats there are of what.
 
 use crate::numbers::run_report::RunReport;
-use crate::tables::formats::bencher::BencherMetrics;
 use crate::tables::formats::csv::Csv;
-use crate::tables::formats::custom_smaller_is_better::CustomSmallerIsBetter;
 use crate::tables::formats::format::Format;
 use crate::tables::formats::json::Json;
 use crate::tables::formats::junit::JUnit;
 use crate::tables::formats::latex::Latex;
 use crate::tables::formats::markdown::Markdown;
+use crate::tables::formats::services::{BencherMetrics, CustomSmallerIsBetter};
 use crate::tables::protocol_table::ProtocolTable;
 use crate::tables::task_table::TaskTable;
 use crate::verdicts::verdict::Verdict;

@@ -1,4 +1,5 @@
-//! Formats that tables, verdicts and reports are written in: one trait, a file for each format, and one list of each kind.
+//! Formats that tables, verdicts and reports are written in: one trait, a file for each format or kind of them, and one list of
+//! each kind.
 
 pub mod format;
 pub mod terminal;
@@ -8,6 +9,5 @@ pub mod latex;
 pub mod json;
 pub mod junit;
 pub mod partial_junit;
-pub mod custom_smaller_is_better;
-pub mod bencher;
+pub mod services;
 pub mod lists;

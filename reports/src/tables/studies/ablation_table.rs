@@ -122,12 +122,11 @@ fn line(score: &AblationScore) -> Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::to_csv_bytes;
+    use crate::files::csv_rows::tests::csv_text;
     use crate::numbers::blocks::Interval;
     use crate::numbers::blocks::{BlockCount, BlockKind};
     use crate::rows::counts::Counts;
     use crate::tables::formats::format::Format as _;
-    use crate::tables::formats::markdown::Markdown;
     use crate::tables::formats::terminal::Terminal;
     use crate::tables::studies::ablation_score::AblationRow;
     use crate::vocabulary::origin::Origin;
@@ -209,38 +208,9 @@ mod tests {
     }
 
     #[test]
-    fn markdown_has_the_same_rows() {
-        insta::assert_snapshot!(Markdown.text(&table()), @r"
-        **Ablation of hierarchical. Task objects. Rates in %. Matched by points, IoU at least 0.5.**
-
-        | data set | scans | NO | ND | F-rate | 95 % interval | P | R | over | held | under | p50 ms |
-        | :-- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |
-        | street (*simulated*) | 20 | 100 |  |  |  |  |  |  |  |  |  |
-        | whole method |  |  | 100 | 80.0 | 75.0–85.0§ | 80.0 | 80.0 | 5.0 | 80 | 12.5 | 4.25 |
-        | without terrain |  |  | 0 | 0.0 |  | –² | 0.0 | 5.0 | 0 | –² | 4.25 |
-        | kitti | 20 | 100 |  |  |  |  |  |  |  |  |  |
-        | whole method |  |  | –¹ | –¹ |  | –¹ | 90.0 | 5.0 | 90 | 11.1 | 4.25 |
-        | without terrain |  |  | –¹ | –¹ |  | –¹ | 50.0 | 5.0 | 50 | 20.0 | 4.25 |
-        | **overall** (*recorded*) | 20 | 100 |  |  |  |  |  |  |  |  |  |
-        | whole method |  |  | –¹ | –¹ |  | –¹ | 85.0 | 5.0 | 85 | 11.8 | 4.25 |
-        | without terrain |  |  | –¹ | –¹ |  | –¹ | 25.0 | 5.0 | 25 | 40.0 | 4.25 |
-
-        - NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). P: precision, TP / ND. R: recall, TP / NO.
-        - over: oversegmentation, the share of NO that is split: at least two detections each have a tenth of its points. under: undersegmentation, the share of held that joins several; held: detections that have more than half of the points of an annotation.
-        - p50: median time of detection per scan, with all variants in turns, on Example CPU @ 2 GHz. overall: ratios of summed counts, and medians over all scans.
-        - 95 % interval: of the F-rate alone, cluster bootstrap, 10000 resamples of seconds, because there are fewer than 10 drives: they cover other scans of the same drives, but not other drives. All variants look at the same scans: scanbench compare shows the intervals of their differences.
-        - recorded: from a sensor.
-        - simulated: from a simulator, not recorded.
-        - § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
-        - ¹ undefined: not every class of object is annotated, so false objects cannot be counted.
-        - ² undefined: the denominator is zero.
-        ");
-    }
-
-    #[test]
     fn rows_of_the_file_stand_alone() {
         let rows: Vec<_> = table().scores.iter().map(|it| AblationRow::new(Task::Objects, it)).collect();
-        insta::assert_snapshot!(String::from_utf8(to_csv_bytes(&rows).unwrap()).unwrap(), @r"
+        insta::assert_snapshot!(csv_text(&rows), @r"
         task,dataset,origin,variant,n_scans,no,tp,mo,fo,f_rate,precision,recall,n_split,over_segmentation,n_holding,n_joining,under_segmentation,latency_min_ms,latency_p50_ms,f_rate_low,f_rate_high,few_blocks
         objects,street,simulated,whole method,20,100,80,20,20,0.800000,0.800000,0.800000,5,0.050000,80,10,0.125000,3.5000,4.2500,0.750000,0.850000,true
         objects,street,simulated,without terrain,20,100,0,100,0,0.000000,,0.000000,5,0.050000,0,0,,3.5000,4.2500,,,

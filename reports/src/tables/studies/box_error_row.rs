@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
-use crate::numbers::blocks::BlockCount;
+use crate::numbers::blocks::BlockColumns;
 use crate::numbers::box_errors::BoxErrorLine;
 use crate::numbers::box_points::{BoxPoints, CELL_M};
 use crate::vocabulary::class::{AnnotationClass, Occlusion};
@@ -140,9 +140,7 @@ row! {
         value: Option<Fixed<4>>,
         low: Option<Fixed<4>>,
         high: Option<Fixed<4>>,
-        n_blocks: Option<u64>,
-        blocks: Option<String>,
-        few_blocks: Option<bool>,
+        blocks: BlockColumns = ["n_blocks", "blocks", "few_blocks"],
     }
 }
 
@@ -151,7 +149,6 @@ impl BoxErrorRow {
     pub fn of(line: &BoxErrorLine) -> impl Iterator<Item = Self> + '_ {
         line.fits.iter().map(|(fit, number)| {
             let interval = number.and_then(|it| it.within);
-            let blocks = interval.map(|it| it.blocks);
             Self {
                 data: line.data.clone(),
                 simulated: line.is_simulated,
@@ -165,9 +162,7 @@ impl BoxErrorRow {
                 value: number.map(|it| Fixed(it.value)),
                 low: interval.map(|it| Fixed(it.ends[0])),
                 high: interval.map(|it| Fixed(it.ends[1])),
-                n_blocks: blocks.map(|it| it.n_blocks),
-                blocks: blocks.map(|it| it.kind.name().to_owned()),
-                few_blocks: blocks.map(BlockCount::decide_nothing),
+                blocks: interval.map(|it| it.blocks).into(),
             }
         })
     }
@@ -176,15 +171,14 @@ impl BoxErrorRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::to_csv_bytes;
+    use crate::files::csv_rows::tests::csv_text;
     use crate::numbers::box_errors::tests::lines;
 
     #[test]
     fn medians_of_nothing_are_left_empty() {
         let lines = [lines("street", "range", "0–15 m", 40), lines("street", "range", "50–80 m", 0)].concat();
         let rows: Vec<BoxErrorRow> = lines.iter().step_by(3).flat_map(BoxErrorRow::of).collect();
-        let text = String::from_utf8(to_csv_bytes(&rows).unwrap()).unwrap();
-        insta::assert_snapshot!(text, @r"
+        insta::assert_snapshot!(csv_text(&rows), @r"
         data,simulated,by,slice,error,unit,fit,n_pairs,n_tracks,value,low,high,n_blocks,blocks,few_blocks
         street,true,range,0–15 m,centre,m,hull box,40,10,0.5000,0.4500,0.6000,10,tracks,false
         street,true,range,0–15 m,centre,m,PCA box,40,10,1.0000,0.9000,1.2000,10,tracks,false

@@ -76,7 +76,6 @@ mod tests {
     use super::*;
     use crate::numbers::box_errors::tests::lines;
     use crate::tables::formats::format::Format as _;
-    use crate::tables::formats::markdown::Markdown;
     use crate::tables::formats::terminal::Terminal;
 
     #[test]
@@ -132,18 +131,6 @@ mod tests {
           with all its scans: they cover other scans of the same drives, but not other drives.
         A note.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
-        ");
-        insta::assert_snapshot!(Markdown.text(&BoxTable { lines: &lines[13..17], notes: &["A note."] }), @r"
-        **Box errors of matched vehicles: street (simulated)**
-
-        | by | slice | pairs | tracks | what | hull box | PCA box |
-        | :-- | :-- | --: | --: | :-- | --: | --: |
-        | occlusion | none | 0 | 0 | centre, m | – | – |
-        |  |  |  |  | yaw, deg | – | – |
-        |  |  |  |  | yaw within 10 deg, % | – | – |
-        |  |  |  |  | BEV IoU >= 0.7, % | – | – |
-
-        - A note.
         ");
     }
 }

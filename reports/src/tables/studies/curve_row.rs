@@ -54,8 +54,7 @@ impl CurveRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::csv_rows::{CsvRowWriter, read_rows};
-    use crate::files::whole_file::WholeFile;
+    use crate::files::csv_rows::tests::{csv_text, rows_of};
     use crate::numbers::curve_pair::tests::pair;
 
     #[test]
@@ -64,18 +63,12 @@ mod tests {
         curves.bins[1].name = "kind".to_owned();
         curves.bins[1].ends_m = None;
         let rows = CurveRow::of_curves(&curves, Sides { left: "street (simulated)", right: "kitti" });
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("realism.csv");
-        let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
-        for row in &rows {
-            writer.write(row).unwrap();
-        }
-        writer.finish().unwrap();
-        insta::assert_snapshot!(std::fs::read_to_string(&path).unwrap(), @r"
+        let text = csv_text(&rows);
+        insta::assert_snapshot!(text, @r"
         statistic,bin,bin_from_m,bin_to_m,unit,left,left_value,right,right_value,ratio,counted,n_left,n_right
         ring_density,1-2,1.000,2.000,points/m²,street (simulated),1.000000,kitti,2.000000,0.5000,points,10,10
         ring_density,kind,,,points/m²,street (simulated),0.500000,kitti,0.000000,,points,10,10
         ");
-        assert_eq!(read_rows::<CurveRow>(&path).unwrap(), rows);
+        assert_eq!(rows_of::<CurveRow>(&text).unwrap(), rows);
     }
 }

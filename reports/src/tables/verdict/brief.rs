@@ -7,9 +7,10 @@ use crate::tables::verdict::wording::{
     change_in_words, difference_text, interval_text, tolerance_text, value_text,
 };
 use crate::verdicts::finding::Finding;
-use crate::verdicts::gated_metrics::GatedMetric;
-use crate::verdicts::gated_speeds::GatedSpeed;
+use crate::verdicts::gated_metrics::{GatedMetric, about};
+use crate::verdicts::paired_difference::PairedDifference;
 use crate::verdicts::verdict::Verdict;
+use crate::vocabulary::metric::SPEED_REFERENCE;
 use crate::vocabulary::slice::Slice;
 
 /// Losses that are named.
@@ -103,18 +104,23 @@ struct Change {
     text: String,
 }
 
-/// All that changed. Times are others in every run: only those that changed by more than is tolerated.
+/// All that changed. Times are others in every run: only those that changed by more than is tolerated. What has no number is told elsewhere.
 fn changes(verdict: &Verdict) -> Vec<Change> {
-    let of_metrics = verdict.metrics.iter().filter_map(of_metric);
-    of_metrics.chain(verdict.speed.speeds().iter().filter_map(of_speed)).collect()
+    let of_number = |gated: &GatedMetric| {
+        let it = gated.difference.as_ref().ok()?;
+        let (difference, is_time) = (it.difference(), gated.metric.is_time());
+        let is_told = if is_time { difference.abs() > gated.tolerance } else { difference != 0.0 };
+        let text = if is_time { text_of_time(gated, it) } else { text_of_metric(gated, it) };
+        let size = in_tolerances(difference, gated.tolerance);
+        is_told.then_some(Change { finding: gated.finding, is_loss: it.worsening() >= 0.0, size, text })
+    };
+    verdict.numbers().filter_map(of_number).collect()
 }
 
-/// `None` where nothing changed, or a number is missing, which is told elsewhere.
-fn of_metric(gated: &GatedMetric) -> Option<Change> {
-    let GatedMetric { detector, slice, metric, difference, tolerance, finding, .. } = gated;
-    let it = difference.as_ref().ok().filter(|it| it.difference() != 0.0)?;
+fn text_of_metric(gated: &GatedMetric, it: &PairedDifference) -> String {
+    let GatedMetric { detector, slice, metric, tolerance, finding, .. } = gated;
     let of_slice = if *slice == Slice::All.name() { String::new() } else { format!(" of {slice}") };
-    let text = format!(
+    format!(
         "{}{of_slice}, {detector}, {}: {} → {}{}, {} ({}tolerated {}): {}",
         metric.id(),
         gated.about(),
@@ -125,29 +131,24 @@ fn of_metric(gated: &GatedMetric) -> Option<Change> {
         it.interval.map_or_else(String::new, |_| format!("95 % {}, ", interval_text(it))),
         tolerance_text(metric, *tolerance),
         change_in_words(*finding, it.worsening())
-    );
-    let size = in_tolerances(it.difference(), *tolerance);
-    Some(Change { finding: *finding, is_loss: it.worsening() >= 0.0, size, text })
+    )
 }
 
-fn of_speed(speed: &GatedSpeed) -> Option<Change> {
-    let GatedSpeed { reference, slowdown, tolerance, finding, .. } = speed;
-    let it = slowdown.as_ref().ok().filter(|it| it.share().abs() > *tolerance)?;
+fn text_of_time(gated: &GatedMetric, it: &PairedDifference) -> String {
+    let share = it.difference();
     let percent = |share: f64| fixed_decimals(100.0 * share, 0).replace('-', "−");
-    let text = format!(
-        "time, {}: {} → {} times {reference}, {} % {} ({}tolerated {} %): {}",
-        speed.about(),
+    format!(
+        "time, {}: {} → {} times {SPEED_REFERENCE}, {} % {} ({}tolerated {} %): {}",
+        about(&gated.detector, gated.on.as_deref()),
         fixed_decimals(it.before, 2),
         fixed_decimals(it.after, 2),
-        percent(it.share().abs()),
-        if it.share() > 0.0 { "slower" } else { "faster" },
+        percent(share.abs()),
+        if share > 0.0 { "slower" } else { "faster" },
         it.interval
             .map_or_else(String::new, |it| format!("95 % {} % slower, ", it.ends.map(percent).join(" to "))),
-        percent(*tolerance),
-        change_in_words(*finding, it.share())
-    );
-    let size = in_tolerances(it.share(), *tolerance);
-    Some(Change { finding: *finding, is_loss: it.share() > 0.0, size, text })
+        percent(gated.tolerance),
+        change_in_words(gated.finding, share)
+    )
 }
 
 /// So that rates and metres can be compared. Where nothing is tolerated, everything is much.

@@ -1,6 +1,7 @@
 //! Two runs over the same scans side by side, or two detectors of one run, without a verdict.
 
 use crate::numbers::sums::RATIOS;
+use crate::numbers::tally::Tally;
 use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_number::ALL_CLASSES;
 use crate::run_folder::run_archive::RunArchive;
@@ -17,7 +18,9 @@ use crate::verdicts::comparability::{
 use crate::verdicts::drift::drift;
 use crate::verdicts::gated_metrics::{about, judged};
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
-use crate::verdicts::protocol_differences::{ProtocolPair, ProtocolSide, common_protocols, pairs};
+use crate::verdicts::protocol_differences::{
+    ProtocolPair, ProtocolSide, common_protocols, pairs as pairs_of,
+};
 use crate::vocabulary::slice::Slice;
 
 /// What was compared with what, and what came of it.
@@ -72,83 +75,26 @@ pub fn compare_runs(
 ) -> Result<Comparison, NotComparable> {
     check_comparable(before, after)?;
     let tallies = [before.tally(), after.tally()];
-    let draws = tallies[0].draw();
-    let mut differences = Vec::new();
-    let judged = judged(&tallies[0]);
-    for (dataset, on) in &judged {
-        for &task in tallies[0].tasks() {
-            for detector in tallies[0].detectors() {
-                let compared = tallies[0].slices(task, detector);
-                for slice in compared.into_iter().filter(|it| is_compared(*it, slices)) {
-                    let question = Question { dataset, task, detector, slice };
-                    let [Some(before), Some(after)] =
-                        [0, 1].map(|side| tallies[side].sample(&question, &draws))
-                    else {
-                        continue;
-                    };
-                    let of_metrics = RATIOS.iter().filter_map(|it| paired_difference(&before, &after, it));
-                    let task = about(task.name(), on.as_deref());
-                    differences.extend(of_metrics.map(|it| named(&task, detector, slice, it)));
-                }
-            }
-        }
-        let scans = DrawnScans::of(&tallies[0], dataset);
-        for protocol in common_protocols(&before.protocols, &after.protocols) {
-            let task = about(protocol.name(), on.as_deref());
-            for detector in tallies[0].detectors() {
-                let side = |it: &RunArchive| ProtocolSide::of(&it.protocols, protocol, detector, &scans);
-                if let [Some(before), Some(after)] = [before, after].map(side) {
-                    differences.extend(of_protocol(&task, detector, pairs(&before, &after, &scans), slices));
-                }
-            }
-        }
-    }
-    let title = format!("Two runs over the same scans, {}", together(&judged));
-    let n_changed_scans = Some(drift(before, after).len());
-    let new_detectors = detectors_only_in(after, before);
-    let other_results = detectors_with_other_results(before, after);
-    let configuration_changes = configuration_changes(before, after);
+    let [tally, tally_after] = &tallies;
+    let pairs: Vec<_> = tally.detectors().iter().map(|it| (it.clone(), [it.as_str(); 2])).collect();
     Ok(Comparison {
-        title,
-        differences,
-        n_changed_scans,
-        configuration_changes,
-        new_detectors,
-        other_results,
+        title: format!("Two runs over the same scans, {}", together(tally)),
+        differences: differences([(before, tally), (after, tally_after)], &pairs, slices),
+        n_changed_scans: Some(drift(before, after).len()),
+        configuration_changes: configuration_changes(before, after),
+        new_detectors: detectors_only_in(after, before),
+        other_results: detectors_with_other_results(before, after),
     })
 }
 
 /// Compares detector `second` of `run` with detector `first`, over all data sets of one origin together.
 pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: ComparedSlices) -> Comparison {
     let tally = run.tally();
-    let draws = tally.draw();
-    let mut differences = Vec::new();
-    let judged = judged(&tally);
-    let name = format!("{second} − {first}");
-    for (dataset, on) in &judged {
-        for &task in tally.tasks() {
-            for slice in tally.slices(task, first).into_iter().filter(|it| is_compared(*it, slices)) {
-                let sample = |detector| tally.sample(&Question { dataset, task, detector, slice }, &draws);
-                let [Some(before), Some(after)] = [first, second].map(sample) else { continue };
-                let of_metrics = RATIOS.iter().filter_map(|it| paired_difference(&before, &after, it));
-                let task = about(task.name(), on.as_deref());
-                differences.extend(of_metrics.map(|it| named(&task, &name, slice, it)));
-            }
-        }
-        let scans = DrawnScans::of(&tally, dataset);
-        for protocol in run.protocols.protocols() {
-            let task = about(protocol.name(), on.as_deref());
-            let side = |detector| ProtocolSide::of(&run.protocols, protocol, detector, &scans);
-            if let [Some(before), Some(after)] = [first, second].map(side) {
-                differences.extend(of_protocol(&task, &name, pairs(&before, &after, &scans), slices));
-            }
-        }
-    }
-    let together = together(&judged);
-    let title = format!("{first} (before) and {second} (after) on the same scans of one run, {together}");
+    let pair = (format!("{second} − {first}"), [first, second]);
+    let together = together(&tally);
     Comparison {
-        title,
-        differences,
+        title: format!("{first} (before) and {second} (after) on the same scans of one run, {together}"),
+        differences: differences([(run, &tally); 2], &[pair], slices),
         n_changed_scans: None,
         configuration_changes: Vec::new(),
         new_detectors: Vec::new(),
@@ -156,12 +102,50 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
     }
 }
 
-fn together(judged: &[(String, Option<String>)]) -> &'static str {
-    if judged.len() > 1 { "recorded and simulated data sets apart" } else { "all data sets together" }
+/// What lies between two sides, of each pair of detectors with its name.
+fn differences(
+    sides: [(&RunArchive, &Tally); 2],
+    pairs: &[(String, [&str; 2])],
+    slices: ComparedSlices,
+) -> Vec<NamedDifference> {
+    let (tally, draws) = (sides[0].1, sides[0].1.draw());
+    let mut differences = Vec::new();
+    for (dataset, on) in &judged(tally) {
+        for &task in tally.tasks() {
+            for (name, detectors) in pairs {
+                let compared = tally.slices(task, detectors[0]).into_iter();
+                for slice in compared.filter(|it| slices == ComparedSlices::Each || *it == Slice::All) {
+                    let sample = |side: usize| {
+                        let question = Question { dataset, task, detector: detectors[side], slice };
+                        sides[side].1.sample(&question, &draws)
+                    };
+                    let [Some(before), Some(after)] = [0, 1].map(sample) else { continue };
+                    let of_metrics = RATIOS.iter().filter_map(|it| paired_difference(&before, &after, it));
+                    let task = about(task.name(), on.as_deref());
+                    differences.extend(of_metrics.map(|difference| {
+                        let (task, detector, slice) = (task.clone(), name.clone(), slice.name());
+                        NamedDifference { task, detector, slice, difference }
+                    }));
+                }
+            }
+        }
+        let scans = DrawnScans::of(tally, dataset);
+        let rows = sides.map(|it| &it.0.protocols);
+        for protocol in common_protocols(rows[0], rows[1]) {
+            let task = about(protocol.name(), on.as_deref());
+            for (name, detectors) in pairs {
+                let side = |it: usize| ProtocolSide::of(rows[it], protocol, detectors[it], &scans);
+                if let [Some(before), Some(after)] = [0, 1].map(side) {
+                    differences.extend(of_protocol(&task, name, pairs_of(&before, &after, &scans), slices));
+                }
+            }
+        }
+    }
+    differences
 }
 
-fn is_compared(slice: Slice, slices: ComparedSlices) -> bool {
-    slices == ComparedSlices::Each || slice == Slice::All
+fn together(tally: &Tally) -> &'static str {
+    if judged(tally).len() > 1 { "recorded and simulated data sets apart" } else { "all data sets together" }
 }
 
 /// Numbers of single classes are told where slices are.
@@ -179,11 +163,6 @@ fn of_protocol(
         Some(NamedDifference { task, detector, slice: it.class, difference: it.difference? })
     };
     pairs.into_iter().filter(is_told).filter_map(named).collect()
-}
-
-fn named(task: &str, detector: &str, slice: Slice, difference: PairedDifference) -> NamedDifference {
-    let (task, slice) = (task.to_owned(), slice.name());
-    NamedDifference { task, detector: detector.to_owned(), slice, difference }
 }
 
 impl Tabular for Comparison {

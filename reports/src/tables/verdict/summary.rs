@@ -11,11 +11,10 @@ use crate::tables::verdict::wording::{
 use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
-use crate::verdicts::gated_metrics::GatedMetric;
-use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
+use crate::verdicts::gated_metrics::{GatedMetric, about};
 use crate::verdicts::tolerances::{DriftRule, Origin};
 use crate::verdicts::verdict::{Conclusion, Verdict};
-use crate::vocabulary::metric::Metric;
+use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
 use crate::vocabulary::slice::Slice;
 
 /// Columns of a grid of metrics that say whose they are: task and detector.
@@ -52,7 +51,7 @@ impl Tabular for InFull<'_> {
 
 /// The first lines, the numbers, the times, and every object that changed.
 fn sheet(verdict: &Verdict, of_metrics: Vec<Part>) -> Sheet {
-    let of_speeds = (!verdict.speed.speeds().is_empty()).then(|| speed_grid(verdict));
+    let of_speeds = (!verdict.speeds.is_empty()).then(|| speed_grid(verdict));
     let of_speeds = of_speeds.map(|grid| Part { title: None, grid });
     let parts = of_metrics.into_iter().chain(of_speeds).collect();
     let changes = verdict.drift.iter().map(|it| (scan_name(it), it.changes.clone()));
@@ -91,10 +90,7 @@ pub(crate) fn about_judging(verdict: &Verdict) -> Vec<String> {
 fn caveats(verdict: &Verdict) -> Vec<String> {
     let mut lines: Vec<String> = verdict.claims.iter().map(ChangedClaim::in_words).collect();
     lines.extend(about_configuration(&verdict.configuration_changes));
-    match &verdict.speed {
-        SpeedComparison::NotCompared { reason } => lines.push(format!("Speed was not compared: {reason}.")),
-        SpeedComparison::NotAsked | SpeedComparison::Compared(_) => {}
-    }
+    lines.extend(verdict.speed_not_compared.as_ref().map(|it| format!("Speed was not compared: {it}.")));
     if !verdict.new_detectors.is_empty() {
         let names = verdict.new_detectors.join(", ");
         lines.push(format!("Not judged, because only the later run has it: {names}."));
@@ -115,18 +111,17 @@ fn caveats(verdict: &Verdict) -> Vec<String> {
 /// The numbers that are missing, each with all that names it.
 fn missing(verdict: &Verdict) -> Vec<String> {
     let dataset = verdict.dataset_in_words();
-    let of_metrics = verdict.metrics.iter().filter_map(|it| {
+    let missing = verdict.numbers().filter_map(|it| {
         let place = it.difference.as_ref().err()?.in_words();
         let GatedMetric { on, task, detector, slice, metric, .. } = it;
         let dataset = on.as_deref().unwrap_or(dataset);
-        Some(format!("{} of {slice}, {detector}, {task}, {dataset}: {place}.", metric.id()))
+        Some(if metric.is_time() {
+            format!("Time relative to {SPEED_REFERENCE}, {detector}, {dataset}: {place}.")
+        } else {
+            format!("{} of {slice}, {detector}, {task}, {dataset}: {place}.", metric.id())
+        })
     });
-    let of_speeds = verdict.speed.speeds().iter().filter_map(|it| {
-        let place = it.slowdown.as_ref().err()?.in_words();
-        let dataset = it.on.as_deref().unwrap_or(dataset);
-        Some(format!("Time relative to {}, {}, {dataset}: {place}.", it.reference, it.detector))
-    });
-    of_metrics.chain(of_speeds).collect()
+    missing.collect()
 }
 
 /// What it comes to, as short as can be.
@@ -149,7 +144,7 @@ fn changed_scans(verdict: &Verdict) -> String {
 
 /// How many numbers were judged, and what came of them.
 pub(crate) fn counts(verdict: &Verdict) -> String {
-    let n_gated = verdict.metrics.len() + verdict.speed.speeds().len();
+    let n_gated = verdict.numbers().count();
     let about_results = if verdict.drift.is_empty() {
         "No result changed.".to_owned()
     } else {
@@ -224,11 +219,10 @@ fn sentences(verdict: &Verdict) -> Vec<String> {
     if n_hidden > 0 {
         sentences.push(format!("{n_hidden} more numbers passed; they are unchanged, or of slices that changed less than tolerated."));
     }
-    if let Some(speed) = verdict.speed.speeds().first() {
+    if !verdict.speeds.is_empty() {
         sentences.push(format!(
-            "time: time of a detector divided by that of {}, a simple grid that serves as the reference, on the same scan; shortest \
-             of all repetitions, geometric mean over scans.",
-            speed.reference
+            "time: time of a detector divided by that of {SPEED_REFERENCE}, a simple grid that serves as the reference, on the same \
+             scan; shortest of all repetitions, geometric mean over scans."
         ));
     }
     sentences
@@ -271,13 +265,12 @@ fn speed_grid(verdict: &Verdict) -> Grid {
     let numbers = numbers.map(Column::number);
     let columns = left.into_iter().chain(numbers).chain([Column::left("finding")]);
     let percent = |share: f64| fixed_decimals(100.0 * share, 1);
-    let lines = verdict.speed.speeds().iter().map(|speed| {
-        let GatedSpeed { reference, slowdown, tolerance, finding, .. } = speed;
-        let numbers = match slowdown {
+    let lines = verdict.speeds.iter().map(|speed| {
+        let numbers = match &speed.difference {
             Ok(it) => [
                 Cell::new(fixed_decimals(it.before, 3)),
                 Cell::new(fixed_decimals(it.after, 3)),
-                Cell::new(percent(it.share())),
+                Cell::new(percent(it.difference())),
                 it.interval.map_or_else(
                     || Cell::new("–"),
                     |it| Cell::interval(it.ends.map(percent).join(" to "), it.blocks),
@@ -285,8 +278,8 @@ fn speed_grid(verdict: &Verdict) -> Grid {
             ],
             Err(_) => ["–"; 4].map(Cell::new),
         };
-        let names = [speed.about(), reference.clone()].map(Cell::new);
-        let last = [percent(*tolerance), finding_text(*finding, verdict)].map(Cell::new);
+        let names = [about(&speed.detector, speed.on.as_deref()), SPEED_REFERENCE.to_owned()].map(Cell::new);
+        let last = [percent(speed.tolerance), finding_text(speed.finding, verdict)].map(Cell::new);
         Line { kind: LineKind::Dataset, cells: names.into_iter().chain(numbers).chain(last).collect() }
     });
     Grid { columns: columns.collect(), lines: lines.collect() }

@@ -1,7 +1,7 @@
 //! What tolerances come to, in a sentence.
 
 use crate::files::fixed_decimals::fixed_decimals;
-use crate::verdicts::tolerances::{Origin, QualityRule, Tolerances};
+use crate::verdicts::tolerances::{Origin, Rule, Tolerances};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 
@@ -20,8 +20,8 @@ pub(crate) fn about_tolerances(tolerances: &Tolerances) -> String {
 fn sizes(tolerances: &Tolerances) -> Vec<String> {
     let mut sizes: Vec<String> = Vec::new();
     for rule in &tolerances.quality {
-        for metric in &rule.metrics {
-            let size = format!("{}: {}", kind(rule, metric), size_text(rule, metric.unit()));
+        for metric in rule.metrics.iter().filter_map(|it| Metric::from_id(it)) {
+            let size = format!("{}: {}", kind(rule, &metric), size_text(rule, metric.unit()));
             if !sizes.contains(&size) {
                 sizes.push(size);
             }
@@ -32,8 +32,8 @@ fn sizes(tolerances: &Tolerances) -> Vec<String> {
 }
 
 /// What kind of number a metric of a rule is.
-fn kind(rule: &QualityRule, metric: &Metric) -> String {
-    if !rule.slices.contains(&Slice::All.name()) {
+fn kind(rule: &Rule, metric: &Metric) -> String {
+    if !rule.parts.contains(&Slice::All.name()) {
         return format!("{} of slices", metric.id());
     }
     match metric.unit() {
@@ -46,7 +46,7 @@ fn kind(rule: &QualityRule, metric: &Metric) -> String {
 }
 
 /// `unit` is that of the metric.
-fn size_text(rule: &QualityRule, unit: &str) -> String {
+fn size_text(rule: &Rule, unit: &str) -> String {
     let absolute = match unit {
         "ratio" => format!("{} points", fixed_decimals(100.0 * rule.absolute, 2)),
         unit => format!("{} {unit}", rule.absolute),

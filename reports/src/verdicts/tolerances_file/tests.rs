@@ -1,7 +1,6 @@
 use super::*;
 use crate::verdicts::rule_problems::RuleProblems;
 use crate::verdicts::tolerances::GatedPlace;
-use crate::vocabulary::slice::Slice;
 
 const TOML: &str = r#"
     [[quality]]
@@ -35,9 +34,8 @@ fn read(text: &str) -> Result<Tolerances, String> {
 #[test]
 fn the_first_rule_that_is_about_it_decides() {
     let tolerances = read(TOML).unwrap();
-    let about = |metric: &Metric, task, detector, slice: &str| {
-        let slice = Slice::from_name(slice).unwrap();
-        tolerances.rule_about(metric, GatedPlace { task, detector, slice })
+    let about = |metric: &Metric, task: Task, detector, part| {
+        tolerances.rule_about(metric, GatedPlace { task: task.name(), detector, part })
     };
     assert_eq!(about(&Metric::Recall, Task::Vehicles, "pca", "class/car"), Some(0));
     assert_eq!(about(&Metric::Recall, Task::Objects, "pca", "class/car"), Some(1));
@@ -45,66 +43,67 @@ fn the_first_rule_that_is_about_it_decides() {
     assert_eq!(about(&Metric::Recall, Task::Objects, "pca", "range/0-15"), None);
     assert_eq!(about(&Metric::Precision, Task::Objects, "pca", "all"), None);
     assert_eq!(tolerances.metrics(), [Metric::Recall, Metric::FRate]);
-    assert_eq!([0.5, 0.02].map(|before| tolerances.quality[1].tolerance(before)), [0.05, 0.01]);
+    assert_eq!(
+        [0.5, 0.02].map(|before| tolerances.quality[1].tolerance(&Metric::FRate, before)),
+        [0.05, 0.01]
+    );
 }
 
 #[test]
 fn a_number_is_expected_where_slice_and_task_are_named() {
     let tolerances = read(&TOML.replacen("class/*", "class/car", 1)).unwrap();
-    let place = |slice, task| GatedPlace { task, detector: "pca", slice: Slice::from_name(slice).unwrap() };
-    let names = |rule: usize, slice, task| tolerances.quality[rule].names(place(slice, task));
+    let names = |rule: usize, part, task: Task| {
+        tolerances.quality[rule].names(GatedPlace { task: task.name(), detector: "pca", part })
+    };
     assert!(names(0, "class/car", Task::Vehicles) && !names(0, "class/van", Task::Vehicles));
     assert!(!names(1, "all", Task::Vehicles) && !names(1, "class/car", Task::Vehicles));
 }
 
-#[track_caller]
-fn check_refused(from: &str, to: &str, expected: &str) {
+/// What the file is refused for where its first `from` is `to`.
+fn problem(from: &str, to: &str) -> String {
     assert!(TOML.contains(from));
-    let error = read(&TOML.replacen(from, to, 1)).unwrap_err();
-    assert!(error.contains(expected), "{error}");
+    read(&TOML.replacen(from, to, 1)).unwrap_err()
+}
+
+#[track_caller]
+fn check_refused(cases: &[[&str; 3]]) {
+    for [from, to, expected] in cases {
+        let problem = problem(from, to);
+        assert!(problem.contains(expected), "{problem}");
+    }
 }
 
 #[test]
 fn what_cannot_be_gated_is_refused() {
-    check_refused(
-        "\"f_rate\"",
-        "\"f_rat\"",
-        "[[quality]] 2: there is no metric \"f_rat\"; did you mean \"f_rate\"?",
-    );
-    check_refused("\"f_rate\"", "\"latency_p50_ms\"", "changes with every run; check times with [speed]");
-    check_refused(
-        "\"f_rate\"",
-        "\"time_over_reference\"",
-        "changes with every run; check times with [speed]",
-    );
-    check_refused("\"f_rate\"", "\"no\"", "has no direction that is better");
-    check_refused("\"f_rate\"", "\"ap_r40\"", "has no interval");
-    check_refused(
-        "[\"vehicles\"]",
-        "[\"vehicle\"]",
-        "[[quality]] 1: there is no task \"vehicle\"; did you mean \"vehicles\"?",
-    );
-    check_refused("absolute = 0.05", "absolut = 0.05", "unknown field `absolut`");
-    check_refused("[\"class/*\"]", "[]", "[[quality]] 1: slices is empty");
-    check_refused("[\"pca\", \"kd-tree\"]", "[]", "[[quality]] 1: detectors is empty");
-    check_refused(
-        "grid-write",
-        "kd-tree",
-        "[speed]: the reference for times is \"grid-write\", not \"kd-tree\"",
-    );
+    let metric = "\"f_rate\"";
+    check_refused(&[
+        [metric, "\"f_rat\"", "[[quality]] 2: there is no metric \"f_rat\"; did you mean \"f_rate\"?"],
+        [metric, "\"latency_p50_ms\"", "changes with every run; check times with [speed]"],
+        [metric, "\"time_over_reference\"", "changes with every run; check times with [speed]"],
+        [metric, "\"no\"", "has no direction that is better"],
+        [metric, "\"ap_r40\"", "has no interval"],
+        ["vehicles", "vehicle", "[[quality]] 1: there is no task \"vehicle\"; did you mean \"vehicles\"?"],
+        ["absolute = 0.05", "absolut = 0.05", "unknown field `absolut`"],
+        ["[\"class/*\"]", "[]", "[[quality]] 1: slices is empty"],
+        ["[\"pca\", \"kd-tree\"]", "[]", "[[quality]] 1: detectors is empty"],
+        ["grid-write", "kd-tree", "[speed]: the reference for times is \"grid-write\", not \"kd-tree\""],
+    ]);
 }
 
 #[test]
 fn tolerances_that_let_everything_pass_are_refused() {
-    for absurd in ["-0.05", "nan", "inf"] {
-        check_refused("absolute = 0.05", &format!("absolute = {absurd}"), "is not a tolerance");
-        check_refused("relative = 0.1", &format!("relative = {absurd}"), "is not a tolerance");
-        check_refused("relative = 0.5", &format!("relative = {absurd}"), "is not a tolerance");
+    for size in ["absolute = 0.05", "relative = 0.1", "relative = 0.5"] {
+        let name = size.split(' ').next().unwrap();
+        for absurd in ["-0.05", "nan", "inf"] {
+            check_refused(&[[size, &format!("{name} = {absurd}"), "is not a tolerance"]]);
+        }
     }
-    check_refused("relative = 0.1", "relative = 5.0", "relative = 5 tolerates 500 %; it must be less than 1");
-    check_refused("relative = 0.5", "relative = 1.0", "[speed]: relative = 1 tolerates 100 %");
-    check_refused("relative = 0.5", "relative = 0.5\ndetectors = []", "[speed]: detectors is empty");
-    check_refused("absolute = 0.05", "absolute = 0.51", "the most is 0.5 of a rate, where 1 is 100 %");
+    check_refused(&[
+        ["relative = 0.1", "relative = 5.0", "relative = 5 tolerates 500 %; it must be less than 1"],
+        ["relative = 0.5", "relative = 1.0", "[speed]: relative = 1 tolerates 100 %"],
+        ["relative = 0.5", "relative = 0.5\ndetectors = []", "[speed]: detectors is empty"],
+        ["absolute = 0.05", "absolute = 0.51", "the most is 0.5 of a rate, where 1 is 100 %"],
+    ]);
     let of_boxes = |absolute: f64| {
         let text = TOML.replacen("[\"recall\"]", "[\"box_center_error_m\", \"box_yaw_error_deg\"]", 1);
         read(&text.replacen("absolute = 0.05", &format!("absolute = {absolute}"), 1))

@@ -13,10 +13,10 @@ use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, Sides};
 use crate::verdicts::gated_protocols::gated_protocols;
-use crate::verdicts::gated_speeds::SpeedComparison;
 use crate::verdicts::rule_problems::RuleProblems;
 use crate::verdicts::tolerances::{DriftRule, Tolerances};
 use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::named::named;
 
 /// How often the whole 95 % interval of a difference lies on the worse side of the truth.
 const FALSE_ALARM_RISK: f64 = 0.025;
@@ -34,8 +34,10 @@ pub struct Verdict {
     pub blocks: BlockCount,
     /// Everything that is gated, task by task, detector by detector, slice by slice.
     pub metrics: Vec<GatedMetric>,
-    /// How fast detectors are beside the reference.
-    pub speed: SpeedComparison,
+    /// How long detectors take, divided by how long the reference takes on the same scans: the geometric mean over scans.
+    pub speeds: Vec<GatedMetric>,
+    /// Why times were not compared, where a rule is about them.
+    pub speed_not_compared: Option<String>,
     /// Claims of the papers of which something else comes.
     pub claims: Vec<ChangedClaim>,
     /// Scans on which results of a detector changed.
@@ -48,19 +50,20 @@ pub struct Verdict {
     pub tolerances: Tolerances,
 }
 
-/// What a verdict comes to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Conclusion {
-    /// Something is surely worse.
-    Regression,
-    /// Something that is gated has no number.
-    Incomparable,
-    /// Nothing is surely worse, but results changed.
-    Drift,
-    /// The same, and that is allowed.
-    AllowedDrift,
-    /// Everything is as it was.
-    Same,
+named! {
+    /// What a verdict comes to.
+    pub enum Conclusion {
+        /// Something is surely worse.
+        Regression = "regression",
+        /// Something that is gated has no number.
+        Incomparable = "incomparable",
+        /// Nothing is surely worse, but results changed.
+        Drift = "drift",
+        /// The same, and that is allowed.
+        AllowedDrift = "allowed-drift",
+        /// Everything is as it was.
+        Same = "same",
+    }
 }
 
 /// Why there is no verdict.
@@ -75,17 +78,6 @@ pub enum JudgeError {
 }
 
 impl Conclusion {
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Regression => "regression",
-            Self::Incomparable => "incomparable",
-            Self::Drift => "drift",
-            Self::AllowedDrift => "allowed-drift",
-            Self::Same => "same",
-        }
-    }
-
     /// What people read.
     pub fn in_words(self) -> &'static str {
         match self {
@@ -140,16 +132,20 @@ impl Verdict {
         scans.collect::<BTreeSet<_>>().len()
     }
 
+    /// Everything that is gated, times last.
+    pub fn numbers(&self) -> impl Iterator<Item = &GatedMetric> {
+        self.metrics.iter().chain(&self.speeds)
+    }
+
     /// How many numbers are worse than tolerated, whether or not that may be chance. Times are others in every run: only where it
     /// is none.
     pub fn n_worse(&self) -> usize {
-        let of_metrics = self
-            .metrics
-            .iter()
-            .filter(|it| matches!(it.finding, Finding::Regression | Finding::Inconclusive));
-        let of_speeds = self.speed.speeds().iter().filter(|it| it.finding == Finding::Regression);
-        let of_claims = self.claims.iter().filter(|it| it.is_worse());
-        of_metrics.count() + of_speeds.count() + of_claims.count()
+        let is_worse = |it: &&GatedMetric| match it.finding {
+            Finding::Regression => true,
+            Finding::Inconclusive => !it.metric.is_time(),
+            Finding::Incomparable | Finding::Pass => false,
+        };
+        self.numbers().filter(is_worse).count() + self.claims.iter().filter(|it| it.is_worse()).count()
     }
 
     /// How many numbers changed, so that they may look surely worse by chance; none if nothing can be sure. What is the same on every
@@ -159,11 +155,7 @@ impl Verdict {
             return 0;
         }
         let varies = |interval: Option<Interval>| interval.is_some_and(|it| it.ends != [0.0; 2]);
-        let of_metrics =
-            self.metrics.iter().filter(|it| it.difference.as_ref().is_ok_and(|it| varies(it.interval)));
-        let speeds = self.speed.speeds().iter();
-        let of_speeds = speeds.filter(|it| it.slowdown.as_ref().is_ok_and(|it| varies(it.interval)));
-        of_metrics.count() + of_speeds.count()
+        self.numbers().filter(|it| it.difference.as_ref().is_ok_and(|it| varies(it.interval))).count()
     }
 
     /// How many of these would be called worse by chance on average, were each in truth just as much worse as tolerated: the most
@@ -174,8 +166,7 @@ impl Verdict {
 
     /// Number of gated numbers with this finding.
     pub fn n(&self, finding: Finding) -> usize {
-        let of_metrics = self.metrics.iter().filter(|it| it.finding == finding).count();
-        of_metrics + self.speed.speeds().iter().filter(|it| it.finding == finding).count()
+        self.numbers().filter(|it| it.finding == finding).count()
     }
 }
 
@@ -237,6 +228,13 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
     let nothing_run = || NotComparable { reasons: vec!["the baseline has no scans".to_owned()] };
     let mut metrics = sides.gated_metrics(tolerances)?;
     metrics.extend(gated_protocols(&before, [&baseline.protocols, &run.protocols], tolerances)?);
+    let rule = tolerances.speed.as_ref();
+    // Ratios of times are those of a processor.
+    let [old, new] = [baseline, run].map(|it| &it.manifest.machine.cpu_model);
+    let speed_not_compared = rule.filter(|_| old != new);
+    let speed_not_compared =
+        speed_not_compared.map(|_| format!("the processor changed from {old:?} to {new:?}"));
+    let speeds = rule.filter(|_| old == new).map_or_else(Vec::new, |it| sides.gated_speeds(it));
     Ok(Verdict {
         dataset: match &before.pools()[..] {
             [only] => only.extent.name().to_owned(),
@@ -246,10 +244,8 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
         n_scans: n_scans(baseline),
         blocks: blocks.ok_or_else(nothing_run)?,
         metrics,
-        speed: sides.gated_speeds(
-            tolerances.speed.as_ref(),
-            [&baseline.manifest, &run.manifest].map(|it| &it.machine),
-        ),
+        speeds,
+        speed_not_compared,
         claims: changed_claims(&baseline.claims, &run.claims),
         drift: drift(baseline, run),
         configuration_changes: configuration_changes(baseline, run),

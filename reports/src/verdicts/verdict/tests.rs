@@ -12,18 +12,18 @@ use crate::tables::formats::junit::JUnit;
 use crate::tables::formats::markdown::Markdown;
 use crate::tables::formats::terminal::Terminal;
 use crate::tables::sample;
+use crate::tables::sheet::Tabular;
 use crate::tables::verdict::brief::{Brief, Purpose};
 use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::Question;
 use crate::verdicts::gated_metrics::Missing;
-use crate::verdicts::gated_speeds::Slowdown;
 use crate::verdicts::least_loss::{LeastLosses, least_losses};
 use crate::verdicts::rule_problems::RuleProblem;
-use crate::verdicts::tolerances::{DriftRule, Origin, QualityRule, SpeedRule};
+use crate::verdicts::tolerances::{DriftRule, Origin, Rule};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::criterion::CriterionKind;
-use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
+use crate::vocabulary::metric::Metric;
 use crate::vocabulary::reason::MissReason;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -90,16 +90,8 @@ impl SampleScans<'_> {
 fn missed(detector: &str, scan: u32, id: u64) -> MatchRow {
     let bounding_box =
         BoxFacts { center_m: [10.0, 0.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
-    let annotation = AnnotationFacts {
-        id,
-        track: None,
-        class: AnnotationClass::Car,
-        occlusion: None,
-        n_points: 100,
-        centroid_m: None,
-        n_points_outside: 0,
-        bounding_box: Some(bounding_box),
-    };
+    let placeless = AnnotationFacts::placeless(AnnotationClass::Car, 100);
+    let annotation = AnnotationFacts { id, bounding_box: Some(bounding_box), ..placeless };
     let [dataset, sequence, detector] = ["main_road", "0000", detector].map(str::to_owned);
     let (task, criterion) = (Task::Objects, CriterionKind::Points);
     let outcome = MatchOutcome::Missed { annotation, reason: MissReason::Split };
@@ -110,34 +102,68 @@ fn texts(names: &[&str]) -> Vec<String> {
     names.iter().map(|it| (*it).to_owned()).collect()
 }
 
-fn rule(metrics: &[&str], slices: &[&str]) -> QualityRule {
-    let metrics = metrics.iter().map(|it| Metric::from_id(it).unwrap()).collect();
-    let slices = texts(slices);
-    QualityRule { line: None, metrics, slices, tasks: None, detectors: None, absolute: 0.02, relative: 0.0 }
+fn rule(metrics: &[&str], slices: &[&str]) -> Rule {
+    let (metrics, parts) = (texts(metrics), texts(slices));
+    Rule { line: None, metrics, parts, tasks: None, detectors: None, absolute: 0.02, relative: 0.0 }
+}
+
+/// About `task` alone.
+fn rule_of(task: &str, metrics: &[&str]) -> Rule {
+    Rule { tasks: Some(texts(&[task])), ..rule(metrics, &["all"]) }
 }
 
 /// These rules, without times.
-fn held_to(quality: Vec<QualityRule>) -> Tolerances {
-    let origin = Origin::File("tolerances.toml".into());
+fn held_to(quality: Vec<Rule>) -> Tolerances {
+    let (protocols, problems, drift) = (Vec::new(), Vec::new(), DriftRule::Fail);
     Tolerances {
-        origin,
+        origin: Origin::File("tolerances.toml".into()),
         quality,
-        protocols: Vec::new(),
+        protocols,
         speed: None,
-        drift: DriftRule::Fail,
-        problems: Vec::new(),
+        drift,
+        problems,
     }
 }
 
 /// Recall of everything may fall by 2 points, and times may grow by a quarter.
 fn tolerances() -> Tolerances {
-    let reference = SPEED_REFERENCE.to_owned();
-    let speed = SpeedRule { line: None, reference, detectors: None, relative: 0.25 };
-    Tolerances { speed: Some(speed), ..held_to(vec![rule(&["recall"], &["all"])]) }
+    Tolerances { speed: Some(Rule::of_times(0.25)), ..held_to(vec![rule(&["recall"], &["all"])]) }
+}
+
+/// `run` beside the usual one.
+fn against_usual(run: &RunArchive) -> Result<Verdict, JudgeError> {
+    judge(&USUAL.archive(), run, &tolerances())
 }
 
 fn judged(run: &SampleScans<'_>) -> Verdict {
     judge(&SampleScans { n_scans: run.n_scans, ..USUAL }.archive(), &run.archive(), &tolerances()).unwrap()
+}
+
+fn printed(subject: &impl Tabular) -> String {
+    Terminal::UNFOLDED.text(subject)
+}
+
+#[track_caller]
+fn check_holds(text: &str, part: &str) {
+    assert!(text.contains(part), "no {part} in {text}");
+}
+
+/// The numbers of every scan of `run` that `is_meant`.
+fn numbers_of(
+    run: &mut RunArchive,
+    is_meant: fn(&ScanRow) -> bool,
+) -> impl Iterator<Item = &mut ScanNumbers> {
+    run.scans.iter_mut().filter(move |it| is_meant(it)).filter_map(|it| match &mut it.outcome {
+        ScanOutcome::Evaluated(numbers) => Some(numbers),
+        ScanOutcome::Skipped { .. } => None,
+    })
+}
+
+/// The usual run, whose only entry is `pca`, of others.
+fn with_foreign(foreign: ForeignEntry) -> RunArchive {
+    let mut run = USUAL.archive();
+    run.manifest.detectors = vec![DetectorEntry { foreign: Some(foreign), ..sample::detector("pca") }];
+    run
 }
 
 #[track_caller]
@@ -145,7 +171,7 @@ fn check_quality(tp_of: &dyn Fn(u32) -> u64, expected: Finding) {
     let verdict = judged(&SampleScans { tp_of, ..USUAL });
     let [_, pca] = verdict.metrics.as_slice() else { panic!("{verdict:?}") };
     assert_eq!((pca.detector.as_str(), pca.finding), ("pca", expected), "{pca:?}");
-    assert!(verdict.speed.speeds().iter().all(|it| it.finding == Finding::Pass));
+    assert!(verdict.speeds.iter().all(|it| it.finding == Finding::Pass));
 }
 
 #[test]
@@ -157,11 +183,8 @@ fn recorded_and_simulated_scans_are_judged_apart() {
         both.matches.extend(recorded.matches.into_iter().map(|it| MatchRow { dataset: kitti(), ..it }));
         both
     };
-    let tolerances = held_to(vec![QualityRule {
-        tasks: Some(vec![Task::Objects]),
-        detectors: Some(texts(&["pca"])),
-        ..rule(&["recall", "f_rate"], &["all"])
-    }]);
+    let of_pca = Rule { detectors: Some(texts(&["pca"])), ..rule_of("objects", &["recall", "f_rate"]) };
+    let tolerances = held_to(vec![of_pca]);
     let (baseline, worse) = (beside_kitti(&seven_or_five), beside_kitti(&|step| seven_or_five(step) - 1));
     let found = |run: &RunArchive| {
         let verdict = judge(&baseline, run, &tolerances).unwrap();
@@ -208,16 +231,12 @@ fn of_few_blocks_a_loss_is_inconclusive_and_only_drift_can_fail() {
         assert_eq!(verdict.conclusion(), Conclusion::Drift);
         assert_eq!((verdict.n(Finding::Regression), verdict.n(Finding::Inconclusive)), (0, 1));
         let blocks = if n_scans == 1 { "block" } else { "blocks" };
-        let text = Terminal::UNFOLDED.text(&verdict);
-        let line = text.lines().nth(2).unwrap();
-        assert!(
-            line.starts_with(&format!(
-                "Only {n_scans} {blocks} of scans: too few to show that anything is worse"
-            )),
-            "{text}"
-        );
-        assert!(text.contains(&format!("inconclusive: {n_scans} {blocks}")), "{text}");
-        assert!(Markdown.text(&verdict).contains(&format!("inconclusive: {n_scans} {blocks}")));
+        let text = printed(&verdict);
+        let said = format!("Only {n_scans} {blocks} of scans: too few to show that anything is worse");
+        assert!(text.lines().nth(2).unwrap().starts_with(&said), "{text}");
+        for text in [&text, &Markdown.text(&verdict)] {
+            check_holds(text, &format!("inconclusive: {n_scans} {blocks}"));
+        }
         assert_eq!(n_scans > 1, text.contains('§'), "{text}");
     }
 }
@@ -225,9 +244,9 @@ fn of_few_blocks_a_loss_is_inconclusive_and_only_drift_can_fail() {
 #[track_caller]
 fn check_speed(ms_of: &dyn Fn(u32) -> f64, expected: Finding, expected_slowdown: f64) {
     let verdict = judged(&SampleScans { ms_of: Some(ms_of), ..USUAL });
-    let speed = &verdict.speed.speeds()[1];
+    let speed = &verdict.speeds[1];
     assert_eq!((speed.detector.as_str(), speed.finding), ("pca", expected), "{speed:?}");
-    let share = speed.slowdown.as_ref().map(Slowdown::share).unwrap();
+    let share = speed.difference.as_ref().unwrap().difference();
     assert!((share - expected_slowdown).abs() < 1e-9, "{speed:?}");
     assert!(verdict.drift.is_empty(), "times are no drift");
 }
@@ -245,10 +264,10 @@ fn a_half_more_time_is_a_regression_and_one_slow_scan_is_not() {
 fn times_of_other_processors_are_not_compared_and_that_is_said() {
     let mut run = SampleScans { ms_of: Some(&|_| 1000.0), ..USUAL }.archive();
     run.manifest.machine.cpu_model = "Other CPU".to_owned();
-    let verdict = judge(&USUAL.archive(), &run, &tolerances()).unwrap();
+    let verdict = against_usual(&run).unwrap();
     assert_eq!(verdict.conclusion(), Conclusion::Same);
     let said = "Speed was not compared: the processor changed from \"Example CPU @ 2 GHz\" to \"Other CPU\".";
-    assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().nth(2), Some(said));
+    assert_eq!(printed(&verdict).lines().nth(2), Some(said));
     assert!(Markdown.text(&verdict).lines().take(5).any(|it| it == said));
 }
 
@@ -261,12 +280,10 @@ fn times_that_were_not_taken_are_missing() {
     ] {
         let verdict = judge(&before.archive(), &after.archive(), &tolerances()).unwrap();
         assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
-        assert!(verdict.speed.speeds().iter().all(|it| it.slowdown == Err(missing)));
-        let said = format!("Time relative to grid-write, pca, main_road: {}.", missing.in_words());
-        assert!(
-            Terminal::UNFOLDED.text(&verdict).lines().any(|it| it == said),
-            "{}",
-            Terminal::UNFOLDED.text(&verdict)
+        assert!(verdict.speeds.iter().all(|it| it.difference == Err(missing)));
+        check_holds(
+            &printed(&verdict),
+            &format!("\nTime relative to grid-write, pca, main_road: {}.\n", missing.in_words()),
         );
     }
 }
@@ -275,71 +292,42 @@ fn times_that_were_not_taken_are_missing() {
 fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
     let mut run = USUAL.archive();
     run.scans.retain(|it| it.detector == "kd-tree" || it.scan > 0);
-    let error = judge(&USUAL.archive(), &run, &tolerances()).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("pca was evaluated on 30 scans of main_road in the task objects, and now on 29"),
-        "{error}"
-    );
+    let error = against_usual(&run).unwrap_err().to_string();
+    check_holds(&error, "pca was evaluated on 30 scans of main_road in the task objects, and now on 29");
     run.scans.retain(|it| it.detector == "kd-tree");
-    let error = judge(&USUAL.archive(), &run, &tolerances()).unwrap_err();
     assert_eq!(
-        error.to_string(),
+        against_usual(&run).unwrap_err().to_string(),
         "the runs cannot be compared: the detector pca is only in the earlier run, not in the later one"
     );
 
     // A new one has nothing to be judged by, and is named.
     let verdict = judge(&run, &USUAL.archive(), &tolerances()).unwrap();
-    let text = Terminal::UNFOLDED.text(&verdict);
-    assert!(text.contains("Not judged, because only the later run has it: pca."), "{text}");
+    check_holds(&printed(&verdict), "Not judged, because only the later run has it: pca.");
     let comparison = compare_runs(&run, &USUAL.archive(), ComparedSlices::All).unwrap();
-    let text = Terminal::UNFOLDED.text(&comparison);
-    assert!(text.contains("Not compared, because only the later run has it: pca."), "{text}");
+    check_holds(&printed(&comparison), "Not compared, because only the later run has it: pca.");
 }
 
 #[test]
 fn a_changed_configuration_is_told_with_both_values() {
-    let with = |vehicles: &str| {
-        let mut run = USUAL.archive();
-        let foreign = ForeignEntry { vehicles: vehicles.to_owned(), ..ForeignEntry::default() };
-        let entry = DetectorEntry {
-            name: "pca".to_owned(),
-            parameters: serde_json::Value::Null,
-            rules: Vec::new(),
-            vehicles: None,
-            foreign: Some(foreign),
-        };
-        run.manifest.detectors = vec![entry];
-        run
-    };
+    let with = |it: &str| with_foreign(ForeignEntry { vehicles: it.to_owned(), ..ForeignEntry::default() });
     let (before, after) = (with("size"), with("model"));
-    let expected = "Configuration changed: pca: vehicles: size → model.";
     let verdict = judge(&before, &after, &tolerances()).unwrap();
     let purpose = Purpose::Gate { in_full: "gate --full" };
     let brief = Brief { verdict: &verdict, sides: ["run", "baseline"], purpose };
     let comparison = compare_runs(&before, &after, ComparedSlices::All).unwrap();
-    let terminal = Terminal::UNFOLDED;
-    for text in [terminal.text(&verdict), terminal.text(&brief), terminal.text(&comparison)] {
-        assert!(text.contains(expected), "{text}");
+    for text in [printed(&verdict), printed(&brief), printed(&comparison)] {
+        check_holds(&text, "Configuration changed: pca: vehicles: size → model.");
     }
-    assert!(Json.text(&verdict).contains("\"pca: vehicles: size → model\""));
+    check_holds(&Json.text(&verdict), "\"pca: vehicles: size → model\"");
     let same = judge(&before, &before, &tolerances()).unwrap();
-    assert!(!terminal.text(&same).contains("Configuration changed"));
+    assert!(!printed(&same).contains("Configuration changed"));
 }
 
 #[test]
 fn scans_of_which_points_or_labels_changed_are_not_gated() {
     let mut relabelled = USUAL.archive();
-    let mut n_changed = 0;
-    for row in relabelled.scans.iter_mut().filter(|it| it.scan == 1) {
-        if let ScanOutcome::Evaluated(numbers) = &mut row.outcome {
-            numbers.checksum += 1;
-            n_changed += 1;
-        }
-    }
-    assert!(n_changed > 0);
-    let error = judge(&USUAL.archive(), &relabelled, &tolerances()).unwrap_err().to_string();
+    numbers_of(&mut relabelled, |it| it.scan == 1).for_each(|it| it.checksum += 1);
+    let error = against_usual(&relabelled).unwrap_err().to_string();
     let expected = "the runs cannot be compared: points or labels changed in 1 of ";
     assert!(error.starts_with(expected) && error.ends_with("their checksums differ"), "{error}");
 }
@@ -347,33 +335,20 @@ fn scans_of_which_points_or_labels_changed_are_not_gated() {
 #[test]
 fn results_of_other_files_are_not_gated() {
     let with = |checksum: &str| {
-        let mut run = USUAL.archive();
-        let foreign = ForeignEntry {
-            results: Some("found".to_owned()),
-            results_checksum: Some(checksum.to_owned()),
-            vehicles: "size".to_owned(),
-            ..ForeignEntry::default()
-        };
-        let (name, parameters) = ("pca".to_owned(), serde_json::Value::Null);
-        let foreign = Some(foreign);
-        run.manifest.detectors =
-            vec![DetectorEntry { name, parameters, rules: Vec::new(), vehicles: None, foreign }];
-        run
+        let [results, results_checksum] = ["found", checksum].map(|it| Some(it.to_owned()));
+        with_foreign(ForeignEntry { results, results_checksum, ..ForeignEntry::default() })
     };
     assert!(judge(&with("a"), &with("a"), &tolerances()).is_ok());
-    assert!(judge(&USUAL.archive(), &with("a"), &tolerances()).is_ok());
-    let error = judge(&with("a"), &with("b"), &tolerances()).unwrap_err();
+    assert!(against_usual(&with("a")).is_ok());
     assert_eq!(
-        error.to_string(),
+        judge(&with("a"), &with("b"), &tolerances()).unwrap_err().to_string(),
         "the runs cannot be compared: the results of pca changed: their checksums differ"
     );
     // What lies between the two is no secret.
     let comparison = compare_runs(&with("a"), &with("b"), ComparedSlices::All).unwrap();
-    let text = Terminal::UNFOLDED.text(&comparison);
-    assert!(text.contains("The results of these changed before they were judged: pca."), "{text}");
+    check_holds(&printed(&comparison), "The results of these changed before they were judged: pca.");
 }
 
-/// `pca` has lost 15 points of F-rate, and rules that name it wrongly have to say so.
 #[test]
 fn speed_is_held_of_the_detectors_that_its_rule_names() {
     let slow = SampleScans { ms_of: Some(&|_| 100.0), ..USUAL }.archive();
@@ -384,7 +359,7 @@ fn speed_is_held_of_the_detectors_that_its_rule_names() {
     };
     let held = |names| -> Vec<String> {
         let verdict = speeds_of(names).unwrap();
-        verdict.speed.speeds().iter().map(|it| it.detector.clone()).collect()
+        verdict.speeds.iter().map(|it| it.detector.clone()).collect()
     };
     let all = held(None);
     assert!(all.len() > 1 && all.iter().any(|it| it == "pca"), "{all:?}");
@@ -394,10 +369,11 @@ fn speed_is_held_of_the_detectors_that_its_rule_names() {
     assert_eq!(problems.to_string(), said);
 }
 
+/// `pca` has lost 15 points of F-rate, and rules that name it wrongly have to say so.
 #[test]
 fn rules_about_nothing_are_refused_all_at_once() {
     let worse = SampleScans { tp_of: &|step| seven_or_five(step) - 2, ..USUAL }.archive();
-    let problem = |rules: Vec<QualityRule>| {
+    let problem = |rules: Vec<Rule>| {
         let tolerances = held_to(rules);
         match judge(&USUAL.archive(), &worse, &tolerances) {
             Err(JudgeError::Rules(RuleProblems { problems, .. })) => {
@@ -406,11 +382,10 @@ fn rules_about_nothing_are_refused_all_at_once() {
             other => panic!("{other:?}"),
         }
     };
-    let of_task = |task| QualityRule { tasks: Some(vec![task]), ..rule(&["recall"], &["all"]) };
-    let of_detector = QualityRule { detectors: Some(texts(&["pcaa"])), ..rule(&["recall"], &["all"]) };
+    let of_detector = Rule { detectors: Some(texts(&["pcaa"])), ..rule(&["recall"], &["all"]) };
     assert_eq!(
         problem(vec![
-            of_task(Task::Vehicles),
+            rule_of("vehicles", &["recall"]),
             rule(&["recall"], &["al"]),
             rule(&["recall"], &["range/0-20"]),
             of_detector
@@ -421,13 +396,13 @@ fn rules_about_nothing_are_refused_all_at_once() {
          [[quality]] 4: there is no detector \"pcaa\" in either run; did you mean \"pca\"?"
     );
     // A beginning that no slice has.
-    assert!(problem(vec![rule(&["recall"], &["occlusion/*"])]).contains("there is no slice \"occlusion/*\""));
+    check_holds(&problem(vec![rule(&["recall"], &["occlusion/*"])]), "there is no slice \"occlusion/*\"");
     // Precision is not measured of classes, and what is torn apart is measured of everything alone.
     for (metric, slice) in
         [("precision", "class/car"), ("over_segmentation", "range/*"), ("box_yaw_error_deg", "all")]
     {
         let problem = problem(vec![rule(&[metric, "recall"], &[slice, "all"])]);
-        assert!(problem.contains(&format!("no effect on {metric} of {slice:?}")), "{problem}");
+        check_holds(&problem, &format!("no effect on {metric} of {slice:?}"));
         assert!(!problem.contains("on recall"), "{problem}");
     }
     // A rule before it decides about all that it is about.
@@ -452,7 +427,7 @@ fn a_beginning_that_stands_for_some_slices_is_no_mistake() {
 fn a_number_that_is_missing_is_named_and_nothing_passes() {
     // False objects cannot be known in the run: no F-rate, which a rule is about.
     let unknown = SampleScans { fo: None, ..USUAL };
-    let of_task = QualityRule { tasks: Some(vec![Task::Objects]), ..rule(&["f_rate"], &["all"]) };
+    let of_task = rule_of("objects", &["f_rate"]);
     for (before, after, named, missing) in [
         (&USUAL, &unknown, &of_task, Missing::InRun),
         (&unknown, &USUAL, &of_task, Missing::InBaseline),
@@ -463,19 +438,15 @@ fn a_number_that_is_missing_is_named_and_nothing_passes() {
         let verdict = judge(&before.archive(), &after.archive(), &tolerances).unwrap();
         assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
         assert!(verdict.metrics.iter().all(|it| it.difference == Err(missing)), "{verdict:?}");
-        let said = format!("f_rate of all, pca, objects, main_road: {}.", missing.in_words());
-        assert!(
-            Terminal::UNFOLDED.text(&verdict).lines().any(|it| it == said),
-            "{}",
-            Terminal::UNFOLDED.text(&verdict)
+        check_holds(
+            &printed(&verdict),
+            &format!("\nf_rate of all, pca, objects, main_road: {}.\n", missing.in_words()),
         );
     }
     // Of no named task, and nowhere else either: the rule is about nothing.
     let tolerances = held_to(vec![rule(&["f_rate"], &["all"])]);
-    let Err(JudgeError::Rules(problems)) = judge(&unknown.archive(), &unknown.archive(), &tolerances) else {
-        panic!("it has no effect");
-    };
-    assert!(problems.to_string().contains("no effect on f_rate of \"all\""), "{problems}");
+    let error = judge(&unknown.archive(), &unknown.archive(), &tolerances).unwrap_err().to_string();
+    check_holds(&error, "no effect on f_rate of \"all\"");
 }
 
 #[test]
@@ -500,11 +471,7 @@ fn read_back(text: &str) -> Tolerances {
 /// `kd-tree` and `pca` have one task and no boxes, and `pca` was not timed.
 fn half_timed() -> RunArchive {
     let mut run = USUAL.archive();
-    for row in run.scans.iter_mut().filter(|it| it.detector == "pca") {
-        if let ScanOutcome::Evaluated(numbers) = &mut row.outcome {
-            numbers.least_latency_ms = None;
-        }
-    }
+    numbers_of(&mut run, |it| it.detector == "pca").for_each(|it| it.least_latency_ms = None);
     run
 }
 
@@ -595,7 +562,7 @@ fn built_in_tolerances_are_printed_and_written() {
     let verdict = judge(&run, &run, &tolerances).unwrap();
     assert_eq!(verdict.conclusion(), Conclusion::Same);
     // They are printed.
-    insta::assert_snapshot!(Terminal::UNFOLDED.text(&verdict).lines().nth(2).unwrap(), @r"
+    insta::assert_snapshot!(printed(&verdict).lines().nth(2).unwrap(), @r"
     Tolerances: built in, because the baseline has no tolerances.toml. rates: 1.00 points; entropies: 0.02 nats or 10 %; recall of slices: 2.00 points; time: 50 %.
     ");
     // The file says the same.
@@ -681,7 +648,7 @@ fn changed_results_fail_unless_they_are_allowed() {
         "kd-tree".clone_into(&mut another.place.detector);
         verdict.drift.push(another);
         assert_eq!((verdict.conclusion(), verdict.n_changed_scans()), (conclusion, 5));
-        assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().next(), Some(headline));
+        assert_eq!(printed(&verdict).lines().next(), Some(headline));
         assert!(Markdown.text(&verdict).starts_with(&format!("**{headline}**\n")));
         let json: serde_json::Value = serde_json::from_str(&Json.text(&verdict)).unwrap();
         assert_eq!((&json["conclusion"], &json["drift_rule"]), (&name.into(), &drift.name().into()));
@@ -738,7 +705,7 @@ fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
     assert!(gains.starts_with("- recall, pca, objects: 50.0 → 60.0 %, +10.00 (95 % +10.00 to +10.00, tolerated\n  1.00): better\n"), "{gains}");
     assert!(!text.contains("losses:"), "{text}");
     assert!(Markdown.text(&better).contains("| better |"), "{}", Markdown.text(&better));
-    let same = judge(&USUAL.archive(), &USUAL.archive(), &tolerances()).unwrap();
+    let same = judged(&USUAL);
     assert_eq!((same.n_worse(), same.n_at_risk()), (0, 0), "what is the same is no matter of chance");
     insta::assert_snapshot!(brief(&same), @r"
     PASSED
@@ -778,23 +745,14 @@ fn scans_that_may_be_neighbours_show_no_loss() {
     assert_eq!((verdict.conclusion(), verdict.n_at_risk()), (Conclusion::Drift, 0));
     assert!(verdict.n(Finding::Inconclusive) > 0 && verdict.n_worse() == verdict.n(Finding::Inconclusive));
     let text = brief(&verdict);
-    assert!(text.contains("These scans may be neighbours, because their times are not known"), "{text}");
-    assert!(
-        Markdown.text(&verdict).contains("inconclusive: scans may be neighbours"),
-        "{}",
-        Markdown.text(&verdict)
-    );
-    assert!(JUnit.text(&verdict).contains("inconclusive, scans may be neighbours: "));
+    check_holds(&text, "These scans may be neighbours, because their times are not known");
+    check_holds(&Markdown.text(&verdict), "inconclusive: scans may be neighbours");
+    check_holds(&JUnit.text(&verdict), "inconclusive, scans may be neighbours: ");
     // The same scans with times are no others, but their intervals would be.
-    let reasons = judge(&USUAL.archive(), &after, &tolerances()).unwrap_err().to_string();
-    assert!(reasons.contains("the time of scan 0000/000000 of main_road changed"), "{reasons}");
-    let losses = least_losses(&before, &tolerances()).lines();
-    assert_eq!(
-        losses,
-        [
-            "No loss will be sure: scans without known times, which may be neighbours, are not enough to show one."
-        ]
-    );
+    let reasons = against_usual(&after).unwrap_err().to_string();
+    check_holds(&reasons, "the time of scan 0000/000000 of main_road changed");
+    let said = "No loss will be sure: scans without known times, which may be neighbours, are not enough to show one.";
+    assert_eq!(least_losses(&before, &tolerances()).lines(), [said]);
 }
 
 #[test]
@@ -819,7 +777,7 @@ fn the_least_loss_is_what_is_tolerated_and_half_of_the_interval() {
 #[test]
 fn a_list_of_changes_fits_into_the_columns_there_are() {
     let run = SampleScans { tp_of: &|step| seven_or_five(step) - 1, ..USUAL }.archive();
-    let verdict = judge(&USUAL.archive(), &run, &tolerances()).unwrap();
+    let verdict = against_usual(&run).unwrap();
     let text = Terminal { width: Some(40) }.text(&verdict);
     let changes = text.lines().skip_while(|it| !it.starts_with("main_road 0000/000000, pca"));
     let changes: Vec<&str> = changes.take_while(|it| !it.is_empty()).collect();

@@ -140,7 +140,7 @@ impl MergedRows {
         })?;
         if let Some((dataset, sequence, scan)) = twice {
             let (name, scan) = (shard.folder.display().to_string(), format!("{dataset} {sequence} {scan}"));
-            return Err(ShardMismatch::SameScan { name, scan }.into());
+            return Err(ShardMismatch::same_scan(&name, &scan).into());
         }
         if n_left > 0 || n_surplus > 0 || stretch_idx + 1 < stretches.len() {
             return Err(

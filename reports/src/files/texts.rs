@@ -1,0 +1,9 @@
+//! What tests ask of texts.
+
+/// Makes sure that `text` has all `parts`.
+#[track_caller]
+pub(crate) fn check_holds(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "no {part} in {text}");
+    }
+}
