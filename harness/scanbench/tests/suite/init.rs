@@ -22,8 +22,8 @@ fn files(workplace: &Workplace, folder: &str) -> Vec<(String, Vec<u8>)> {
 #[test]
 fn a_folder_has_a_detector_scans_with_labels_and_a_gate() {
     let workplace = Workplace::new();
-    let ended = workplace.succeed(&["init", "mine"]);
-    assert!(ended.stdout.contains("\n  cd mine\n"), "{ended:#?}");
+    let ended = workplace.succeed("init mine");
+    ended.check_stdout(&["\n  cd mine\n"]);
     let names: Vec<String> = files(&workplace, "mine").into_iter().map(|it| it.0).collect();
     let plain = names.iter().filter(|it| !it.starts_with("data/")).map(String::as_str);
     assert_eq!(
@@ -37,8 +37,8 @@ fn a_folder_has_a_detector_scans_with_labels_and_a_gate() {
             "tolerances.toml"
         ]
     );
-    let checked = workplace.succeed(&["data", "check", "mine/data/street"]);
-    assert!(checked.stdout.contains("20 of 10 drives"), "{checked:#?}");
+    let checked = workplace.succeed("data check mine/data/street");
+    checked.check_stdout(&["20 of 10 drives"]);
     let parameters: toml::Table = toml::from_str(&workplace.read("mine/scanbench.toml")).unwrap();
     assert!(parameters["detector"]["cells"]["command"].is_array(), "{parameters:?}");
     assert!(workplace.read("mine/detector.py").contains("\ndef cells("));
@@ -47,7 +47,7 @@ fn a_folder_has_a_detector_scans_with_labels_and_a_gate() {
 #[test]
 fn its_workflow_makes_the_same_scans_again() {
     let workplace = Workplace::new();
-    workplace.succeed(&["init", "mine"]);
+    workplace.succeed("init mine");
     let workflow = workplace.read("mine/.github/workflows/gate.yml");
     let simulate = workflow
         .lines()
@@ -63,19 +63,18 @@ fn its_workflow_makes_the_same_scans_again() {
 #[test]
 fn its_gate_passes_an_unchanged_detector() {
     let workplace = Workplace::new();
-    workplace.succeed(&["init", "."]);
+    workplace.succeed("init .");
     for name in ["first", "again"] {
         let no_recording = if cfg!(feature = "viewer") { &["--no-rrd"][..] } else { &[] };
-        workplace.succeed(&[&["run", "data/street", "-d", "pca", "-o", name], no_recording].concat());
+        workplace.succeed(&(["run", "data/street", "-d", "pca", "-o", name], no_recording));
         // Whoever changes the program runs these tests before there is a commit of it.
         let manifest = format!("{name}/manifest.json");
         let clean = workplace.read(&manifest).replacen("\"dirty\": true", "\"dirty\": false", 1);
         workplace.write(&manifest, &clean);
     }
     workplace.succeed(&["baseline", "accept", "first", "-b", "baseline", "--why", "the first"]);
-    let gate =
-        workplace.succeed(&["gate", "again", "-b", "baseline", "-t", "tolerances.toml", "-o", "verdict"]);
-    assert!(gate.stdout.contains("PASSED\n"), "{gate:#?}");
+    let gate = workplace.succeed("gate again -b baseline -t tolerances.toml -o verdict");
+    gate.check_stdout(&["PASSED\n"]);
 }
 
 #[test]
@@ -85,8 +84,7 @@ fn a_folder_with_something_in_it_is_left_alone() {
     for (folder, why) in
         [(".", "is not empty"), ("note.txt", "cannot write"), ("note.txt/below", "cannot write")]
     {
-        let ended = workplace.run(&["init", folder]);
-        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+        let ended = workplace.refuse(&["init", folder], 2, &[]);
         assert!(ended.stderr.contains(why) && ended.stdout.is_empty(), "{ended:#?}");
         assert_eq!(workplace.names().into_iter().collect::<Vec<_>>(), [Path::new("note.txt")]);
     }
@@ -95,7 +93,7 @@ fn a_folder_with_something_in_it_is_left_alone() {
 #[test]
 fn a_new_folder_below_new_folders_is_made() {
     let workplace = Workplace::new();
-    workplace.succeed(&["-q", "init", "a/b"]);
+    workplace.succeed("-q init a/b");
     assert!(workplace.path("a/b/data/street/training/velodyne").is_dir());
 }
 

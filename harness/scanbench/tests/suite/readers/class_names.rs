@@ -86,13 +86,12 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
             "{data}: {ended:#?}"
         );
         let mapped = ["--class", "fork lift=truck", "--class", "GIZMO=Pole"];
-        let ended = workplace.run(&[&["data", "check", data][..], &mapped].concat());
+        let ended = workplace.run(&(["data", "check", data], &mapped));
         assert_eq!(ended.exit_code, Some(0), "{data}: {ended:#?}");
         let annotations = ended.stdout.lines().find(|it| it.starts_with("annotations")).unwrap();
         assert!(annotations.contains(" truck") && annotations.contains(" pole"), "{data}: {annotations}");
         // One of the two is not enough, and both are still said where both are missing.
-        let ended = workplace.run(&["data", "check", data, "--class", "fork lift=truck"]);
-        assert_eq!(ended.exit_code, Some(2), "{data}: {ended:#?}");
+        let ended = workplace.refuse(&["data", "check", data, "--class", "fork lift=truck"], 2, &[]);
         assert!(
             ended.stderr.contains("have 1 unknown classes:") && !ended.stderr.contains("fork"),
             "{data}: {ended:#?}"
@@ -108,16 +107,12 @@ fn labels_of_semantic_kitti_that_nobody_knows_are_listed_by_number() {
         let labels = [12 + number as u8, 0, 1, 0, 40, 0, 0, 0];
         made::write(&workplace.path(&format!("s/sequences/00/labels/{number:06}.label")), labels);
     }
-    let ended = workplace.run(&["data", "check", "s"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    let ended = workplace.refuse("data check s", 2, &[]);
     // 13 is a bus; of 12 there are only points in the first scan.
-    assert!(
-        ended.stderr.contains("\"12\"") && ended.stderr.contains("000000.label\", point 0"),
-        "{ended:#?}"
-    );
+    ended.check_stderr(&["\"12\"", "000000.label\", point 0"]);
     assert!(!ended.stderr.contains("\"13\""), "{ended:#?}");
-    let ended = workplace.succeed(&["data", "check", "s", "--class", "12=car"]);
-    assert!(ended.stdout.contains("1 car, 1 bus"), "{ended:#?}");
+    let ended = workplace.succeed("data check s --class 12=car");
+    ended.check_stdout(&["1 car, 1 bus"]);
 }
 
 #[test]
@@ -125,11 +120,9 @@ fn an_object_without_a_class_has_to_be_given_one() {
     let workplace = Workplace::new();
     let messages = foxglove_messages(SECOND, &serde_json::json!([]));
     write(&workplace, WriteOptions::new(), &messages);
-    let ended = workplace.run(&["data", "check", "drive.mcap"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("--class =misc") && ended.stderr.contains("\"\" = \"misc\""), "{ended:#?}");
-    let ended = workplace.succeed(&["data", "check", "drive.mcap", "--class", "=car"]);
-    assert!(ended.stdout.contains(": 1 car"), "{ended:#?}");
+    workplace.refuse("data check drive.mcap", 2, &["--class =misc", "\"\" = \"misc\""]);
+    let ended = workplace.succeed("data check drive.mcap --class =car");
+    ended.check_stdout(&[": 1 car"]);
 }
 
 #[test]
@@ -140,8 +133,7 @@ fn configuration_catalogue_and_options_say_it_and_the_manifest_keeps_it() {
         *bytes = String::from_utf8(bytes.clone()).unwrap().replace("Car", "auto-mobil").into_bytes();
     });
     let run = ["run", "street", "-d", "pca", "--no-rrd", "--overwrite", "-o", "run"];
-    let ended = workplace.run(&run);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    workplace.refuse(&run, 2, &[]);
     assert!(!workplace.path("run").exists());
     workplace.write("mine.toml", "[classes]\nAUTO_MOBIL = \"car\"\n");
     let entry = |lines: &str| {
@@ -154,7 +146,7 @@ fn configuration_catalogue_and_options_say_it_and_the_manifest_keeps_it() {
     let mapping = |arguments: &[&str]| -> serde_json::Value {
         let all = [&["run", "-d", "pca", "--no-rrd", "--overwrite", "-o", "run"], arguments].concat();
         workplace.succeed(&all);
-        let manifest: serde_json::Value = serde_json::from_str(&workplace.read("run/manifest.json")).unwrap();
+        let manifest = workplace.json("run/manifest.json");
         manifest["datasets"][0]["classes"].clone()
     };
     assert_eq!(mapping(&["street", "-c", "mine.toml"]), serde_json::json!({"AUTO_MOBIL": "car"}));
@@ -182,8 +174,7 @@ fn configuration_catalogue_and_options_say_it_and_the_manifest_keeps_it() {
 
 #[test]
 fn mistakes_in_the_mapping_are_usage() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 1);
+    let workplace = Workplace::with_drive(1);
     workplace.write("mine.toml", "[classes]\nforklift = \"mics\"\n");
     for (arguments, parts) in [
         (&["data", "check", "street", "--class", "forklift=mics"][..], ["\"mics\" is not a class", "misc"]),
@@ -193,8 +184,7 @@ fn mistakes_in_the_mapping_are_usage() {
             ["line 2: classes.forklift", "\"mics\" is not a class"],
         ),
     ] {
-        let ended = workplace.run(arguments);
-        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+        let ended = workplace.refuse(arguments, 2, &[]);
         assert!(parts.iter().all(|it| ended.stderr.contains(it)), "{ended:#?}");
     }
 }
@@ -203,7 +193,7 @@ fn mistakes_in_the_mapping_are_usage() {
 fn checksums_and_lists_do_not_ask_about_classes() {
     let workplace = Workplace::new();
     data_sets(&workplace);
-    let ended = workplace.succeed(&["data", "hash", "t/street", "./nuscenes", "drive.mcap"]);
+    let ended = workplace.succeed("data hash t/street ./nuscenes drive.mcap");
     assert_eq!(ended.stdout.lines().count(), 3);
 }
 

@@ -129,8 +129,7 @@ fn what_is_written_is_read_back() {
 
 #[test]
 fn formats_are_for_the_data_sets_of_their_makers() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     let dataset = open(&workplace.path("street"));
     let (scan, frame) = (dataset.read_scan(0).unwrap(), dataset.foreign_frame(0).unwrap());
     for (number, output) in [ResultOutput::NuScenes, ResultOutput::Argoverse2].into_iter().enumerate() {
@@ -155,8 +154,7 @@ fn formats_are_for_the_data_sets_of_their_makers() {
 
 #[test]
 fn what_lies_at_the_path_says_which_format_it_is() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     let dataset = open(&workplace.path("street"));
     let check = |name: &str, parts: &[&str]| check_refused(&workplace.path(name), &*dataset, true, parts);
     write(&workplace.path("none/readme.txt"), "");
@@ -173,8 +171,7 @@ fn what_lies_at_the_path_says_which_format_it_is() {
 
 #[test]
 fn other_content_is_seen_by_the_checksum() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     let dataset = open(&workplace.path("street"));
     let checksum = || {
         let results = try_results(&workplace.path("found"), &*dataset, MissingResults::AreEmpty).unwrap();
@@ -254,8 +251,7 @@ fn a_wrong_frame_is_seen_by_boxes_without_points() {
 
 #[test]
 fn damage_is_named() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 1);
+    let workplace = Workplace::with_drive(1);
     let dataset = open(&workplace.path("street"));
     let car = "0 -1 Car -1 -1 -10 0 0 1 1 1.5 1.8 4.2 1.5 1.73 12 -1.57";
     let check = |name: &str, content: &str, parts: &[&str]| {
@@ -295,15 +291,14 @@ fn damage_is_named() {
 
 #[test]
 fn what_detect_writes_is_read() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     std::fs::create_dir_all(workplace.path("results/0000")).unwrap();
     for number in 0..2 {
         let name = |ending: &str| format!("results/0000/{number:06}.{ending}");
         let scan = format!("0000/{number:06}");
         let seen = ["-P", "vehicle_model.enabled=false", "-P", "boxes.whole=false"];
         let parts = [&["detect", "street", "--scan", &scan], &seen[..]].concat();
-        workplace.succeed(&[&parts[..], &["-o", &name("u32"), "--boxes", &name("csv")]].concat());
+        workplace.succeed(&(&parts, ["-o", &name("u32"), "--boxes", &name("csv")]));
     }
     let dataset = open(&workplace.path("street"));
     let found = read_all(&workplace.path("results"), &*dataset).unwrap();
@@ -330,7 +325,7 @@ fn what_detect_writes_is_read() {
 fn instances_of_labels_are_clusters() {
     let workplace = Workplace::new();
     let simulate = ["data", "simulate", "street-narrow", "--sensor", "vlp-16", "--simulated-scans", "2"];
-    workplace.succeed(&[&simulate[..], &["--to", "semantic-kitti", "-o", "drive"]].concat());
+    workplace.succeed(&(&simulate, "--to semantic-kitti -o drive"));
     let dataset = open(&workplace.path("drive"));
     let of_labels = read_all(&workplace.path("drive"), &*dataset).unwrap();
     for (scan_idx, found) in of_labels.iter().enumerate() {

@@ -39,7 +39,7 @@ fn compressed_and_plain_points_are_the_same() {
         }
         assert!((scan.cloud.intensity()[7] - 1000.0 / 65535.0).abs() < 1e-6);
     }
-    workplace.succeed(&["detect", "drive/1.laz", "--sensor-height", "0"]);
+    workplace.succeed("detect drive/1.laz --sensor-height 0");
 }
 
 #[test]

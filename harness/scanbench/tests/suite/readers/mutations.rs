@@ -212,7 +212,7 @@ fn kitti_layouts_written() {
     let street =
         ["data", "simulate", "street-main-road-ahead", "--sensor", "vlp-16", "--simulated-scans", "2"];
     for (seed, format) in [(91, "kitti-tracking"), (92, "kitti-object")] {
-        workplace.succeed(&[&street[..], &["--to", format, "-o", format]].concat());
+        workplace.succeed(&(&street, ["--to", format, "-o", format]));
         assert!(workplace.names().iter().any(|it| it.extension().is_some_and(|it| it == "u8")), "{format}");
         check(&format!("{format}, written by scanbench"), &workplace.path(format), seed);
     }
@@ -222,14 +222,13 @@ fn kitti_layouts_written() {
 fn semantic_kitti() {
     let workplace = Workplace::new();
     let street = ["data", "simulate", "street-narrow", "--sensor", "vlp-16", "--simulated-scans", "2"];
-    workplace.succeed(&[&street[..], &["--to", "semantic-kitti", "-o", "drive"]].concat());
+    workplace.succeed(&(&street, "--to semantic-kitti -o drive"));
     check("semantic-kitti", &workplace.path("drive"), 2);
 }
 
 #[test]
 fn recordings_of_foxglove() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     for (seed, compression) in [(3, "none"), (4, "lz4"), (5, "zstd")] {
         let name = format!("{compression}.mcap");
         workplace.succeed(&["data", "convert", "street", "-o", &name, "--compression", compression]);
@@ -384,7 +383,7 @@ fn projects_of_annotation_tools() {
     let workplace = Workplace::new();
     for (seed, tool) in [(80, "labelcloud"), (81, "sustechpoints"), (82, "kitti")] {
         let street = ["data", "prelabel", "street-main-road", "--sensor", "vlp-16", "--simulated-scans", "2"];
-        workplace.succeed(&[&street[..], &["--to", tool, "-o", tool]].concat());
+        workplace.succeed(&(&street, ["--to", tool, "-o", tool]));
         check(&format!("project of {tool}"), &workplace.path(tool), seed);
     }
 }

@@ -54,9 +54,9 @@ fn two_scans_of_one_name_are_refused() {
         open(&named(&workplace, scan_ids)).scan_ids().iter().map(ToString::to_string).collect()
     };
     assert_eq!(ids(r#"[["a", 1], ["b", 1]]"#), ["a/000001", "b/000001"]);
-    assert_eq!(workplace.run(&["data", "check", "drive.mcap"]).exit_code, Some(0));
+    assert_eq!(workplace.run("data check drive.mcap").exit_code, Some(0));
     named(&workplace, r#"[["a", 1], ["a", 1]]"#);
-    assert_eq!(workplace.run(&["data", "check", "drive.mcap"]).exit_code, Some(3));
+    assert_eq!(workplace.run("data check drive.mcap").exit_code, Some(3));
 }
 
 #[test]
@@ -64,12 +64,12 @@ fn names_that_cannot_be_taken_are_said() {
     let workplace = Workplace::new();
     for scan_ids in [r#"[["a", 1]]"#, "no list"] {
         named(&workplace, scan_ids);
-        let ended = workplace.succeed(&["data", "check", "drive.mcap"]);
+        let ended = workplace.succeed("data check drive.mcap");
         let said = "but 2 scans: they are numbered instead";
-        assert!(ended.stdout.contains("WARNING") && ended.stdout.contains(said), "{ended:#?}");
+        ended.check_stdout(&["WARNING", said]);
     }
     named(&workplace, r#"[["a", 1], ["a", 2]]"#);
-    let ended = workplace.succeed(&["data", "check", "drive.mcap"]);
+    let ended = workplace.succeed("data check drive.mcap");
     assert!(!ended.stdout.contains("names for"), "{ended:#?}");
 }
 
@@ -83,7 +83,7 @@ fn drives_that_differ_by_a_slash_stay_apart() {
             open(&workplace.path(format)).scan_ids().iter().map(ToString::to_string).collect();
         assert_eq!(ids, ["a%2Fb/000000", "a_b/000000"], "{format}");
     }
-    workplace.succeed(&["data", "prelabel", "drive.mcap", "--to", "labelcloud", "-o", "project"]);
+    workplace.succeed("data prelabel drive.mcap --to labelcloud -o project");
     assert_eq!(open(&workplace.path("project")).scan_ids().len(), 2);
 }
 
@@ -139,9 +139,7 @@ fn names_with_control_characters_are_refused_and_never_shown_as_they_are() {
         for arguments in
             [&["data", "check", input][..], &["run", input, "-d", "pca", "--no-rrd", "-o", "run"]]
         {
-            let ended = workplace.run(arguments);
-            assert_eq!(ended.exit_code, Some(3), "{arguments:?}: {ended:#?}");
-            assert!(ended.stderr.contains(kind) && ended.stderr.contains("\\u{1b}[31m"), "{ended:#?}");
+            let ended = workplace.refuse(arguments, 3, &[kind, "\\u{1b}[31m"]);
             assert!(!ended.stderr.contains('\u{1b}') && !ended.stdout.contains('\u{1b}'), "{ended:#?}");
         }
         assert!(!workplace.path("run").exists());
@@ -201,13 +199,10 @@ fn labels_of_scans_that_are_not_there_are_said() {
     drawn.remove("training/velodyne/0000/000001.bin");
     drawn.remove("training/velodyne/0000/000003.bin");
     check_labels_without_scan(&*open(&drawn.root), 2, "0000/000001");
-    let ended = workplace.succeed(&["data", "check", "street"]);
-    assert!(
-        ended.stdout.contains("WARNING") && ended.stdout.contains("labels of 2 missing scans"),
-        "{ended:#?}"
-    );
+    let ended = workplace.succeed("data check street");
+    ended.check_stdout(&["WARNING", "labels of 2 missing scans"]);
     // Of a part of the scans, the others' labels are none that are missing.
-    let ended = workplace.succeed(&["data", "check", "street", "--scans", "0"]);
+    let ended = workplace.succeed("data check street --scans 0");
     assert!(!ended.stdout.contains("labels of"), "{ended:#?}");
 
     let workplace = super::scan_folder::drawn();

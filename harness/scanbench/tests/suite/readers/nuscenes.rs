@@ -43,8 +43,8 @@ fn a_scene_is_read_as_it_was_made() {
             }
         }
     }
-    workplace.succeed(&["selftest", "."]);
-    workplace.succeed(&["run", "v1.0-mini", "-d", "pca", "--no-rrd"]);
+    workplace.succeed("selftest .");
+    workplace.succeed("run v1.0-mini -d pca --no-rrd");
 }
 
 #[test]

@@ -13,7 +13,7 @@ const STREET: [&str; 3] = ["street-main-road", "--simulated-scans", "2"];
 
 fn prelabel(workplace: &Workplace, tool: &str, options: &[&str]) -> Ended {
     let begin = ["data", "prelabel", STREET[0], STREET[1], STREET[2], "--to", tool, "-o", tool];
-    workplace.succeed(&[&begin[..], options].concat())
+    workplace.succeed(&(&begin, options))
 }
 
 /// The vehicles of `run` in `matches.csv` of the task *vehicles*, by scan: what `prelabel` has to propose.
@@ -43,10 +43,7 @@ fn proposals_are_read_back_as_the_same_boxes() {
     {
         let ended = prelabel(&workplace, tool, &[]);
         let n_all: usize = n_expected.iter().sum();
-        assert!(
-            ended.stdout.contains(&format!("2 scans  {n_all} proposals  {tool}, simulated")),
-            "{ended:#?}"
-        );
+        ended.check_stdout(&[&format!("2 scans  {n_all} proposals  {tool}, simulated")]);
         let dataset = open(&workplace.path(tool));
         assert_eq!(dataset.description().format, format);
         assert!(dataset.description().is_simulated());
@@ -85,7 +82,7 @@ fn what_finds_the_same_scores_one_on_its_own_proposals() {
         "-P",
         "matching.min_points=1",
     ];
-    workplace.succeed(&[&run[..], &["--criterion", "bev-iou"]].concat());
+    workplace.succeed(&(&run, "--criterion bev-iou"));
     let scans = workplace.read("run/scans.csv");
     let columns: Vec<&str> = scans.lines().next().unwrap().split(',').collect();
     let place = |name: &str| columns.iter().position(|it| *it == name).unwrap();
@@ -105,7 +102,9 @@ fn sure_ones_alone_are_fewer() {
     prelabel(&workplace, "labelcloud", &["--min-score", "3"]);
     let (n_sure, n_all) = (n_boxes("labelcloud"), n_boxes("kitti"));
     assert!(0 < n_sure && n_sure < n_all, "{n_sure} of {n_all}");
-    let again = workplace.run(&["data", "prelabel", STREET[0], "-o", "kitti", "--to", "kitti"]);
-    assert_eq!(again.exit_code, Some(2), "{again:#?}");
-    assert!(again.stderr.contains("\"kitti\" exists; choose another name or remove it"), "{again:#?}");
+    workplace.refuse(
+        &["data", "prelabel", STREET[0], "-o", "kitti", "--to", "kitti"],
+        2,
+        &["\"kitti\" exists; choose another name or remove it"],
+    );
 }

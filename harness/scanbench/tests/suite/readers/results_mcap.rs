@@ -24,7 +24,7 @@ fn rows(workplace: &Workplace, file: &str) -> BTreeMap<String, usize> {
 fn a_recording_of_results_says_what_the_rows_say() {
     let workplace = Workplace::new();
     let street = ["run", "street-narrow", "--simulated-scans", "2", "--sensor", "vlp-16", "--no-rrd"];
-    workplace.succeed(&[&street[..], &["-d", "hierarchical,pca", "--mcap", "-o", "run"]].concat());
+    workplace.succeed(&(&street, "-d hierarchical,pca --mcap -o run"));
     let bytes = std::fs::read(workplace.path("run/run.mcap")).unwrap();
     let (mut n_numbers, mut n_outcomes) = (BTreeMap::new(), BTreeMap::new());
     let mut last_tp = 0;
@@ -53,7 +53,7 @@ fn a_recording_of_results_says_what_the_rows_say() {
     assert_eq!(n_outcomes, rows(&workplace, "run/matches.csv"));
 
     // It holds the scans as well.
-    workplace.succeed(&["run", "run/run.mcap", "-d", "hierarchical,pca", "--no-rrd", "-o", "again"]);
+    workplace.succeed("run run/run.mcap -d hierarchical,pca --no-rrd -o again");
     assert_eq!(rows(&workplace, "again/matches.csv"), rows(&workplace, "run/matches.csv"));
 }
 
@@ -61,10 +61,10 @@ fn a_recording_of_results_says_what_the_rows_say() {
 fn several_data_sets_have_a_recording_each_and_none_is_written_unasked() {
     let workplace = Workplace::new();
     let run = ["run", "street-narrow", "street-intersection", "-d", "pca", "--no-rrd", "--sensor", "vlp-16"];
-    workplace.succeed(&[&run[..], &["--simulated-scans", "1", "--mcap", "-o", "two"]].concat());
+    workplace.succeed(&(&run, "--simulated-scans 1 --mcap -o two"));
     for name in ["two/run-street-narrow.mcap", "two/run-street-intersection.mcap"] {
         assert!(workplace.path(name).is_file(), "{:?}", workplace.names());
     }
-    workplace.succeed(&[&run[..2], &run[3..], &["--simulated-scans", "1", "-o", "none"]].concat());
+    workplace.succeed(&(&run[..2], &run[3..], "--simulated-scans 1 -o none"));
     assert!(!workplace.path("none/run.mcap").exists());
 }

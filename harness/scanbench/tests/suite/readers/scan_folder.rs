@@ -53,9 +53,9 @@ fn scans_of_all_kinds_are_read_with_their_boxes() {
     let scan = open(&workplace.path("drive")).read_scan(3).unwrap();
     assert_eq!((scan.annotations.len(), scan.point_regions), (0, vec![PointRegion::Outside; 2]));
     // A scan of its own, and one that nobody labelled.
-    workplace.succeed(&["detect", "drive/d.ply", "-o", "clusters.csv"]);
-    let ended = workplace.succeed(&["run", "drive", "-d", "pca", "--no-rrd"]);
-    assert!(ended.stderr.contains("\"drive\" has no labels"), "{ended:#?}");
+    workplace.succeed("detect drive/d.ply -o clusters.csv");
+    let ended = workplace.succeed("run drive -d pca --no-rrd");
+    ended.check_stderr(&["\"drive\" has no labels"]);
 }
 
 #[test]

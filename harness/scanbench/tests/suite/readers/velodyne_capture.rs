@@ -97,15 +97,15 @@ fn sixteen_and_sixty_four_lasers_are_read_too() {
 fn verbs_take_captures_and_a_run_says_that_nothing_is_labelled() {
     let workplace = Workplace::new();
     write(&workplace.path("a.pcap"), pcap(&turns(1, VLP_16)));
-    workplace.succeed(&["data", "check", "a.pcap"]);
-    workplace.succeed(&["detect", "a.pcap", "--scan", "1"]);
-    workplace.succeed(&["data", "convert", "a.pcap", "-o", "a.mcap"]);
+    workplace.succeed("data check a.pcap");
+    workplace.succeed("detect a.pcap --scan 1");
+    workplace.succeed("data convert a.pcap -o a.mcap");
     assert_eq!(
         open(&workplace.path("a.mcap")).read_scan(1).unwrap().cloud,
         open(&workplace.path("a.pcap")).read_scan(1).unwrap().cloud
     );
-    let ended = workplace.succeed(&["run", "a.pcap", "-d", "pca", "--no-rrd", "-o", "run"]);
-    assert!(ended.stderr.contains("\"a\" has no labels: nothing is scored"), "{ended:#?}");
+    let ended = workplace.succeed("run a.pcap -d pca --no-rrd -o run");
+    ended.check_stderr(&["\"a\" has no labels: nothing is scored"]);
     assert!(workplace.path("run/agreement.csv").exists());
 }
 
