@@ -58,30 +58,21 @@ fn every_variant_has_a_row_for_each_data_set_and_for_all_simulated_ones() {
 }
 
 #[test]
-fn the_whole_method_is_what_run_runs() {
-    let workplace = Workplace::new();
-    let data = ["street-narrow", "--simulated-scans", "2"];
-    let with = |verb: &[&'static str]| verb.iter().chain(&data).copied().collect::<Vec<_>>();
-    workplace.succeed(&with(&["ablation", "-o", "parts"]));
-    workplace.succeed(&with(&["run", "-d", "hierarchical", "-o", "whole"]));
-    let report = workplace.read("whole/table_objects.csv");
-    let of_run: Vec<&str> = report.lines().nth(1).expect("a row").split(',').collect();
-    let of_ablation = &rows(&workplace, "parts")[1];
-    // no, tp, mo, fo.
-    assert_eq!(of_run[6..10], of_ablation[5..9], "{report}");
-    let lacking = &rows(&workplace, "parts")[1..];
-    assert!(lacking.iter().any(|row| row[5..9] != of_ablation[5..9]), "no part makes a difference");
-}
-
-#[test]
 fn variants_are_detectors_of_a_run() {
     let workplace = Workplace::new();
-    let data = ["street-narrow", "--simulated-scans", "2", "--sensor", "vlp-16"];
-    let with = |verb: &[&'static str]| verb.iter().chain(&data).copied().collect::<Vec<_>>();
-    workplace.succeed(&with(&["ablation", "-o", "before"]));
-    workplace.succeed(&with(&["ablation", "-o", "after", "-P", "hierarchical.grid.xi=2"]));
-    let of_two = workplace.succeed("compare before before");
-    of_two.check_stdout(&["without terrain", "No result of a scan changed."]);
+    let data = "street-narrow --simulated-scans 2 --sensor vlp-16";
+    workplace.succeed(&("ablation -o before", data));
+    workplace.succeed(&("run -d hierarchical -o whole", data));
+    // The whole method is what `run` runs: no, tp, mo, fo.
+    let report = workplace.read("whole/table_objects.csv");
+    let of_run: Vec<&str> = report.lines().nth(1).expect("a row").split(',').collect();
+    let parts = rows(&workplace, "before");
+    assert_eq!(of_run[6..10], parts[1][5..9], "{report}");
+    assert!(parts[1..].iter().any(|row| row[5..9] != parts[1][5..9]), "no part makes a difference");
+    workplace.succeed(&("ablation -o after -P hierarchical.grid.xi=2", data));
+    workplace
+        .succeed("compare before before")
+        .check_stdout(&["without terrain", "No result of a scan changed."]);
     let of_two = workplace.succeed("compare before after");
     assert!(!of_two.stdout.contains("No result of a scan changed."), "{of_two:#?}");
     let pair = ["compare", "before", "--detectors", "whole method,without terrain"];

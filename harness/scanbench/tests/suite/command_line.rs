@@ -343,7 +343,7 @@ fn a_reader_that_has_seen_enough_hears_no_complaint() {
     let workplace = Workplace::new();
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
-    let mut command = workplace.command("data list");
+    let mut command = workplace.command("params");
     let ended = Ended::from(command.stdout(writer).output().expect("it starts"));
     assert_eq!(ended.stderr, "");
 }
@@ -384,9 +384,9 @@ fn real_scans_are_run() {
         let root = test_data(&format!("data/{name}"));
         let root = root.to_str().expect("a readable path");
         let workplace = Workplace::new();
-        let ended =
-            workplace.succeed(&["run", root, "-d", "hierarchical,pca", "--scans", "0..2", "-o", "out"]);
-        ended.check_stdout(&[name]);
+        workplace
+            .succeed(&["run", root, "-d", "hierarchical,pca", "--scans", "0..2", "-o", "out"])
+            .check_stdout(&[name]);
         let selftest = workplace.succeed(&["selftest", root, "--scans", "0..2"]);
         assert!(selftest.stdout.lines().all(|line| line.starts_with("ok ")), "{selftest:#?}");
     }

@@ -42,8 +42,7 @@ fn a_spent_budget_of_groups_is_said() {
     let detect = ["detect", SCAN, "--sensor", "hdl-64e-s2"];
     let warning =
         "warning: hierarchical had more groups to cut than its budget, grouping.cuts.max_groups, in ";
-    let ended = workplace.succeed(&(&detect, &spent));
-    ended.check_stderr(&[warning]);
+    workplace.succeed(&(&detect, &spent)).check_stderr(&[warning]);
     assert_eq!(workplace.succeed(&detect).stderr, "");
     let run = ["run", "street", "-d", "hierarchical,kd-tree", "--no-rrd", "-o", "out", "--overwrite"];
     let ended = workplace.succeed(&(&run, &spent));
@@ -152,18 +151,8 @@ fn parameters_and_sensor_height_change_what_is_found() {
     // A car that the model tells counts from fewer points on than another object.
     let of_street = |min_vehicle_points: &str| {
         let points = format!("cluster.min_vehicle_points={min_vehicle_points}");
-        let street = [
-            "street-narrow",
-            "--scan",
-            "narrow-803595/000000",
-            "--boxes",
-            "-",
-            "-c",
-            "mine.toml",
-            "-P",
-            &points,
-        ];
-        workplace.succeed(&("detect", &street)).stdout.lines().count() - 1
+        let street = "street-narrow --scan narrow-803595/000000 --boxes - -c mine.toml -P";
+        workplace.succeed(&("detect", street, &points)).stdout.lines().count() - 1
     };
     assert!(of_street("10") > 0 && of_street("100000") == 0);
     let few = ["-P", "cluster.min_points=10", "-P", "cluster.min_vehicle_points=10"];

@@ -34,15 +34,15 @@ fn gaps_leave_curves_plots_and_a_pair_behind() {
 #[test]
 fn robustness_leaves_its_table_in_three_forms() {
     let workplace = Workplace::new();
-    let ended = workplace.succeed("robustness --scans 1 -d hierarchical,simple-grid -o out");
+    let ended = workplace.succeed("robustness --scans 1 -d simple-grid -o out");
     for name in ["robustness.md", "stages.csv"] {
         assert!(workplace.path("out").join(name).is_file(), "{name}");
     }
     let conditions = workplace.column("out/robustness.csv", "condition");
     let f_rates = workplace.column("out/robustness.csv", "f_rate");
-    assert!(conditions.len() >= 4 * 15 && f_rates.len() == conditions.len());
+    assert!(conditions.len() >= 2 * 15 && f_rates.len() == conditions.len());
     for condition in ["10 % even", "25 cm", "3.0 m", "2.5 m", "vlp-16", "rain, 10 mm/h", "rolling"] {
-        assert_eq!(conditions.iter().filter(|it| *it == condition).count(), 4, "{condition}");
+        assert_eq!(conditions.iter().filter(|it| *it == condition).count(), 2, "{condition}");
         assert!(ended.stdout.contains(condition) && workplace.read("out/robustness.md").contains(condition));
     }
     ended.check_stdout(&["(all simulated)"]);

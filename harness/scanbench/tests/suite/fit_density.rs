@@ -131,8 +131,7 @@ fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_g
     assert_eq!(manifest["datasets"][0]["seen"]["taken"], json!(["density"]));
     let scan = ["--scan", "narrow-803595/000000", "-d", "hierarchical"];
     let detect = [&["detect"], &drives[..3], &scan].concat();
-    let ended = workplace.succeed(&detect);
-    ended.check_stderr(&[said]);
+    workplace.succeed(&detect).check_stderr(&[said]);
     let ended = workplace.succeed(&("fit-density", &drives));
     assert!(!ended.stderr.contains("taken from the scans"), "{ended:#?}");
     let ended = workplace.succeed(&(&run, "-c density.toml"));

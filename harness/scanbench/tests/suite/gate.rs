@@ -197,8 +197,7 @@ fn a_worse_run_is_accepted_only_by_name() {
     ended.check_stderr(&["to accept the run all the same, give --worse"]);
     assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");
     check_gate(&workplace, "first", 0, "PASSED\n");
-    let ended = workplace.succeed(&(&accept, "--worse"));
-    ended.check_stdout(&[": worse\n", ". fewer is more."]);
+    workplace.succeed(&(&accept, "--worse")).check_stdout(&[": worse\n", ". fewer is more."]);
     check_gate(&workplace, "worse", 0, "PASSED\n");
     // The way back is a gain, and needs no word.
     let back = ["baseline", "accept", "first", "-b", "golden", "--why", "more is more"];
@@ -604,11 +603,9 @@ fn what_changed_in_a_detector_of_others_is_told() {
     run(&format!("# Mine.\n{script}"), "model", "second");
     let said = "Configuration changed: mine: vehicles: size → model; mine: mine.sh: SHA-256 ";
     for full in [&[][..], &["--full"]] {
-        let gate = workplace.succeed(&("gate second -b first", full));
-        gate.check_stdout(&["PASSED\n", said]);
+        workplace.succeed(&("gate second -b first", full)).check_stdout(&["PASSED\n", said]);
     }
-    let compared = workplace.succeed("compare first second");
-    compared.check_stdout(&[said]);
+    workplace.succeed("compare first second").check_stdout(&[said]);
     let page = workplace.read("second/report.html");
     assert!(page.contains("<code>sh mine.sh</code>") && page.contains("<code>mine.sh</code> of SHA-256 "));
     let table = workplace.read("second/table_vehicles.md");

@@ -7,18 +7,11 @@ use crate::program::{Ended, Workplace};
 
 /// Runs two detectors on scans of a narrow street, seen by few beams.
 #[track_caller]
-fn run(workplace: &Workplace, name: &str, options: &[&str]) {
-    let mut arguments =
-        vec!["run", "street-narrow", "--simulated-scans", "24", "--scans", "0..24:2", "-o", name];
-    arguments.extend(["--sensor", "vlp-16"]);
-    if !options.contains(&"-d") {
-        arguments.extend(["-d", "hierarchical,pca"]);
-    }
-    if cfg!(feature = "viewer") {
-        arguments.push("--no-rrd");
-    }
-    arguments.extend(options);
-    workplace.succeed(&arguments);
+fn run(workplace: &Workplace, name: &str, options: &str) {
+    let street = "run street-narrow --simulated-scans 24 --scans 0..24:2 --sensor vlp-16 -o";
+    let detectors = if options.contains("-d ") { "" } else { "-d hierarchical,pca" };
+    let no_recording = if cfg!(feature = "viewer") { "--no-rrd" } else { "" };
+    workplace.succeed(&((street, name), detectors, no_recording, options));
 }
 
 fn numbers(workplace: &Workplace, run: &str) -> Vec<Value> {
@@ -30,7 +23,7 @@ fn numbers(workplace: &Workplace, run: &str) -> Vec<Value> {
 #[test]
 fn a_run_leaves_numbers_rows_tables_and_a_section() {
     let workplace = Workplace::new();
-    run(&workplace, "run", &["--protocol", "nuscenes,argoverse2"]);
+    run(&workplace, "run", "--protocol nuscenes,argoverse2");
     let rows = numbers(&workplace, "run");
     for (protocol, best) in [("nuscenes", "nds"), ("argoverse2", "cds")] {
         for detector in ["hierarchical", "pca"] {
@@ -67,15 +60,15 @@ fn a_run_leaves_numbers_rows_tables_and_a_section() {
 #[test]
 fn the_order_of_detectors_changes_no_number_and_others_leave_no_file() {
     let workplace = Workplace::new();
-    run(&workplace, "once", &["--protocol", "nuscenes"]);
-    run(&workplace, "again", &["--protocol", "nuscenes", "-d", "pca,hierarchical"]);
+    run(&workplace, "once", "--protocol nuscenes");
+    run(&workplace, "again", "--protocol nuscenes -d pca,hierarchical");
     let sorted = |run: &str| {
         let mut rows: Vec<String> = numbers(&workplace, run).iter().map(Value::to_string).collect();
         rows.sort();
         rows
     };
     assert_eq!(sorted("once"), sorted("again"));
-    run(&workplace, "without", &[]);
+    run(&workplace, "without", "");
     assert!(!workplace.path("without/protocols.json").exists());
     let manifest = workplace.json("without/manifest.json");
     assert!(manifest["protocols"].is_null());
@@ -84,8 +77,8 @@ fn the_order_of_detectors_changes_no_number_and_others_leave_no_file() {
 #[test]
 fn a_gate_holds_numbers_of_protocols_to_rules() {
     let workplace = Workplace::new();
-    run(&workplace, "before", &["--protocol", "nuscenes"]);
-    run(&workplace, "after", &["--protocol", "nuscenes", "-P", "hierarchical.cluster.min_vehicle_points=60"]);
+    run(&workplace, "before", "--protocol nuscenes");
+    run(&workplace, "after", "--protocol nuscenes -P hierarchical.cluster.min_vehicle_points=60");
     let same = workplace.succeed("gate before -b before --full");
     assert!(same.stdout.starts_with("PASSED"), "{}", same.stdout);
     let compared = workplace.succeed("compare before after -o compared").stdout;
@@ -106,7 +99,7 @@ fn a_gate_holds_numbers_of_protocols_to_rules() {
     let refused = gate("after");
     assert_eq!(refused.exit_code, Some(2), "{}", refused.stderr);
     refused.check_stderr(&["the rule has no effect on \"cds\" of \"car\""]);
-    run(&workplace, "without", &[]);
+    run(&workplace, "without", "");
     workplace.write("rules.toml", &rule("ap"));
     let missing = gate("without");
     assert_eq!(missing.exit_code, Some(5), "{}{}", missing.stdout, missing.stderr);
@@ -119,17 +112,14 @@ fn a_sweep_has_the_numbers_of_a_run_at_every_value() {
     let street = ["street-narrow", "--simulated-scans", "24", "--scans", "0..24:2", "--sensor", "vlp-16"];
     let swept =
         ["-L", "ranked_probability=0.05,0.5", "--timed-scans", "0", "--protocol", "nuscenes,argoverse2"];
-    let ended = workplace.succeed(&("sweep", &street, &swept, "-o out"));
-    ended.check_stdout(&["Protocols of others: best of 2 values"]);
+    workplace
+        .succeed(&("sweep", &street, &swept, "-o out"))
+        .check_stdout(&["Protocols of others: best of 2 values"]);
     let rows = workplace.json("out/sweep_protocols.json");
     let rows = rows["rows"].as_array().unwrap();
     for value in ["0.05", "0.5"] {
-        let parameter = format!("{name}={value}");
-        run(
-            &workplace,
-            value,
-            &["-d", "hierarchical", "--protocol", "nuscenes,argoverse2", "-P", &parameter],
-        );
+        let options = format!("-d hierarchical --protocol nuscenes,argoverse2 -P {name}={value}");
+        run(&workplace, value, &options);
         let without_point = |row: &Value| {
             let mut row = row.as_object().unwrap().clone();
             row.remove("point");

@@ -2,14 +2,12 @@
 
 use crate::program::Workplace;
 
-const REPRODUCE: &str =
-    "reproduce all street-narrow street-main-road --simulated-scans 2 --seed 7 --settings 2 -o";
+const REPRODUCE: &str = "reproduce all street-narrow street-main-road --simulated-scans 2 --sensor vlp-16 --seed 7 --settings 2 -o";
 
 #[test]
 fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     let workplace = Workplace::new();
-    let ended = workplace.succeed(&(REPRODUCE, "first"));
-    ended.check_stdout(&["Of the claims (19) "]);
+    workplace.succeed(&(REPRODUCE, "first")).check_stdout(&["Of the claims (19) "]);
     workplace.succeed(&(REPRODUCE, "second"));
     for name in ["settings.csv", "open_values.md", "settings.svg"] {
         let [first, second] = ["first", "second"].map(|it| workplace.read(&format!("{it}/{name}")));
@@ -55,8 +53,7 @@ fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
 #[test]
 fn recorded_and_simulated_scans_are_judged_apart() {
     let workplace = Workplace::with_drive(2);
-    let streets = ["street-narrow", "street", "--simulated-scans", "2", "--seed", "7", "--settings", "0"];
-    workplace.succeed(&("reproduce vm", &streets, "-o vm"));
+    workplace.succeed("reproduce vm street-narrow street --simulated-scans 1 --seed 7 --settings 0 -o vm");
     let json = workplace.json("vm/reproduction.json");
     let overall = &json["claims"][1];
     assert_eq!(overall["claim"]["test"]["scenes"], "overall");
@@ -72,8 +69,9 @@ fn recorded_and_simulated_scans_are_judged_apart() {
 #[test]
 fn one_paper_without_settings_and_judged_streets_choose_nothing() {
     let workplace = Workplace::new();
-    let hg = ["reproduce", "hg", "street-narrow", "--simulated-scans", "1", "--seed", "7", "--settings", "0"];
-    workplace.succeed(&(&hg, "-o hg"));
+    workplace.succeed(
+        "reproduce hg street-narrow --simulated-scans 1 --sensor vlp-16 --seed 7 --settings 0 -o hg",
+    );
     let json = workplace.json("hg/reproduction.json");
     let claims = json["claims"].as_array().unwrap();
     assert!(claims.iter().all(|it| it["claim"]["paper"] == "HG" && it["settings"].is_null()));

@@ -36,7 +36,7 @@ fn check_same_numbers(workplace: &Workplace, runs: [&str; 2]) {
 fn a_run_leaves_its_files_and_nothing_else() {
     let workplace = Workplace::new();
     // Without a vehicle that is found there is no curve.
-    workplace.succeed("run street-narrow --scans 0..2 -o runs/first");
+    workplace.succeed("run street-narrow --scans 0..2 --sensor vlp-16 -o runs/first");
     let figures =
         ["precision_recall", "range_objects", "range_vehicles", "stages", "standing", "times"].into_iter();
     let mut expected: Vec<String> =
@@ -163,9 +163,10 @@ fn neither_jobs_nor_order_nor_what_was_before_changes_a_number() {
 fn a_simulated_street_hangs_on_its_seed_alone() {
     let workplace = Workplace::new();
     for (run, seed, jobs) in [("one", "7", "1"), ("three", "7", "3"), ("other", "8", "3")] {
-        let arguments = ["run", "-d", "pca", "--scans", "0..9:4", "--seed", seed, "--jobs", jobs, "-o", run];
-        let ended = workplace.succeed(&arguments);
-        ended.check_stdout(&["street-main-road (simulated)"]);
+        let options = format!("--seed {seed} --jobs {jobs} -o {run}");
+        workplace
+            .succeed(&("run -d pca --scans 0..9:4 --sensor vlp-16 --no-rrd", &options))
+            .check_stdout(&["street-main-road (simulated)"]);
     }
     check_same_numbers(&workplace, ["one", "three"]);
     assert_ne!(workplace.read("one/matches.csv"), workplace.read("other/matches.csv"));

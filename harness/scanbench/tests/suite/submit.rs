@@ -138,20 +138,8 @@ fn a_wrong_submission_writes_nothing() {
 #[test]
 fn pods_get_the_words_of_the_run_and_the_number_of_shards() {
     let workplace = Workplace::new();
-    let submit = [
-        "submit",
-        "kubernetes",
-        "--image",
-        "a/b:1",
-        "--claim",
-        "scans",
-        "--shards",
-        "2",
-        "-o",
-        "runs/Fleet_1",
-    ];
-    let ended = workplace.succeed(&(&submit, ["--", "run", "$(HOME) {{name}}", "-d", "pca"]));
-    ended.check_stdout(&["runs/Fleet_1/submit.sh"]);
+    let submit = "submit kubernetes --image a/b:1 --claim scans --shards 2 -o runs/Fleet_1 -- run";
+    workplace.succeed(&(submit, ["$(HOME) {{name}}", "-d", "pca"])).check_stdout(&["runs/Fleet_1/submit.sh"]);
     let shards = workplace.read("runs/Fleet_1/shards.yaml");
     for line in [
         "  name: fleet-1-shards\n",

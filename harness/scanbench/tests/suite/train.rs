@@ -63,8 +63,9 @@ fn check_outcomes(workplace: &Workplace, detector: &str, option: &str) {
 #[test]
 fn rivals_are_trained_for_several_sensors_and_run() {
     let workplace = Workplace::new();
-    let ended = workplace.succeed(&("train rivals", STREET, "-o model"));
-    ended.check_stdout(&["kd-tree-trained, at hdl-32e 0.", "vehicles among clusters"]);
+    workplace
+        .succeed(&("train rivals", STREET, "-o model"))
+        .check_stdout(&["kd-tree-trained, at hdl-32e 0.", "vehicles among clusters"]);
     for name in ["clusters.model", "kd_tree_trained.model", "kd_tree_tree.model"] {
         let command = command_of(&workplace, &format!("model/{name}"));
         assert_eq!(command, format!("scanbench train rivals {STREET}"), "{name}");
@@ -207,8 +208,7 @@ fn what_cannot_be_trained_leaves_nothing() {
 #[test]
 fn groupings_are_trained_for_several_sensors_to_the_byte_and_run() {
     let workplace = Workplace::new();
-    let ended = workplace.succeed(&("train groupings", STREET, "-o model"));
-    ended.check_stdout(&["Probability of a vehicle"]);
+    workplace.succeed(&("train groupings", STREET, "-o model")).check_stdout(&["Probability of a vehicle"]);
     let command = command_of(&workplace, "model/groupings.model");
     assert_eq!(command, format!("scanbench train groupings {STREET}"));
     assert!(workplace.read("model/calibration.csv").starts_with("what,expected,observed,n_groups\n"));

@@ -32,8 +32,7 @@ fn the_worst_come_first_and_can_be_chosen() {
 #[cfg(feature = "viewer")]
 fn their_scans_are_recorded_in_the_run_directory_or_elsewhere() {
     let workplace = small_run();
-    let ended = workplace.succeed("view run --task objects --worst 2");
-    ended.check_stderr(&["worst.rrd"]);
+    workplace.succeed("view run --task objects --worst 2").check_stderr(&["worst.rrd"]);
     assert!(workplace.path("run/worst.rrd").metadata().unwrap().len() > 100_000);
     workplace.succeed("view run --task objects --worst 1 --save-rrd=one.rrd");
     assert!(workplace.path("one.rrd").exists());

@@ -17,7 +17,7 @@ use simulator::catalogue::Catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::Workplace;
+use crate::program::{Workplace, copy_folder};
 
 /// How long one changed data set may take to be read, on a busy machine.
 const MAX_TIME: Duration = Duration::from_secs(10);
@@ -27,7 +27,7 @@ const MAX_BYTES: u64 = 256 << 20;
 const MAX_BYTES_FOR_EACH: u64 = 100;
 
 fn seconds_for_each() -> f64 {
-    std::env::var("SCANBENCH_MUTATION_SECONDS").ok().and_then(|it| it.parse().ok()).unwrap_or(1.0)
+    std::env::var("SCANBENCH_MUTATION_SECONDS").ok().and_then(|it| it.parse().ok()).unwrap_or(0.5)
 }
 
 /// All files below `folder`, in order, with what is in them.
@@ -259,12 +259,7 @@ fn recordings_of_ros() {
 #[test]
 fn argoverse2() {
     let workplace = Workplace::new();
-    let log = super::argoverse2::drawn();
-    for (file, bytes) in files_below(&log) {
-        let copy = workplace.path("log").join(file.strip_prefix(&log).unwrap());
-        std::fs::create_dir_all(copy.parent().unwrap()).unwrap();
-        std::fs::write(copy, bytes).unwrap();
-    }
+    copy_folder(&super::argoverse2::drawn(), &workplace.path("log"));
     check("argoverse2", &workplace.path("log"), 20);
 }
 

@@ -1,7 +1,7 @@
 //! Names and labels that do not fit the scans: found, said, and never mixed up.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use mcap::records::Metadata;
 use mcap::{Channel, Message, Schema, WriteOptions};
@@ -10,7 +10,7 @@ use scans::dataset::Dataset;
 use super::mcap::{Logged, SECOND, category, cloud_at, foxglove_messages, write};
 use super::{check_damaged, made, open, try_open};
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::Workplace;
+use crate::program::{Workplace, copy_folder};
 
 /// Two clouds, and the names that the recording gives them.
 fn named(workplace: &Workplace, scan_ids: &str) -> PathBuf {
@@ -92,13 +92,13 @@ fn two_drives_of_one_name_are_refused() {
     let workplace = Workplace::new();
     made::kitti_raw(workplace.folder(), &*made::street(1));
     let (day, drive) = made::DRIVE.split_once('/').unwrap();
-    copy(&workplace.path(day), &workplace.path("2011_09_27"));
+    copy_folder(&workplace.path(day), &workplace.path("2011_09_27"));
     check_damaged(workplace.folder(), &["several drives are called", drive, "2011_09_27"]);
 
     let workplace = Workplace::new();
     for split in ["train", "val"] {
         let log = super::argoverse2::drawn().join("sensor/val/drawn-log");
-        copy(&log, &workplace.path(&format!("{split}/drawn-log")));
+        copy_folder(&log, &workplace.path(&format!("{split}/drawn-log")));
     }
     check_damaged(workplace.folder(), &["several scans are called \"drawn-log/000000\""]);
 
@@ -116,19 +116,6 @@ fn scans_that_would_share_their_labels_are_refused() {
     let workplace = super::scan_folder::drawn();
     std::fs::copy(workplace.path("drive/a.bin"), workplace.path("drive/b.bin")).unwrap();
     check_damaged(&workplace.path("drive"), &["several scans are called \"b\"", "b.bin", "b.npy"]);
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let entry = entry.unwrap();
-        let copied = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &copied);
-        } else {
-            std::fs::copy(entry.path(), copied).unwrap();
-        }
-    }
 }
 
 #[cfg(unix)]
@@ -199,8 +186,7 @@ fn labels_of_scans_that_are_not_there_are_said() {
     drawn.remove("training/velodyne/0000/000001.bin");
     drawn.remove("training/velodyne/0000/000003.bin");
     check_labels_without_scan(&*open(&drawn.root), 2, "0000/000001");
-    let ended = workplace.succeed("data check street");
-    ended.check_stdout(&["WARNING", "labels of 2 missing scans"]);
+    workplace.succeed("data check street").check_stdout(&["WARNING", "labels of 2 missing scans"]);
     // Of a part of the scans, the others' labels are none that are missing.
     let ended = workplace.succeed("data check street --scans 0");
     assert!(!ended.stdout.contains("labels of"), "{ended:#?}");
@@ -227,7 +213,7 @@ fn labels_of_scans_that_are_not_there_are_said() {
     check_labels_without_scan(&*open(workplace.folder()), 1, "the sample");
 
     let workplace = Workplace::new();
-    copy(&super::argoverse2::drawn(), &workplace.path("log"));
+    copy_folder(&super::argoverse2::drawn(), &workplace.path("log"));
     std::fs::remove_file(workplace.path("log/sensor/val/drawn-log/sensors/lidar/1000.feather")).unwrap();
     check_labels_without_scan(&*open(&workplace.path("log")), 1, "1000");
 }

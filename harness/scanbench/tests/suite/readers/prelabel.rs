@@ -20,15 +20,11 @@ fn prelabel(workplace: &Workplace, tool: &str, options: &[&str]) -> Ended {
 fn vehicles(workplace: &Workplace) -> Vec<usize> {
     let run = ["run", STREET[0], STREET[1], STREET[2], "-d", "hierarchical", "--no-rrd", "-o", "run"];
     workplace.succeed(&run);
-    let matches = workplace.read("run/matches.csv");
-    let columns: Vec<&str> = matches.lines().next().unwrap().split(',').collect();
-    let place = |name: &str| columns.iter().position(|it| *it == name).unwrap();
-    let is_vehicle =
-        |row: &Vec<&str>| row[place("task")] == "objects" && row[place("detection_class")] == "vehicle";
-    let rows: Vec<Vec<&str>> = matches.lines().map(|it| it.split(',').collect()).filter(is_vehicle).collect();
     let mut n_by_scan = BTreeMap::new();
-    for row in rows {
-        *n_by_scan.entry(row[place("scan")].parse::<u32>().unwrap()).or_default() += 1;
+    for row in workplace.table("run/matches.csv") {
+        if row["task"] == "objects" && row["detection_class"] == "vehicle" {
+            *n_by_scan.entry(row["scan"].parse::<u32>().unwrap()).or_default() += 1;
+        }
     }
     n_by_scan.into_values().collect()
 }
@@ -71,24 +67,10 @@ fn proposals_are_read_back_as_the_same_boxes() {
 fn what_finds_the_same_scores_one_on_its_own_proposals() {
     let workplace = Workplace::new();
     prelabel(&workplace, "sustechpoints", &[]);
-    let run = [
-        "run",
-        "sustechpoints",
-        "-d",
-        "hierarchical",
-        "--no-rrd",
-        "-o",
-        "run",
-        "-P",
-        "matching.min_points=1",
-    ];
-    workplace.succeed(&(&run, "--criterion bev-iou"));
-    let scans = workplace.read("run/scans.csv");
-    let columns: Vec<&str> = scans.lines().next().unwrap().split(',').collect();
-    let place = |name: &str| columns.iter().position(|it| *it == name).unwrap();
-    for row in scans.lines().skip(1).filter(|it| it.contains(",vehicles,")) {
-        let cells: Vec<&str> = row.split(',').collect();
-        assert_eq!((cells[place("mo")], cells[place("fo")]), ("0", "0"), "{row}");
+    let run = "run sustechpoints -d hierarchical --no-rrd -o run -P matching.min_points=1";
+    workplace.succeed(&(run, "--criterion bev-iou"));
+    for row in workplace.table("run/scans.csv").iter().filter(|it| it["task"] == "vehicles") {
+        assert_eq!((row["mo"].as_str(), row["fo"].as_str()), ("0", "0"), "{row:?}");
     }
 }
 

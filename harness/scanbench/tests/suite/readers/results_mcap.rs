@@ -8,14 +8,9 @@ use crate::program::Workplace;
 
 /// The rows of a CSV file of a run for each detector and task.
 fn rows(workplace: &Workplace, file: &str) -> BTreeMap<String, usize> {
-    let text = workplace.read(file);
-    let mut lines = text.lines();
-    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let place = |name: &str| columns.iter().position(|it| *it == name).unwrap();
     let mut counts = BTreeMap::new();
-    for line in lines {
-        let cells: Vec<&str> = line.split(',').collect();
-        *counts.entry(format!("/{}/{}", cells[place("detector")], cells[place("task")])).or_default() += 1;
+    for row in workplace.table(file) {
+        *counts.entry(format!("/{}/{}", row["detector"], row["task"])).or_default() += 1;
     }
     counts
 }

@@ -54,8 +54,7 @@ fn scans_of_all_kinds_are_read_with_their_boxes() {
     assert_eq!((scan.annotations.len(), scan.point_regions), (0, vec![PointRegion::Outside; 2]));
     // A scan of its own, and one that nobody labelled.
     workplace.succeed("detect drive/d.ply -o clusters.csv");
-    let ended = workplace.succeed("run drive -d pca --no-rrd");
-    ended.check_stderr(&["\"drive\" has no labels"]);
+    workplace.succeed("run drive -d pca --no-rrd").check_stderr(&["\"drive\" has no labels"]);
 }
 
 #[test]

@@ -104,8 +104,9 @@ fn verbs_take_captures_and_a_run_says_that_nothing_is_labelled() {
         open(&workplace.path("a.mcap")).read_scan(1).unwrap().cloud,
         open(&workplace.path("a.pcap")).read_scan(1).unwrap().cloud
     );
-    let ended = workplace.succeed("run a.pcap -d pca --no-rrd -o run");
-    ended.check_stderr(&["\"a\" has no labels: nothing is scored"]);
+    workplace
+        .succeed("run a.pcap -d pca --no-rrd -o run")
+        .check_stderr(&["\"a\" has no labels: nothing is scored"]);
     assert!(workplace.path("run/agreement.csv").exists());
 }
 
