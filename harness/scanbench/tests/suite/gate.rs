@@ -267,28 +267,6 @@ fn built_in_tolerances_are_printed() {
     workplace.refuse("gate first", 2, &["there is no baseline reports/golden; name a run with --baseline"]);
 }
 
-/// What is wrong in the file, and what is wrong for these runs, with file and line.
-#[test]
-fn all_problems_of_a_file_are_told_at_once() {
-    let workplace = Workplace::new();
-    run(&workplace, "first", "--scans 0..2:2");
-    let bad = "[[quality]]\nmetrics = [\"f_rat\"]\nslices = [\"al\"]\nabsolute = 0.9\n\n[sped]\n";
-    workplace.write("bad.toml", bad);
-    let ended = workplace.run("gate first --baseline first -t bad.toml");
-    assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""), "{ended:#?}");
-    let lines: Vec<&str> = ended.stderr.lines().collect();
-    assert_eq!(
-        lines,
-        [
-            "error: bad tolerances \"bad.toml\", 4 problems:",
-            "  line 6: unknown field `sped`; did you mean \"speed\"?",
-            "  line 1, [[quality]] 1: there is no `relative`",
-            "  line 1, [[quality]] 1: there is no slice \"al\" in either run; did you mean \"all\"?",
-            "  line 2, [[quality]] 1: there is no metric \"f_rat\"; did you mean \"f_rate\"?",
-        ]
-    );
-}
-
 #[test]
 fn runs_that_were_asked_for_other_things_are_not_compared() {
     let workplace = accepted();
@@ -410,20 +388,14 @@ fn tolerances_that_name_nothing_never_let_a_loss_pass() {
         format!("[[quality]]\nmetrics = [{metrics}]\nslices = [{slices}]\n{sizes}{more}\n")
     };
     let all = "\"all\"";
+    // Each mistake is told in the tests of `reports`; here it keeps the gate closed.
     for (tolerances, expected) in [
-        (rule("\"ap_r40\"", all, ""), "\"ap_r40\" has no interval"),
         (rule("\"f_rate\"", all, "slice = 1"), "unknown field `slice`"),
-        (rule("\"f_rat\"", all, ""), "there is no metric \"f_rat\"; did you mean \"f_rate\"?"),
-        (rule("\"f_rate\"", all, "tasks = [\"vehicels\"]"), "did you mean \"vehicles\"?"),
         (rule("\"f_rate\"", "\"al\"", ""), "there is no slice \"al\" in either run; did you mean \"all\"?"),
-        (rule("\"f_rate\"", "\"range/0-20\"", ""), "there is no slice \"range/0-20\""),
-        (rule("\"recall\"", "\"class/ship\"", ""), "there is no slice \"class/ship\""),
         (
             rule("\"precision\"", "\"class/*\"", ""),
             "the rule has no effect on precision of \"class/*\": neither run has it",
         ),
-        (rule("\"f_rate\"", all, "detectors = [\"hierarchicl\"]"), "did you mean \"hierarchical\"?"),
-        (rule("\"f_rate\"", all, "absolute = 0.0\nrelative = 5.0"), "relative = 5 tolerates 500 %"),
         (
             rule("\"f_rate\"", all, "absolute = 0.9\nrelative = 0.0"),
             "absolute = 0.9 would pass nearly everything",
