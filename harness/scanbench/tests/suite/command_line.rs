@@ -13,7 +13,8 @@ use crate::program::{Ended, Workplace};
 fn help_in(columns: &str, arguments: &str) -> String {
     let ended = Workplace::new().run_with(&[("COLUMNS", columns)], arguments);
     assert_eq!((ended.exit_code, ended.stderr.as_str()), (Some(0), ""), "{arguments}");
-    for line in ended.stdout.lines() {
+    // clap folds no usage.
+    for line in ended.stdout.lines().filter(|it| !it.starts_with("Usage: ")) {
         assert!(line.chars().count() <= columns.parse().expect("a number"), "{line:?} of {arguments}");
     }
     ended.stdout
@@ -75,7 +76,7 @@ fn help_of_every_verb_fits_has_an_example_and_puts_options_below_headings() {
         // That of `serve` is a table of scanbench.toml.
         let named = [format!("\n  scanbench {verb}"), format!("{verb:?}")];
         assert!(named.iter().any(|it| example.contains(it)), "{long}");
-        check_headings(verb, &long);
+        check_headings(verb, &help(&format!("{verb} --help")));
         help_in("80", &format!("{verb} -h"));
         let n_lines = help(&format!("{verb} -h")).lines().count();
         assert!((5..=45).contains(&n_lines), "{n_lines} lines: {verb}");

@@ -152,9 +152,8 @@ fn results_that_are_damaged_later_fail_as_a_detector_does() {
         workplace.write(&format!("found/{number:06}.txt"), if number == 1 { "Car" } else { "" });
     }
     let run = ["run", "street", "-d", "pca", "--detections", "deep=found"];
-    let ended = workplace.refuse(&(&run, OUTPUT, "out"), 6, &[]);
     let expected = "the detector \"deep\" failed at scan 0000/000001: its results cannot be read: \"found/000001.txt\", line 1";
-    ended.check_stderr(&[expected]);
+    workplace.run(&(&run, OUTPUT, "out")).check_refusal(6, &[expected]);
     workplace.succeed(&(&run, "--on-detector-failure skip", OUTPUT, "skipped"));
     let states: Vec<String> =
         counts(&workplace, "skipped", "deep").into_iter().map(|it| it[3].clone()).collect();

@@ -184,7 +184,9 @@ fn damage_in_the_middle_of_a_drive_is_skipped_by_all_that_read_scans() {
     let prelabel = ["data", "prelabel", "street", "--to", "kitti", "-o", "project"];
     let verbs = [&["selftest", "street"][..], &["data", "check", "street"], &sweep, &prelabel];
     for verb in verbs {
-        workplace.refuse(verb, 3, &["000001.bin"]);
+        let refused = workplace.run(verb);
+        assert_eq!(refused.exit_code, Some(3), "{refused:#?}");
+        refused.check_stderr(&["000001.bin"]);
         workplace.succeed(&(verb, "--skip-damaged"));
     }
     let swept = workplace.read("swept/manifest.json");
