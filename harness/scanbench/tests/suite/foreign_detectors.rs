@@ -46,8 +46,8 @@ fn check_gone(word: &str) {
     }
 }
 
-/// `behaviour` ends a run with exit code 6 and a sentence that has `expected`, and loses no earlier scan; with `skip`, one scan
-/// counts as nothing found, and nothing else is different.
+/// `behaviour` ends a run with exit code 6 and a sentence that has `expected`, and loses no earlier scan; with `skip`, one
+/// scan counts as nothing found, and nothing else is different.
 #[track_caller]
 fn check_misbehaviour(behaviour: &str, expected: &str) {
     let place = place_with(behaviour, "time_limit_s = 0.5");

@@ -214,8 +214,8 @@ impl Workplace {
         ended
     }
 
-    /// Runs the program with `arguments`, which it refuses with `exit_code` and a message that has all `parts`; it prints no result
-    /// and leaves nothing behind.
+    /// Runs the program with `arguments`, which it refuses with `exit_code` and a message that has all `parts`; it prints no
+    /// result and leaves nothing behind.
     #[track_caller]
     pub fn refuse(&self, arguments: &(impl Words + ?Sized), exit_code: i32, parts: &[&str]) -> Ended {
         let before = self.names();

@@ -63,7 +63,7 @@ fn boxes_hold_as_many_points_as_the_makers_counted() {
 
 const N_INTERIOR_POINTS: usize = 17_972;
 
-/// Changes the file `name` in a copy of the drawn log, or removes it if no bytes are left, and expects `parts` in the message.
+/// Changes the file `name` in a copy of the drawn log, or removes it if no bytes are left; the message has all `parts`.
 #[track_caller]
 fn check(name: &str, change: impl Fn(&mut Vec<u8>), parts: &[&str]) {
     let workplace = Workplace::new();

@@ -56,8 +56,8 @@ fn killed_at_any_moment_a_writer_leaves_nothing_or_all() {
         remove(&workplace.path(name));
         let (mut n_killed, mut n_whole) = (0, 0);
         // The last one well after the end, for the other outcome.
-        for attempt in 0..4 {
-            let pause_ms = if attempt < 3 { random.random_range(0..=whole_ms) } else { 20 * whole_ms };
+        for attempt in 0..6 {
+            let pause_ms = if attempt < 5 { random.random_range(0..=whole_ms) } else { 20 * whole_ms };
             let mut command = workplace.command(&arguments);
             let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
             let deadline = std::time::Instant::now() + Duration::from_millis(pause_ms);
