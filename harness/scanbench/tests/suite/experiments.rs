@@ -1,5 +1,4 @@
 //! `scanbench gaps` and `scanbench robustness`, from outside.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use crate::program::Workplace;
 

@@ -133,10 +133,8 @@ impl Workplace {
 
     /// A column of the CSV file `name`, row by row.
     pub fn column(&self, name: &str, column: &str) -> Vec<String> {
-        let mut rows = self.table(name);
-        rows.iter_mut()
-            .map(|it| it.remove(column).unwrap_or_else(|| panic!("no {column} in {name}")))
-            .collect()
+        let cell = |mut row: Row| row.remove(column).unwrap_or_else(|| panic!("no {column} in {name}"));
+        self.table(name).into_iter().map(cell).collect()
     }
 
     /// The content of the file `name`, which is no text.
@@ -272,11 +270,12 @@ pub fn send(child: &Child, signal: &str) {
 pub fn copy_folder(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap() {
-        let (path, copied) = (entry.as_ref().unwrap().path(), to.join(entry.unwrap().file_name()));
-        if path.is_dir() {
-            copy_folder(&path, &copied);
+        let entry = entry.unwrap();
+        let copied = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_folder(&entry.path(), &copied);
         } else {
-            std::fs::copy(path, copied).unwrap();
+            std::fs::copy(entry.path(), copied).unwrap();
         }
     }
 }

@@ -1,5 +1,4 @@
 //! Comparing the scans of two data sets.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use test_data::test_data;
 

@@ -1,5 +1,4 @@
 //! `run --detections` and `--detections-out`: results that are carried from one program to another, and judged.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use test_data::test_data;
 

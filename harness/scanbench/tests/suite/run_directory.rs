@@ -147,7 +147,7 @@ fn neither_jobs_nor_order_nor_what_was_before_changes_a_number() {
     check_same_numbers(&workplace, ["four", "again"]);
     let [there, back] = ["there", "back"].map(|run| untimed_rows(&workplace, run));
     assert_eq!((&there[0]["detector"], &back[0]["detector"]), (&"hierarchical".into(), &"pca".into()));
-    let sorted = |lines: Vec<String>| BTreeSet::from_iter(lines);
+    let sorted = |lines: Vec<String>| lines.into_iter().collect::<BTreeSet<String>>();
     let [there, back] = [there, back].map(|rows| sorted(rows.iter().map(Value::to_string).collect()));
     assert_eq!(there, back);
     let matches = |run: &str, of: &str| -> Vec<String> {
