@@ -151,7 +151,7 @@ fn a_sweep_refuses_a_protocol_that_the_data_cannot_have() {
         ("kitti-object", "--protocol kitti-object: \"street-narrow\" has no labels in KITTI's layouts"),
         ("ground", "--protocol ground needs labels of points"),
     ] {
-        workplace.refuse(&(&swept, [protocol]), 2, &[expected]);
+        workplace.run(&(&swept, protocol)).check_refusal(2, &[expected]);
         assert!(!workplace.path("out").exists());
     }
 }

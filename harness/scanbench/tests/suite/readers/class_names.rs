@@ -91,7 +91,8 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
         let annotations = ended.stdout.lines().find(|it| it.starts_with("annotations")).unwrap();
         assert!(annotations.contains(" truck") && annotations.contains(" pole"), "{data}: {annotations}");
         // One of the two is not enough, and both are still said where both are missing.
-        let ended = workplace.refuse(&["data", "check", data, "--class", "fork lift=truck"], 2, &[]);
+        let ended = workplace.run(&["data", "check", data, "--class", "fork lift=truck"]);
+        assert_eq!(ended.exit_code, Some(2), "{data}: {ended:#?}");
         assert!(
             ended.stderr.contains("have 1 unknown classes:") && !ended.stderr.contains("fork"),
             "{data}: {ended:#?}"
@@ -107,7 +108,8 @@ fn labels_of_semantic_kitti_that_nobody_knows_are_listed_by_number() {
         let labels = [12 + number as u8, 0, 1, 0, 40, 0, 0, 0];
         made::write(&workplace.path(&format!("s/sequences/00/labels/{number:06}.label")), labels);
     }
-    let ended = workplace.refuse("data check s", 2, &[]);
+    let ended = workplace.run("data check s");
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
     // 13 is a bus; of 12 there are only points in the first scan.
     ended.check_stderr(&["\"12\"", "000000.label\", point 0"]);
     assert!(!ended.stderr.contains("\"13\""), "{ended:#?}");
@@ -119,7 +121,9 @@ fn an_object_without_a_class_has_to_be_given_one() {
     let workplace = Workplace::new();
     let messages = foxglove_messages(SECOND, &serde_json::json!([]));
     write(&workplace, WriteOptions::new(), &messages);
-    workplace.refuse("data check drive.mcap", 2, &["--class =misc", "\"\" = \"misc\""]);
+    let ended = workplace.run("data check drive.mcap");
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    ended.check_stderr(&["--class =misc", "\"\" = \"misc\""]);
     workplace.succeed("data check drive.mcap --class =car").check_stdout(&[": 1 car"]);
 }
 
