@@ -206,7 +206,7 @@ fn a_served_detector_is_asked_by_every_verb_that_takes_detectors() {
     assert!(sweep.contains("detector.odd.most") && sweep.lines().count() > 6, "{sweep}");
     let points =
         (0..200_u16).flat_map(|it| [4.0 + f32::from(it) * 0.01, 2.0, -1.0, 0.5]).flat_map(f32::to_le_bytes);
-    place.write_bytes("scan.bin", &points.collect::<Vec<u8>>());
+    place.write("scan.bin", &points.collect::<Vec<u8>>());
     place.succeed("detect scan.bin -d odd -P most=2").check_stdout(&["odd: 2 clusters of"]);
     place.succeed("gaps -d odd,simple-grid --pairs 1 --sensor vlp-16 -q -o gaps");
     assert_eq!(place.run("boxes -d odd").exit_code, Some(2));

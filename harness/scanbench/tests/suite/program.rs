@@ -143,14 +143,11 @@ impl Workplace {
         std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
-    /// Writes the file `name`, which is no text.
-    pub fn write_bytes(&self, name: &str, content: &[u8]) {
-        std::fs::write(self.path(name), content).unwrap();
-    }
-
-    /// Writes the file `name`.
-    pub fn write(&self, name: &str, content: &str) {
-        std::fs::write(self.path(name), content).unwrap();
+    /// Writes the file `name`, in new folders if need be.
+    pub fn write(&self, name: &str, content: &(impl AsRef<[u8]> + ?Sized)) {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
     }
 
     /// All files and folders below the folder, hidden ones too.

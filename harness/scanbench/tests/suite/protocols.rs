@@ -180,7 +180,6 @@ fn a_split_of_kitti_is_the_scans_of_its_list() {
         let known: String = text.lines().filter(known).flat_map(|it| [it, "\n"]).collect();
         workplace.write(&labels, &known);
     }
-    std::fs::create_dir_all(workplace.path("objects/ImageSets")).unwrap();
     workplace.write("objects/ImageSets/val.txt", "000002\n000000\n");
     let run = |name: &str| {
         let arguments =

@@ -59,18 +59,11 @@ fn several_data_sets_have_a_folder_each() {
 #[test]
 fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
     let workplace = Workplace::with_drive(2);
-    std::fs::create_dir_all(workplace.path("found/0000")).unwrap();
-    workplace.write(
-        "found/0000/000000.csv",
-        "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\n",
-    );
-    std::fs::create_dir(workplace.path("empty")).unwrap();
-    std::fs::create_dir_all(workplace.path("above/pca/0000")).unwrap();
-    for number in 0..2 {
-        let file = format!("0000/{number:06}.csv");
-        let content = workplace.read("found/0000/000000.csv");
-        workplace.write(&format!("above/pca/{file}"), &content);
+    let boxes = "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\n";
+    for name in ["found/0000/000000", "above/pca/0000/000000", "above/pca/0000/000001"] {
+        workplace.write(&format!("{name}.csv"), boxes);
     }
+    std::fs::create_dir(workplace.path("empty")).unwrap();
     for (arguments, exit_code, part) in [
         ("--detections a=found", 3, "has no results for 1 of 2 scans of \"street\": 0000/000001"),
         ("--detections a=nowhere", 3, "cannot read \"nowhere\""),
@@ -119,7 +112,6 @@ fn a_gate_refuses_results_of_other_files() {
         workplace.succeed(&(&arguments, OUTPUT, [output]));
     };
     for number in 0..2 {
-        std::fs::create_dir_all(workplace.path("found")).unwrap();
         workplace.write(&format!("found/{number:06}.txt"), "");
     }
     run("first");
@@ -146,7 +138,6 @@ fn a_gate_refuses_results_of_other_files() {
 #[test]
 fn results_that_are_damaged_later_fail_as_a_detector_does() {
     let workplace = Workplace::with_drive(3);
-    std::fs::create_dir_all(workplace.path("found")).unwrap();
     for number in 0..3 {
         workplace.write(&format!("found/{number:06}.txt"), if number == 1 { "Car" } else { "" });
     }

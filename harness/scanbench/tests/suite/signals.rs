@@ -133,8 +133,7 @@ fn with_dense_scan() -> Workplace {
         }
         bytes.extend(0.5_f32.to_le_bytes());
     }
-    std::fs::create_dir(workplace.path("dense")).unwrap();
-    workplace.write_bytes("dense/000000.bin", &bytes);
+    workplace.write("dense/000000.bin", &bytes);
     workplace
 }
 
@@ -170,7 +169,7 @@ fn a_reader_that_waits_for_ever_ends_soon() {
 #[test]
 fn a_result_that_nobody_takes_ends_soon() {
     let workplace = Workplace::new();
-    workplace.write_bytes("many.bin", &vec![0; 16 * 200_000]);
+    workplace.write("many.bin", &vec![0_u8; 16 * 200_000]);
     for signals in [&["-TERM"][..], &["-TERM", "-TERM"]] {
         let mut command = workplace.command("detect many.bin -o -");
         let (full, writer) = std::io::pipe().unwrap();

@@ -87,7 +87,7 @@ fn an_array_of_slurm_and_its_merge_give_the_rows_of_the_whole_run() {
 #[test]
 fn nothing_is_merged_where_a_shard_fails() {
     let workplace = Workplace::with_drive(4);
-    std::fs::write(workplace.path("street/training/velodyne/0000/000003.bin"), "damaged").unwrap();
+    workplace.write("street/training/velodyne/0000/000003.bin", "damaged");
     let run = [&["run", "street", "-d", "pca"], no_recording()].concat();
     let submit = [&["submit", "slurm", "--shards", "2", "--now", "-o", "jobs", "--"], &run[..]].concat();
     let ended = with_sbatch(&workplace, &submit);

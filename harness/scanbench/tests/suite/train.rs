@@ -119,7 +119,6 @@ fn a_model_that_no_chosen_detector_reads_is_refused_by_name() {
 fn a_damaged_model_is_named() {
     let workplace = Workplace::new();
     let params = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params");
-    std::fs::create_dir(workplace.path("model")).expect("an empty workplace");
     for (detector, kind) in [("hierarchical", "groupings"), ("paper", "paper")] {
         let name = format!("{kind}.model");
         let whole = std::fs::read(format!("{params}/{name}")).expect("it is shipped");
@@ -127,7 +126,7 @@ fn a_damaged_model_is_named() {
         changed[5000] ^= 1;
         let option = format!("vehicle_model.{kind}_directory=model");
         for damaged in [&changed, &whole[..whole.len() / 2]] {
-            workplace.write_bytes(&format!("model/{name}"), damaged);
+            workplace.write(&format!("model/{name}"), damaged);
             workplace.refuse(
                 &["run", "street-narrow", "-d", detector, "-P", &option, "-o", "out"],
                 2,
@@ -149,11 +148,10 @@ fn the_detectors_of_the_papers_have_models_of_their_own() {
     assert!(header.contains(",decision,height_m,length_m,width_m,scatterness_from_0,"), "{header}");
     check_outcomes(&workplace, "pca", "-P vehicle_model.pca_directory=model-pca");
     // Each is no model for the other.
-    std::fs::create_dir(workplace.path("exchanged")).expect("there is none");
     for (detector, other, other_file) in
         [("pca", "paper", "model/paper.model"), ("paper", "pca", "model-pca/pca.model")]
     {
-        workplace.write_bytes(&format!("exchanged/{detector}.model"), &workplace.read_bytes(other_file));
+        workplace.write(&format!("exchanged/{detector}.model"), &workplace.read_bytes(other_file));
         let option = format!("vehicle_model.{detector}_directory=exchanged");
         let said = format!("{detector}.model: it is a model of \"{other}\", not of \"{detector}\"");
         workplace.refuse(&["run", "-d", detector, "-P", &option, "-o", "out"], 2, &[&said]);

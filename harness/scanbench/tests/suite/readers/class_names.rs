@@ -55,8 +55,8 @@ fn data_sets(workplace: &Workplace) -> Vec<&'static str> {
         let boxes = format!(
             r#"[{{"class": "{class}", "center_m": [5, 1, -1], "length_width_height_m": [4, 2, 1.5], "yaw_rad": 0.1}}]"#
         );
-        made::write(&workplace.path(&format!("folder/labels/{number}.json")), boxes);
-        made::write(&workplace.path(&format!("folder/{number}.bin")), [0_u8; 16]);
+        workplace.write(&format!("folder/labels/{number}.json"), &boxes);
+        workplace.write(&format!("folder/{number}.bin"), &[0_u8; 16]);
     }
     let mut messages = Vec::new();
     for (second, class) in [(1, "FORK-LIFT"), (2, "gizmo")] {
@@ -104,9 +104,9 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
 fn labels_of_semantic_kitti_that_nobody_knows_are_listed_by_number() {
     let workplace = Workplace::new();
     for number in 0..2 {
-        made::write(&workplace.path(&format!("s/sequences/00/velodyne/{number:06}.bin")), [0_u8; 32]);
+        workplace.write(&format!("s/sequences/00/velodyne/{number:06}.bin"), &[0_u8; 32]);
         let labels = [12 + number as u8, 0, 1, 0, 40, 0, 0, 0];
-        made::write(&workplace.path(&format!("s/sequences/00/labels/{number:06}.label")), labels);
+        workplace.write(&format!("s/sequences/00/labels/{number:06}.label"), &labels);
     }
     let ended = workplace.run("data check s");
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");

@@ -221,7 +221,6 @@ fn objects_are_written_a_folder_for_each_class_and_stay_simulated() {
         written.stdout
     );
     assert_eq!(workplace.run(&(&objects, "first")).exit_code, Some(2));
-    std::fs::create_dir_all(workplace.path("odd/cra")).unwrap();
-    std::fs::write(workplace.path("odd/cra/1.bin"), [0; 16]).unwrap();
+    workplace.write("odd/cra/1.bin", &[0; 16]);
     workplace.refuse("data objects odd -o x", 2, &["called after no class: cra"]);
 }

@@ -2,7 +2,7 @@
 
 use scans::annotation::PointRegion;
 
-use super::made::{DRIVE, boxed, kitti_raw, scans, street, write, write_sheet};
+use super::made::{DRIVE, boxed, kitti_raw, scans, street, write_sheet};
 use super::{check_damaged, open};
 use crate::program::Workplace;
 
@@ -59,7 +59,7 @@ fn damage_is_named() {
     let check = |file: &str, content: &str, parts: &[&str]| {
         let workplace = Workplace::new();
         kitti_raw(workplace.folder(), &*street(2));
-        write(&workplace.path(file), content);
+        workplace.write(file, content);
         check_damaged(workplace.folder(), parts);
     };
     let drive = |file: &str| format!("{DRIVE}/{file}");

@@ -278,7 +278,7 @@ fn scan_folders_of_packed_points() {
     let columns: Vec<u8> =
         [5.0_f32, 20.0, 1.0, 0.0, -1.0, 0.0].iter().flat_map(|it| it.to_le_bytes()).collect();
     let write = |name: &str, header: &str, points: &[u8]| {
-        super::made::write(&workplace.path(name), [header.as_bytes(), points].concat());
+        workplace.write(name, &[header.as_bytes(), points].concat());
     };
     let pcd = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ";
     write("a.pcd", &format!("{pcd}binary\n"), &rows);
@@ -302,7 +302,7 @@ fn scan_folders_of_packed_points() {
     let header = "{'descr': '<f4', 'fortran_order': True, 'shape': (2, 3), }";
     let npy = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &columns]
         .concat();
-    super::made::write(&workplace.path("e.npy"), npy);
+    workplace.write("e.npy", &npy);
     check("scan-folder: PCD and PLY as bytes, .npy by columns", workplace.folder(), 31);
 }
 
@@ -341,16 +341,16 @@ fn nuscenes() {
 
 #[test]
 fn captures_of_packets() {
-    use super::made::{calibration_of_64, packets, pcap, pcapng, write};
+    use super::made::{calibration_of_64, packets, pcap, pcapng};
     let workplace = Workplace::new();
     let turns = packets(9000, 1200, 72, 2, [0, 0]);
-    write(&workplace.path("classic/a.pcap"), pcap(&turns));
-    write(&workplace.path("classic/a.yaml"), calibration_of_64());
+    workplace.write("classic/a.pcap", &pcap(&turns));
+    workplace.write("classic/a.yaml", &calibration_of_64());
     check("velodyne-pcap: pcap, calibration in YAML", &workplace.path("classic"), 60);
-    write(&workplace.path("next/a.pcapng"), pcapng(&packets(9000, 1200, 72, 1, [0x39, 0x22])));
+    workplace.write("next/a.pcapng", &pcapng(&packets(9000, 1200, 72, 1, [0x39, 0x22])));
     check("velodyne-pcap: pcapng", &workplace.path("next"), 61);
-    write(&workplace.path("xml/a.pcap"), pcap(&turns));
-    write(&workplace.path("xml/db.xml"), calibration_in_xml());
+    workplace.write("xml/a.pcap", &pcap(&turns));
+    workplace.write("xml/db.xml", &calibration_in_xml());
     check("velodyne-pcap: calibration in XML", &workplace.path("xml"), 62);
 }
 

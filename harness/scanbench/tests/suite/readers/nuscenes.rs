@@ -79,6 +79,6 @@ fn damage_and_files_elsewhere_are_named() {
     std::fs::remove_file(workplace.path("v1.0-mini/visibility.json")).unwrap();
     check_damaged(workplace.folder(), &["visibility.json"]);
     nuscenes(workplace.folder(), &*street(1));
-    write(&workplace.path("samples/LIDAR_TOP/0.pcd.bin"), [0; 41]);
+    workplace.write("samples/LIDAR_TOP/0.pcd.bin", &[0; 41]);
     check_damaged(workplace.folder(), &["0.pcd.bin", "41 bytes", "20 of a point"]);
 }
