@@ -1,6 +1,5 @@
 //! `scanbench ablation`: what each part of the method is worth, as one table of a run.
 
-use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
 
 /// The rows of `ablation.csv`, each as its cells.
@@ -15,11 +14,9 @@ fn cells(workplace: &Workplace, path: &str) -> Vec<Vec<String>> {
 
 #[test]
 fn every_variant_has_a_row_for_each_data_set_and_for_all_simulated_ones() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     let streets = ["street", "street-narrow", "street-main-road", "--simulated-scans", "2"];
-    let ended =
-        workplace.succeed(&[&["ablation"], &streets[..], &["--sensor", "vlp-16", "-o", "out"]].concat());
+    let ended = workplace.succeed(&("ablation", &streets, "--sensor vlp-16 -o out"));
     assert!(ended.stderr.ends_with("--seed 9001\nAblation: out\n"), "{}", ended.stderr);
 
     let rows = rows(&workplace, "out");
@@ -61,38 +58,28 @@ fn every_variant_has_a_row_for_each_data_set_and_for_all_simulated_ones() {
 }
 
 #[test]
-fn the_whole_method_is_what_run_runs() {
-    let workplace = Workplace::new();
-    let data = ["street-narrow", "--simulated-scans", "2"];
-    let with = |verb: &[&'static str]| verb.iter().chain(&data).copied().collect::<Vec<_>>();
-    workplace.succeed(&with(&["ablation", "-o", "parts"]));
-    workplace.succeed(&with(&["run", "-d", "hierarchical", "-o", "whole"]));
-    let report = workplace.read("whole/table_objects.csv");
-    let of_run: Vec<&str> = report.lines().nth(1).expect("a row").split(',').collect();
-    let of_ablation = &rows(&workplace, "parts")[1];
-    // no, tp, mo, fo.
-    assert_eq!(of_run[6..10], of_ablation[5..9], "{report}");
-    let lacking = &rows(&workplace, "parts")[1..];
-    assert!(lacking.iter().any(|row| row[5..9] != of_ablation[5..9]), "no part makes a difference");
-}
-
-#[test]
 fn variants_are_detectors_of_a_run() {
     let workplace = Workplace::new();
-    let data = ["street-narrow", "--simulated-scans", "2", "--sensor", "vlp-16"];
-    let with = |verb: &[&'static str]| verb.iter().chain(&data).copied().collect::<Vec<_>>();
-    workplace.succeed(&with(&["ablation", "-o", "before"]));
-    workplace.succeed(&with(&["ablation", "-o", "after", "-P", "hierarchical.grid.xi=2"]));
-    let of_two = workplace.succeed(&["compare", "before", "before"]);
-    assert!(of_two.stdout.contains("without terrain"), "{of_two:#?}");
-    assert!(of_two.stdout.contains("No result of a scan changed."), "{of_two:#?}");
-    let of_two = workplace.succeed(&["compare", "before", "after"]);
+    let data = "street-narrow --simulated-scans 2 --sensor vlp-16";
+    workplace.succeed(&("ablation -o before", data));
+    workplace.succeed(&("run -d hierarchical -o whole", data));
+    // The whole method is what `run` runs: no, tp, mo, fo.
+    let report = workplace.read("whole/table_objects.csv");
+    let of_run: Vec<&str> = report.lines().nth(1).expect("a row").split(',').collect();
+    let parts = rows(&workplace, "before");
+    assert_eq!(of_run[6..10], parts[1][5..9], "{report}");
+    assert!(parts[1..].iter().any(|row| row[5..9] != parts[1][5..9]), "no part makes a difference");
+    workplace.succeed(&("ablation -o after -P hierarchical.grid.xi=2", data));
+    workplace
+        .succeed("compare before before")
+        .check_stdout(&["without terrain", "No result of a scan changed."]);
+    let of_two = workplace.succeed("compare before after");
     assert!(!of_two.stdout.contains("No result of a scan changed."), "{of_two:#?}");
     let pair = ["compare", "before", "--detectors", "whole method,without terrain"];
     let of_pair = workplace.succeed(&pair);
-    assert!(of_pair.stdout.contains("without terrain − whole method"), "{of_pair:#?}");
+    of_pair.check_stdout(&["without terrain − whole method"]);
 
-    let written = workplace.succeed(&[&pair[..], &["-o", "pair"]].concat());
+    let written = workplace.succeed(&(&pair, "-o pair"));
     assert_eq!(written.stdout, of_pair.stdout);
     for (folder, stem) in [("pair", "comparison"), ("before", "ablation")] {
         for ending in ["csv", "md", "tex", "svg", "pdf"] {
@@ -104,10 +91,10 @@ fn variants_are_detectors_of_a_run() {
     let f_rate = differences.iter().find(|it| it[0] == "objects" && it[3] == "f_rate").expect("a row");
     let [before, after, difference] = [4, 5, 6].map(|it| f_rate[it].parse::<f64>().expect("a number"));
     assert!((after - before - difference).abs() < 2e-6, "{f_rate:?}");
-    workplace.succeed(&[&pair[..], &["-o", "pair", "--overwrite"]].concat());
+    workplace.succeed(&(&pair, "-o pair --overwrite"));
 
     let page = workplace.read("before/report.html");
-    workplace.succeed(&["report", "before"]);
+    workplace.succeed("report before");
     assert_eq!(workplace.read("before/report.html"), page);
     // Each interval of the table is one of the report.
     let rows = rows(&workplace, "before");

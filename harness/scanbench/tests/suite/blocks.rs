@@ -3,30 +3,20 @@
 
 use std::fmt::Write as _;
 
-use serde_json::Value;
 use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::{Ended, Workplace};
+use crate::program::{Words, Workplace};
 use crate::shard_folders::{check_same_but_times, make_shards, merge_whole};
 
 const N_SCANS: u32 = 12;
-const RUN: [&str; 6] = ["run", "street", "-d", "hierarchical,pca", "--no-rrd", "-q"];
+const RUN: &str = "run street -d hierarchical,pca --no-rrd -q";
 
 /// A workplace with twelve scans in the layout of the object benchmark.
 fn objects() -> (Workplace, DrawnDataset) {
     let workplace = Workplace::new();
     let dataset = DrawnDataset::objects(workplace.folder(), N_SCANS);
     (workplace, dataset)
-}
-
-fn run(workplace: &Workplace, more: &[&str]) -> Ended {
-    workplace.run(&[&RUN[..], more].concat())
-}
-
-#[track_caller]
-fn check_run(workplace: &Workplace, more: &[&str]) -> Ended {
-    workplace.succeed(&[&RUN[..], more].concat())
 }
 
 /// The kinds of blocks that the numbers of a run are drawn from, each with their number.
@@ -42,25 +32,13 @@ fn blocks(workplace: &Workplace, name: &str) -> Vec<String> {
     blocks
 }
 
-/// A column of the scans, once for each.
-fn column(workplace: &Workplace, name: &str, idx: usize) -> Vec<String> {
-    let rows = workplace.read(&format!("{name}/scans.csv"));
-    let mut cells: Vec<String> =
-        rows.lines().skip(1).map(|row| row.split(',').nth(idx).unwrap().to_owned()).collect();
-    cells.dedup();
-    cells
-}
-
 #[test]
 fn scans_picked_out_of_drives_have_no_times_and_decide_nothing() {
     let (workplace, _) = objects();
-    let ended = check_run(&workplace, &["-o", "run"]);
+    let ended = workplace.succeed(&(RUN, "-o run"));
     assert_eq!(blocks(&workplace, "run"), ["12 scans without times, true"]);
-    assert_eq!(column(&workplace, "run", 3), [""]);
-    assert!(
-        ended.stdout.contains("scans without known times, which may be neighbours, are not enough to show"),
-        "{ended:#?}"
-    );
+    assert!(workplace.column("run/scans.csv", "time_s").iter().all(String::is_empty));
+    ended.check_stdout(&["scans without known times, which may be neighbours, are not enough to show"]);
     assert!(!ended.stdout.contains(" leads with "), "{ended:#?}");
     for (file, part) in [
         ("table_vehicles.md", "¶ over scans that may be neighbours, because their times are not known"),
@@ -71,14 +49,13 @@ fn scans_picked_out_of_drives_have_no_times_and_decide_nothing() {
         let text = workplace.read(&format!("run/{file}"));
         assert!(text.contains(part), "no {part:?} in {file}\n{text}");
     }
-    let ended = workplace.succeed(&["data", "check", "street"]);
-    assert!(ended.stdout.contains("12, no times known: they may be neighbours\n"), "{ended:#?}");
+    workplace.succeed("data check street").check_stdout(&["12, no times known: they may be neighbours\n"]);
     // However large a loss is, it is not called sure.
-    check_run(&workplace, &["-o", "worse", "-P", "hierarchical.cluster.min_points=5000"]);
-    let ended = workplace.run(&["gate", "worse", "-b", "run"]);
+    workplace.succeed(&(RUN, "-o worse -P hierarchical.cluster.min_points=5000"));
+    let ended = workplace.run("gate worse -b run");
     // Nothing is found any more, so that some numbers are undefined.
     assert_eq!(ended.exit_code, Some(5), "{ended:#?}");
-    assert!(ended.stdout.contains(" 0 worse,"), "{ended:#?}");
+    ended.check_stdout(&[" 0 worse,"]);
     let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("These scans may be neighbours, because their times are not known"), "{said}");
 }
@@ -98,35 +75,37 @@ fn write_mapping(dataset: &DrawnDataset) {
 #[test]
 fn the_mapping_of_the_development_kit_tells_drives_and_times() {
     let (workplace, dataset) = objects();
-    check_run(&workplace, &["-o", "unmapped"]);
+    workplace.succeed(&(RUN, "-o unmapped"));
     write_mapping(&dataset);
-    check_run(&workplace, &["-o", "run"]);
+    workplace.succeed(&(RUN, "-o run"));
     assert_eq!(blocks(&workplace, "run"), ["4 seconds, true"]);
     // Names of scans stay; their order is that of drives and times.
-    assert_eq!(column(&workplace, "run", 2), ["11", "10", "9", "8", "7", "6", "5", "4", "3", "2", "1", "0"]);
-    assert_eq!(column(&workplace, "run", 3)[..6], ["0.000", "0.300", "0.600", "0.900", "1.200", "1.500"]);
-    let manifest: Value = serde_json::from_str(&workplace.read("run/manifest.json")).unwrap();
+    let column = |name: &str| {
+        let mut cells = workplace.column("run/scans.csv", name);
+        cells.dedup();
+        cells
+    };
+    assert_eq!(column("scan"), ["11", "10", "9", "8", "7", "6", "5", "4", "3", "2", "1", "0"]);
+    assert_eq!(column("time_s")[..6], ["0.000", "0.300", "0.600", "0.900", "1.200", "1.500"]);
+    let manifest = workplace.json("run/manifest.json");
     let of_first = &manifest["datasets"][0]["blocks"]["2011_09_26_drive_0000_sync"];
     assert_eq!((&of_first[0], of_first.as_array().unwrap().len()), (&"training/000011".into(), 6));
-    let ended = workplace.succeed(&["data", "check", "street"]);
-    assert!(ended.stdout.contains("12 of 2 drives\n"), "{ended:#?}");
-    make_shards(&workplace, &RUN, 3, "shards");
+    workplace.succeed("data check street").check_stdout(&["12 of 2 drives\n"]);
+    make_shards(&workplace, &RUN.words(), 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "run", "merged");
     // Intervals of other blocks cannot be compared.
-    let ended = workplace.run(&["gate", "run", "-b", "unmapped"]);
-    assert_eq!(ended.exit_code, Some(5), "{ended:#?}");
-    assert!(
-        ended.stderr.contains("the blocks of scans of street that intervals are drawn from changed"),
-        "{ended:#?}"
+    workplace.refuse(
+        "gate run -b unmapped",
+        5,
+        &["the blocks of scans of street that intervals are drawn from changed"],
     );
     // A scan that the mapping does not have is no scan of the benchmark.
     dataset.write("mapping/train_rand.txt", "1,2,3");
-    let ended = run(&workplace, &["-o", "none"]);
-    assert_eq!(ended.exit_code, Some(3), "{ended:#?}");
-    assert!(
-        ended.stderr.contains("train_rand.txt\", line 1: has 3 numbers, and none of scan 000003"),
-        "{ended:#?}"
+    workplace.refuse(
+        &(RUN, "-o none"),
+        3,
+        &["train_rand.txt\", line 1: has 3 numbers, and none of scan 000003"],
     );
 }
 
@@ -139,34 +118,26 @@ fn a_file_names_the_blocks() {
     };
     workplace.write("three.csv", &file(3));
     workplace.write("ten.csv", &file(10));
-    check_run(&workplace, &["--blocks", "three.csv", "-o", "three"]);
-    check_run(&workplace, &["--blocks", "ten.csv", "-o", "ten"]);
+    workplace.succeed(&(RUN, "--blocks three.csv -o three"));
+    workplace.succeed(&(RUN, "--blocks ten.csv -o ten"));
     assert_eq!(blocks(&workplace, "three"), ["3 named blocks, true"]);
     assert_eq!(blocks(&workplace, "ten"), ["10 named blocks, false"]);
     assert!(workplace.read("ten/table_vehicles.md").contains("resamples of the blocks of --blocks"));
     // What is decided is decided again from the files.
-    workplace.succeed(&["gate", "ten", "-b", "ten"]);
-    let ended = workplace.run(&["gate", "ten", "-b", "three"]);
-    assert_eq!(ended.exit_code, Some(5), "{ended:#?}");
+    workplace.succeed("gate ten -b ten");
+    workplace.refuse("gate ten -b three", 5, &[]);
     // Shards keep blocks whole, and have to be of the same.
-    let with = |file| [&RUN[..], &["--blocks", file]].concat();
-    make_shards(&workplace, &with("three.csv"), 3, "shards");
+    make_shards(&workplace, &(RUN, "--blocks three.csv").words(), 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "three", "merged");
-    let parts: Value = serde_json::from_str(&workplace.read("merged/manifest.json")).unwrap();
+    let parts = workplace.json("merged/manifest.json");
     let ends: Vec<_> = (0..3).map(|it| parts["shards"][it]["parts"][0]["end"].as_u64().unwrap()).collect();
     assert_eq!(ends, [4, 8, 12]);
-    for (verb, more) in
-        [("ablation", &[][..]), ("sweep", &["-d", "pca", "-P", "pca.cluster.min_points=20:30:10"])]
-    {
-        let start = [verb, "street", "--blocks", "ten.csv", "-q", "-o", verb];
-        workplace.succeed(&[&start, more].concat());
+    for (verb, more) in [("ablation", ""), ("sweep", "-d pca -P pca.cluster.min_points=20:30:10")] {
+        workplace.succeed(&(verb, "street --blocks ten.csv -q -o", verb, more));
     }
-    assert!(
-        workplace.read("sweep/sweep.csv").contains(",named blocks,"),
-        "{}",
-        workplace.read("sweep/sweep.csv")
-    );
+    let sweep = workplace.read("sweep/sweep.csv");
+    assert!(sweep.contains(",named blocks,"), "{sweep}");
     // What is missing or there twice is refused.
     for (content, expected) in [
         (
@@ -177,15 +148,12 @@ fn a_file_names_the_blocks() {
         (file(3).replace("scan,block", "scan,place"), "expected"),
     ] {
         workplace.write("blocks.csv", &content);
-        let ended = run(&workplace, &["--blocks", "blocks.csv", "-o", "none"]);
-        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-        assert!(ended.stderr.contains(expected), "{ended:#?}");
+        workplace.refuse(&(RUN, "--blocks blocks.csv -o none"), 2, &[expected]);
     }
-    let ended = workplace.run(&["run", "street", "street-narrow", "--blocks", "three.csv"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(
-        ended.stderr.contains("--blocks is about the scans of one data set, and 2 are given"),
-        "{ended:#?}"
+    workplace.refuse(
+        "run street street-narrow --blocks three.csv",
+        2,
+        &["--blocks is about the scans of one data set, and 2 are given"],
     );
 }
 
@@ -195,20 +163,10 @@ fn recorded_objects_decide_nothing() {
     let root = test_data("data/kitti_object");
     let workplace = Workplace::new();
     let root = root.to_str().unwrap();
-    let ended = workplace.succeed(&["boxes", root, "-q", "-o", "boxes"]);
-    assert!(ended.stdout.contains("¶ over scans that may be neighbours"), "{ended:#?}");
-    workplace.succeed(&[
-        "run",
-        root,
-        "-d",
-        "pca",
-        "--protocol",
-        "kitti-object",
-        "--no-rrd",
-        "-q",
-        "-o",
-        "run",
-    ]);
+    workplace
+        .succeed(&["boxes", root, "-q", "-o", "boxes"])
+        .check_stdout(&["¶ over scans that may be neighbours"]);
+    workplace.succeed(&("run", [root], "-d pca --protocol kitti-object --no-rrd -q -o run"));
     let report = workplace.read("run/table_protocol_kitti-object.md");
     assert!(report.contains("¶ over scans that may be neighbours"), "{report}");
 }

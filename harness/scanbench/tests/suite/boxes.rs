@@ -2,17 +2,7 @@
 
 use crate::program::Workplace;
 
-const BOXES: [&str; 6] = ["boxes", "street-narrow", "--simulated-scans", "3", "-o", "boxes"];
-/// But for the manifest, which has a date.
-const FILES: [&str; 6] = [
-    "boxes.csv",
-    "box_errors.csv",
-    "box_errors.md",
-    "box_points.csv",
-    "boxes_simulated.svg",
-    "box_points_simulated.svg",
-];
-
+const BOXES: &str = "boxes street-narrow --simulated-scans 3 -o boxes";
 #[test]
 fn every_pair_has_all_boxes_and_every_number_its_denominators() {
     let workplace = Workplace::new();
@@ -50,29 +40,16 @@ fn every_pair_has_all_boxes_and_every_number_its_denominators() {
         let sum: f64 = shares.sum();
         assert!((sum - 1.0).abs() < 1e-2, "{frame}: {sum}");
     }
-    let manifest: serde_json::Value =
-        serde_json::from_str(&workplace.read("boxes/manifest.json")).expect("JSON");
+    let manifest = workplace.json("boxes/manifest.json");
     assert_eq!(manifest["detectors"][0]["name"], "hierarchical");
-}
-
-#[test]
-fn the_same_scans_give_the_same_bytes_with_any_number_of_threads() {
-    let [one, three] = ["1", "3"].map(|n_threads| {
-        let workplace = Workplace::new();
-        let output =
-            workplace.command(&BOXES).env("RAYON_NUM_THREADS", n_threads).output().expect("it starts");
-        assert!(output.status.success(), "{output:#?}");
-        FILES.map(|it| workplace.read(&format!("boxes/{it}")))
-    });
-    assert!(one == three);
 }
 
 #[test]
 fn nothing_matched_is_nothing_evaluated() {
     let workplace = Workplace::new();
-    let before = workplace.names();
-    let ended = workplace.run(&[&BOXES[..], &["-P", "matching.min_points=100000"]].concat());
-    assert_eq!(ended.exit_code, Some(4), "{ended:#?}");
-    assert!(ended.stderr.contains("no cluster matches an annotated vehicle"), "{ended:#?}");
-    assert_eq!(workplace.names(), before);
+    workplace.refuse(
+        &(BOXES, "-P matching.min_points=100000"),
+        4,
+        &["no cluster matches an annotated vehicle"],
+    );
 }

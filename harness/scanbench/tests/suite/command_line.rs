@@ -8,171 +8,98 @@ use test_data::test_data;
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace};
 
-/// Runs the program with `arguments`, separated by spaces; they ask for help.
+/// What the program says to `arguments`, which ask for help, in so many columns.
 #[track_caller]
-fn help(arguments: &str) -> String {
-    let ended = Workplace::new().succeed(&arguments.split(' ').collect::<Vec<_>>());
-    assert_eq!(ended.stderr, "", "{arguments}");
+fn help_in(columns: &str, arguments: &str) -> String {
+    let ended = Workplace::new().run_with(&[("COLUMNS", columns)], arguments);
+    assert_eq!((ended.exit_code, ended.stderr.as_str()), (Some(0), ""), "{arguments}");
+    // clap folds no usage.
+    for line in ended.stdout.lines().filter(|it| !it.starts_with("Usage: ")) {
+        assert!(line.chars().count() <= columns.parse().expect("a number"), "{line:?} of {arguments}");
+    }
     ended.stdout
 }
 
-/// Every verb.
-const VERBS: [&str; 40] = [
-    "run",
-    "reproduce",
-    "merge",
-    "detect",
-    "compare",
-    "report",
-    "view",
-    "gate",
-    "baseline",
-    "baseline init",
-    "baseline accept",
-    "selftest",
-    "data",
-    "data list",
-    "data check",
-    "data hash",
-    "data convert",
-    "data objects",
-    "data prelabel",
-    "data simulate",
-    "data realism",
-    "train",
-    "train groupings",
-    "train rivals",
-    "train paper",
-    "train pca",
-    "train partial",
-    "fit-density",
-    "ablation",
-    "sweep",
-    "robustness",
-    "partial",
-    "gaps",
-    "boxes",
-    "params",
-    "submit",
-    "submit slurm",
-    "submit kubernetes",
-    "init",
-    "completions",
-];
+#[track_caller]
+fn help(arguments: &str) -> String {
+    help_in("100", arguments)
+}
+
+/// The program and its verbs, as the help lists them.
+fn verbs() -> Vec<String> {
+    let mut verbs = vec![String::new()];
+    let mut idx = 0;
+    while let Some(verb) = verbs.get(idx).cloned() {
+        let help = help(&format!("{verb} --help"));
+        let listed = help.split("Commands:\n").nth(1).unwrap_or_default();
+        let listed = listed.lines().take_while(|it| !it.is_empty()).filter(|it| !it.starts_with("   "));
+        let names = listed.filter_map(|it| it.split_whitespace().next()).filter(|it| *it != "help");
+        verbs.extend(names.map(|it| format!("{verb} {it}").trim_start().to_owned()));
+        idx += 1;
+    }
+    verbs
+}
 
 /// The headings of options, in order.
 const HEADINGS: [&str; 9] =
     ["Data", "Detectors", "Training", "Judging", "Mistakes", "Output", "Engine", "Viewer", "General"];
 
-#[test]
-fn every_verb_has_help_with_an_example() {
-    for verb in VERBS {
-        let help = help(&format!("{verb} --help"));
-        assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
-        assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
-    }
-}
-
-#[test]
-fn short_help_fits_on_a_screen() {
-    for arguments in VERBS.map(|it| format!("{it} -h")).iter().map(String::as_str).chain(["-h"]) {
-        let workplace = Workplace::new();
-        let mut command = workplace.command(&arguments.split(' ').collect::<Vec<_>>());
-        let ended = Ended::from(command.env("COLUMNS", "100").output().expect("it starts"));
-        let n_lines = ended.stdout.lines().count();
-        assert!((5..=45).contains(&n_lines), "{n_lines} lines: {ended:#?}");
-    }
-}
-
-#[test]
-fn every_option_stands_below_a_heading() {
-    for arguments in VERBS.map(|it| format!("{it} --help")).iter().map(String::as_str).chain(["--help"]) {
-        let help = help(arguments);
-        let mut below = Vec::new();
-        for line in help.lines() {
-            let title = line.strip_suffix(':').filter(|it| !it.starts_with(' '));
-            below.extend(title.map(|it| (it, 0)));
-            let option = line.strip_prefix(' ').map(str::trim_start).and_then(|it| it.strip_prefix('-'));
-            // Possible values have a dash and a space.
-            if option.is_some_and(|it| !it.starts_with(' ')) {
-                below.last_mut().unwrap_or_else(|| panic!("{line:?} of {arguments}")).1 += 1;
-            }
+/// Every option stands below one of the [`HEADINGS`], in their order.
+#[track_caller]
+fn check_headings(verb: &str, help: &str) {
+    let mut below = Vec::new();
+    for line in help.lines() {
+        let title = line.strip_suffix(':').filter(|it| !it.starts_with(' '));
+        below.extend(title.map(|it| (it, 0)));
+        let option = line.strip_prefix(' ').map(str::trim_start).and_then(|it| it.strip_prefix('-'));
+        // Possible values have a dash and a space.
+        if option.is_some_and(|it| !it.starts_with(' ')) {
+            below.last_mut().unwrap_or_else(|| panic!("{line:?} of {verb}")).1 += 1;
         }
-        below.retain(|(_, n_options)| *n_options > 0);
-        let places: Vec<Option<usize>> =
-            below.iter().map(|(title, _)| HEADINGS.iter().position(|it| it == title)).collect();
-        assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{arguments}: {below:?}");
-        let general = below.last().expect("options of every verb");
-        assert!(general.0 == "General" && general.1 >= 3, "{arguments}: {below:?}");
+    }
+    below.retain(|(_, n_options)| *n_options > 0);
+    let places: Vec<Option<usize>> =
+        below.iter().map(|(title, _)| HEADINGS.iter().position(|it| it == title)).collect();
+    assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{verb}: {below:?}");
+    let general = below.last().expect("options of every verb");
+    assert!(general.0 == "General" && general.1 >= 3, "{verb}: {below:?}");
+}
+
+#[test]
+fn help_of_every_verb_fits_has_an_example_and_puts_options_below_headings() {
+    let verbs = verbs();
+    assert!(verbs.len() > 40, "{verbs:?}");
+    for verb in &verbs {
+        let long = help_in("80", &format!("{verb} --help"));
+        assert!(long.contains(format!("Usage: scanbench {verb}").trim_end()), "{long}");
+        let example = long.split("Example").nth(1).unwrap_or_else(|| panic!("no example: {long}"));
+        // That of `serve` is a table of scanbench.toml.
+        let named = [format!("\n  scanbench {verb}"), format!("{verb:?}")];
+        assert!(named.iter().any(|it| example.contains(it)), "{long}");
+        check_headings(verb, &help(&format!("{verb} --help")));
+        help_in("80", &format!("{verb} -h"));
+        let n_lines = help(&format!("{verb} -h")).lines().count();
+        assert!((5..=45).contains(&n_lines), "{n_lines} lines: {verb}");
     }
 }
 
 #[test]
-fn help_says_what_detectors_there_are() {
-    let [detect, run] =
-        ["detect --help", "run --help"].map(|it| help(it).split_whitespace().collect::<Vec<_>>().join(" "));
-    assert!(detect.contains("simple-grid, or one of scanbench.toml"), "{detect}");
-    assert!(run.contains("Without -d, the default detectors run as well."), "{run}");
-}
-
-#[test]
-fn help_lists_every_verb_and_exit_code() {
-    let help = help("--help");
-    for line in [
-        "run ",
-        "detect ",
-        "ablation ",
-        "gaps ",
-        "robustness ",
-        "partial ",
-        "sweep ",
-        "data ",
-        "fit-density ",
-        "train ",
-        "selftest ",
-        "params ",
-        "submit ",
-        "init ",
-        "completions ",
-    ] {
-        assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
-    }
+fn help_says_what_there_is() {
+    let said = |arguments: &str| help(arguments).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said("detect --help").contains("simple-grid, or one of scanbench.toml"));
+    assert!(said("run --help").contains("Without -d, the default detectors run as well."));
+    let help_of_all = help("--help");
     for line in
         ["0    success", "1    internal", "2    wrong usage", "3    data", "4    nothing", "130  interrupted"]
     {
-        assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
+        assert!(help_of_all.contains(&format!("\n  {line}")), "{line} in {help_of_all}");
     }
-}
-
-#[test]
-fn help_fits_into_80_columns() {
-    for verb in [
-        "--help",
-        "-h",
-        "run --help",
-        "run -h",
-        "detect --help",
-        "ablation --help",
-        "selftest --help",
-        "gaps --help",
-        "robustness --help",
-        "partial --help",
-        "data objects --help",
-        "data list --help",
-        "data realism --help",
-        "fit-density --help",
-        "report --help",
-        "gate --help",
-        "baseline init --help",
-    ] {
-        let workplace = Workplace::new();
-        let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());
-        let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));
-        assert_eq!(ended.exit_code, Some(0));
-        for line in ended.stdout.lines() {
-            assert!(line.chars().count() <= 80, "{line:?} of {verb}");
-        }
+    let of_run = help("run --help");
+    for flag in ["--save-rrd", "--no-rrd", "--connect", "--spawn", "--serve", "--rerun-every", "--blueprint"]
+    {
+        assert_eq!(of_run.contains(flag), cfg!(feature = "viewer"), "{flag}");
     }
+    assert_eq!(help("--version"), format!("scanbench {}\n", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
@@ -188,10 +115,8 @@ fn examples_of_the_help_can_be_copied() {
             // of its arguments.
             let workplace = Workplace::new();
             let example = example.trim_end_matches(" | head");
-            let arguments: Vec<&str> = example.split(' ').chain(["-c", "gone.toml"]).collect();
-            let ended = workplace.run(&arguments);
-            let is_read = ended.stderr.contains("cannot read the configuration \"gone.toml\"");
-            assert!(is_read && ended.exit_code == Some(2), "{example}: {ended:#?}");
+            let parts = ["cannot read the configuration \"gone.toml\""];
+            workplace.refuse(&(example, "-c gone.toml"), 2, &parts);
         }
     }
 }
@@ -199,16 +124,15 @@ fn examples_of_the_help_can_be_copied() {
 #[test]
 fn parameters_are_printed_as_a_file_that_is_read_again() {
     let workplace = Workplace::new();
-    let of_all = workplace.succeed(&["params"]).stdout;
+    let of_all = workplace.succeed("params").stdout;
     for detector in ["hierarchical", "paper", "kd-tree", "pca"] {
         let printed = workplace.succeed(&["params", detector]).stdout;
         assert!(of_all.contains(printed.trim_end()), "{printed}");
         workplace.write("mine.toml", &printed);
         // Read before what is not there is looked for.
-        let ended = workplace.run(&["detect", "gone.bin", "-c", "mine.toml", "-d", detector]);
-        assert_eq!(ended.exit_code, Some(3), "{ended:#?}");
+        workplace.refuse(&["detect", "gone.bin", "-c", "mine.toml", "-d", detector], 3, &[]);
     }
-    let of_paper = workplace.succeed(&["params", "paper"]).stdout;
+    let of_paper = workplace.succeed("params paper").stdout;
     assert!(
         of_paper.contains("[paper.walls.hough]") && of_paper.contains("; paper, section 3.1"),
         "{of_paper}"
@@ -220,9 +144,9 @@ fn parameters_are_printed_as_a_file_that_is_read_again() {
 
 #[test]
 fn nothing_asked_for_is_answered_with_help_and_wrong_usage() {
-    let ended = Workplace::new().run(&[]);
+    let ended = Workplace::new().run("");
     assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""));
-    assert!(ended.stderr.contains("Usage: scanbench [OPTIONS] <COMMAND>"), "{ended:#?}");
+    ended.check_stderr(&["Usage: scanbench [OPTIONS] <COMMAND>"]);
 }
 
 #[test]
@@ -239,24 +163,8 @@ fn wrong_usage_is_named_on_stderr() {
         ("detect a.bin --repeat 0", "0 is not in 1..=100000"),
         ("completions ksh", "possible values: bash"),
     ] {
-        let ended = Workplace::new().run(&arguments.split(' ').collect::<Vec<_>>());
-        assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""), "{arguments}");
-        assert!(ended.stderr.contains(part), "{arguments}: {ended:#?}");
+        Workplace::new().refuse(arguments, 2, &[part]);
     }
-}
-
-#[test]
-fn flags_of_rerun_exist_only_where_the_program_was_built_with_it() {
-    for flag in ["--save-rrd", "--no-rrd", "--connect", "--spawn", "--serve", "--rerun-every", "--blueprint"]
-    {
-        let is_there = help("run --help").contains(flag);
-        assert_eq!(is_there, cfg!(feature = "viewer"), "{flag}");
-    }
-}
-
-#[test]
-fn the_version_is_that_of_the_crate() {
-    assert_eq!(help("--version"), format!("scanbench {}\n", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
@@ -281,53 +189,41 @@ fn bash_completes_a_verb() {
 }
 
 #[test]
-fn results_are_on_stdout_and_the_rest_is_on_stderr() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
-    let ended = workplace.succeed(&["run", "street", "-o", "out"]);
+fn results_are_on_stdout_and_the_rest_is_on_stderr_unless_quiet() {
+    let workplace = Workplace::with_drive(2);
+    let ended = workplace.succeed("run street -d hierarchical,pca -o out");
     assert!(ended.stdout.starts_with("Task objects."), "{ended:#?}");
-    assert!(ended.stdout.contains("\nTask vehicles."), "{ended:#?}");
+    ended.check_stdout(&["\nTask vehicles."]);
     assert_eq!(ended.stderr, "Run directory: out\n");
+    // It ends with who leads and who is faster.
+    let (_, summary) = ended.stdout.rsplit_once("\n\nTask objects: ").expect("a summary");
+    assert!(summary.contains("Task vehicles: "), "{summary}");
+    let compared = [" × faster than ", " about as fast as "].iter().any(|it| summary.contains(it));
+    assert!(summary.contains(" ms for a scan (median), ") && compared, "{summary}");
+    let quiet = workplace.succeed("-q run street -d pca -o quiet");
+    assert_eq!(quiet.stderr, "");
+    assert!(quiet.stdout.starts_with("Task objects."), "{quiet:#?}");
+    workplace.refuse("run nowhere --quiet", 2, &["error: "]);
+    workplace.refuse("run -q -v", 2, &[]);
 }
 
 #[test]
-fn quiet_says_nothing_but_results_and_verbose_says_every_scan() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
-    let quiet = workplace.succeed(&["-q", "run", "street", "-d", "pca", "-o", "quiet"]);
-    assert_eq!(quiet.stderr, "");
-    assert!(quiet.stdout.starts_with("Task objects."), "{quiet:#?}");
-    let failed = workplace.run(&["run", "nowhere", "--quiet"]);
-    assert!(failed.stderr.starts_with("error: "), "{failed:#?}");
-    let verbose = workplace.succeed(&["run", "street", "-d", "pca", "-o", "verbose", "-v"]);
+fn verbose_says_every_scan() {
+    let workplace = Workplace::with_drive(2);
+    let verbose = workplace.succeed("run street -d pca -o verbose -v");
     let lines: Vec<&str> = verbose.stderr.lines().collect();
     assert!(lines[0].starts_with("street: 2 of 2 scans, sensor "), "{verbose:#?}");
     let of_scans: Vec<&&str> = lines.iter().filter(|it| it.starts_with("street 0000/")).collect();
     assert_eq!(of_scans.len(), 2, "{verbose:#?}");
     assert!(of_scans[0].contains(" points; pca ") && of_scans[0].contains(" ms, "), "{verbose:#?}");
-    let both = workplace.run(&["run", "-q", "-v"]);
-    assert_eq!(both.exit_code, Some(2), "{both:#?}");
-}
-
-#[test]
-fn a_run_ends_with_who_leads_and_who_is_faster() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
-    let ended = workplace.succeed(&["run", "street", "-d", "hierarchical,pca", "-o", "out"]);
-    let (_, summary) = ended.stdout.rsplit_once("\n\nTask objects: ").expect("a summary");
-    assert!(summary.contains("Task vehicles: "), "{summary}");
-    let compared = [" × faster than ", " about as fast as "].iter().any(|it| summary.contains(it));
-    assert!(summary.contains(" ms for a scan (median), ") && compared, "{summary}");
 }
 
 #[test]
 fn tables_fold_where_there_are_few_columns() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 1);
+    let workplace = Workplace::with_drive(1);
     let longest = |columns: Option<&str>, name: &str| {
-        let mut command = workplace.command(&["run", "street", "-o", name]);
-        command.envs(columns.map(|it| ("COLUMNS", it)));
-        let ended = Ended::from(command.output().expect("it starts"));
+        let variables: Vec<_> = columns.map(|it| ("COLUMNS", it)).into_iter().collect();
+        let ended = workplace.run_with(&variables, &("run street -o", name));
         assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
         ended.stdout.lines().map(|it| it.chars().count()).max()
     };
@@ -339,30 +235,27 @@ fn tables_fold_where_there_are_few_columns() {
 
 #[test]
 fn a_page_is_made_again_of_the_directory_alone() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
-    workplace.succeed(&["run", "street", "-o", "out"]);
+    let workplace = Workplace::with_drive(2);
+    workplace.succeed("run street -o out");
     let first = workplace.read("out/report.html");
     assert!(first.contains("<svg class=\"plot\"") && first.len() < 2_000_000, "{first}");
     let moved = workplace.path("moved");
     std::fs::rename(workplace.path("out"), &moved).expect("it moves");
     std::fs::remove_dir_all(workplace.path("street")).expect("the data go");
     std::fs::remove_file(moved.join("report.html")).expect("the page goes");
-    let ended = workplace.succeed(&["report", "moved"]);
+    let ended = workplace.succeed("report moved");
     assert_eq!(ended.stderr, "Page: moved/report.html\n");
     assert_eq!(workplace.read("moved/report.html"), first);
     std::fs::remove_file(moved.join("scans.csv")).expect("a file goes");
-    let damaged = workplace.run(&["report", "moved"]);
-    assert_eq!(damaged.exit_code, Some(3), "{damaged:#?}");
-    assert!(damaged.stderr.contains("scans.csv"), "{damaged:#?}");
-    assert_eq!(workplace.run(&["report", "nowhere"]).exit_code, Some(2));
+    workplace.refuse("report moved", 3, &["scans.csv"]);
+    assert_eq!(workplace.run("report nowhere").exit_code, Some(2));
 }
 
 #[test]
 fn the_drawn_cars_are_found() {
     let workplace = Workplace::new();
     DrawnDataset::objects(workplace.folder(), 2);
-    let report = workplace.succeed(&["run", "street", "-d", "hierarchical", "-o", "out"]);
+    let report = workplace.succeed("run street -d hierarchical -o out");
     let row = report.stdout.lines().find(|line| line.contains("street") && line.contains(" hierarchical "));
     let words: Vec<&str> = row.expect("a row").split_whitespace().collect();
     // Data set, detector, scans, NO, TP, MO.
@@ -371,9 +264,8 @@ fn the_drawn_cars_are_found() {
 
 #[test]
 fn a_selftest_is_exact() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
-    let ended = workplace.succeed(&["selftest", "street"]);
+    let workplace = Workplace::with_drive(2);
+    let ended = workplace.succeed("selftest street");
     // Four criteria in two tasks.
     assert_eq!(ended.stdout.lines().count(), 8, "{ended:#?}");
     for line in ended.stdout.lines() {
@@ -385,9 +277,8 @@ fn a_selftest_is_exact() {
 
 #[test]
 fn a_list_says_what_is_there_and_what_is_not() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
-    let mut command = workplace.command(&["data", "list"]);
+    let workplace = Workplace::with_drive(2);
+    let mut command = workplace.command("data list");
     command.env("KITTI_TRACKING_ROOT", "street").env("KITTI_OBJECT_ROOT", "gone");
     let ended = Ended::from(command.output().expect("it starts"));
     assert_eq!((ended.exit_code, ended.stderr.as_str()), (Some(0), ""));
@@ -408,8 +299,7 @@ fn a_list_says_what_is_there_and_what_is_not() {
 fn a_catalogue_may_be_named_by_the_environment() {
     let workplace = Workplace::new();
     workplace.write("mine.toml", "");
-    let mut command = workplace.command(&["data", "list"]);
-    let ended = Ended::from(command.env("SCANBENCH_DATASETS", "mine.toml").output().expect("it starts"));
+    let ended = workplace.run_with(&[("SCANBENCH_DATASETS", "mine.toml")], "data list");
     assert_eq!((ended.exit_code, ended.stdout.as_str(), ended.stderr.as_str()), (Some(0), "", ""));
 }
 
@@ -417,7 +307,7 @@ fn a_catalogue_may_be_named_by_the_environment() {
 fn colours_are_asked_for_and_refused_by_the_environment() {
     let is_coloured = |variables: &[(&str, &str)]| {
         let workplace = Workplace::new();
-        let mut command = workplace.command(&["run", "--help"]);
+        let mut command = workplace.command("run --help");
         let ended = Ended::from(command.envs(variables.iter().copied()).output().expect("it starts"));
         ended.stdout.contains('\u{1b}')
     };
@@ -439,8 +329,7 @@ fn check_closed_pipe(workplace: &Workplace, arguments: &[&str], exit_code: i32) 
 
 #[test]
 fn a_reader_that_has_seen_enough_is_no_error() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 1);
+    let workplace = Workplace::with_drive(1);
     check_closed_pipe(&workplace, &["data", "list"], 0);
     check_closed_pipe(&workplace, &["completions", "bash"], 0);
     check_closed_pipe(&workplace, &["selftest", "street"], 0);
@@ -455,7 +344,7 @@ fn a_reader_that_has_seen_enough_hears_no_complaint() {
     let workplace = Workplace::new();
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
-    let mut command = workplace.command(&["data", "list"]);
+    let mut command = workplace.command("params");
     let ended = Ended::from(command.stdout(writer).output().expect("it starts"));
     assert_eq!(ended.stderr, "");
 }
@@ -463,22 +352,19 @@ fn a_reader_that_has_seen_enough_hears_no_complaint() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_stdout_is_an_error_and_the_run_is_there_all_the_same() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 1);
-    let mut command = workplace.command(&["run", "street", "-d", "pca", "-o", "out"]);
+    let workplace = Workplace::with_drive(1);
+    let mut command = workplace.command("run street -d pca -o out");
     let full = std::fs::File::options().write(true).open("/dev/full").expect("a device");
     let ended = Ended::from(command.stdout(full).output().expect("it starts"));
     assert_eq!(ended.exit_code, Some(1), "{ended:#?}");
-    assert!(ended.stderr.contains("Run directory: out\n"), "{ended:#?}");
-    assert!(ended.stderr.contains("error: cannot write to stdout: No space left"), "{ended:#?}");
+    ended.check_stderr(&["Run directory: out\n", "error: cannot write to stdout: No space left"]);
     assert!(workplace.path("out/report.json").is_file());
 }
 
 #[cfg(feature = "viewer")]
 #[test]
 fn a_viewer_that_is_not_there_is_warned_about_once() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     // Nothing listens on the port of a listener that is gone.
     let port =
         std::net::TcpListener::bind("127.0.0.1:0").and_then(|it| it.local_addr()).expect("a port").port();
@@ -492,29 +378,6 @@ fn a_viewer_that_is_not_there_is_warned_about_once() {
     assert!(workplace.path("out/run.rrd").is_file());
 }
 
-#[cfg(all(feature = "viewer", target_os = "linux"))]
-#[test]
-fn a_recording_is_served_until_ctrl_c_and_everything_is_written_before() {
-    use std::io::{BufRead as _, BufReader};
-    use std::process::Stdio;
-
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
-    let mut command = workplace.command(&["run", "street", "-d", "pca", "-o", "out", "--serve=0"]);
-    let mut running = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
-    let lines = BufReader::new(running.stderr.take().expect("it is piped")).lines();
-    let serving = lines
-        .map_while(Result::ok)
-        .find_map(|line| Some(line.strip_prefix("Serving the recording until Ctrl-C: rerun ")?.to_owned()));
-    let url = serving.expect("it says where");
-    assert!(workplace.path("out/run.rrd").is_file());
-    let address = url.trim_start_matches("rerun+http://").trim_end_matches("/proxy");
-    assert!(std::net::TcpStream::connect(address).is_ok(), "nobody listens at {url}");
-    let sent = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
-    assert!(sent.expect("there is kill").success());
-    assert_eq!(running.wait().expect("it ends").code(), Some(0));
-}
-
 #[test]
 #[ignore = "needs data/kitti_tracking and data/kitti_object in SCANBENCH_TEST_DATA"]
 fn real_scans_are_run() {
@@ -522,9 +385,9 @@ fn real_scans_are_run() {
         let root = test_data(&format!("data/{name}"));
         let root = root.to_str().expect("a readable path");
         let workplace = Workplace::new();
-        let ended =
-            workplace.succeed(&["run", root, "-d", "hierarchical,pca", "--scans", "0..2", "-o", "out"]);
-        assert!(ended.stdout.contains(name), "{ended:#?}");
+        workplace
+            .succeed(&["run", root, "-d", "hierarchical,pca", "--scans", "0..2", "-o", "out"])
+            .check_stdout(&[name]);
         let selftest = workplace.succeed(&["selftest", root, "--scans", "0..2"]);
         assert!(selftest.stdout.lines().all(|line| line.starts_with("ok ")), "{selftest:#?}");
     }

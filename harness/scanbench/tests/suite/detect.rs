@@ -6,7 +6,6 @@ use std::path::Path;
 
 use test_data::test_data;
 
-use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
 
 const SCAN: &str = "street/training/velodyne/0000/000001.bin";
@@ -32,8 +31,7 @@ fn read_clusters(csv: &str) -> Vec<Option<u32>> {
 }
 
 fn drive() -> Workplace {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 3);
+    let workplace = Workplace::with_drive(3);
     workplace
 }
 
@@ -44,11 +42,10 @@ fn a_spent_budget_of_groups_is_said() {
     let detect = ["detect", SCAN, "--sensor", "hdl-64e-s2"];
     let warning =
         "warning: hierarchical had more groups to cut than its budget, grouping.cuts.max_groups, in ";
-    let ended = workplace.succeed(&[&detect[..], &spent].concat());
-    assert!(ended.stderr.contains(warning), "{ended:#?}");
+    workplace.succeed(&(&detect, &spent)).check_stderr(&[warning]);
     assert_eq!(workplace.succeed(&detect).stderr, "");
     let run = ["run", "street", "-d", "hierarchical,kd-tree", "--no-rrd", "-o", "out", "--overwrite"];
-    let ended = workplace.succeed(&[&run[..], &spent].concat());
+    let ended = workplace.succeed(&(&run, &spent));
     assert_eq!(ended.stderr.matches(warning).count(), 1, "{ended:#?}");
     assert!(!workplace.succeed(&run).stderr.contains("budget"));
 }
@@ -59,7 +56,7 @@ fn both_forms_of_the_clusters_say_the_same_and_the_boxes_count_them() {
     // By size, because the drawn cars are blocks, which the trained model takes for none.
     let by_size = ["-P", "vehicle_model.enabled=false", "--sensor", "hdl-64e-s2"];
     let written = ["detect", SCAN, "-o", "clusters.csv", "--boxes", "boxes.csv"];
-    let csv = workplace.succeed(&[&written[..], &by_size].concat());
+    let csv = workplace.succeed(&(&written, &by_size));
     let binary = workplace.succeed(&["detect", SCAN, "-o", "clusters.u32", "--sensor", "hdl-64e-s2"]);
     let clusters = read_clusters(&workplace.read("clusters.csv"));
     let in_binary = read_u32(&workplace.path("clusters.u32"));
@@ -83,8 +80,7 @@ fn both_forms_of_the_clusters_say_the_same_and_the_boxes_count_them() {
     assert_eq!(counted.collect::<BTreeMap<u32, usize>>(), n_points);
     assert_eq!(n_points.keys().collect::<Vec<_>>(), [&1, &2], "two cars are drawn");
 
-    assert!(csv.stdout.contains("hierarchical: 2 clusters of "), "{csv:#?}");
-    assert!(csv.stdout.contains("\nwhole "), "{csv:#?}");
+    csv.check_stdout(&["hierarchical: 2 clusters of ", "\nwhole "]);
     assert_eq!((csv.stderr, binary.stderr), (String::new(), String::new()));
     assert_eq!(workplace.top_names(), ["boxes.csv", "clusters.csv", "clusters.u32", "street"]);
 }
@@ -95,7 +91,7 @@ fn a_whole_box_says_which_of_its_sides_are_seen_and_one_of_what_is_seen_does_not
     let by_size =
         ["detect", SCAN, "--boxes", "-", "-P", "vehicle_model.enabled=false", "--sensor", "hdl-64e-s2"];
     let last_cells = |options: &[&str]| -> Vec<Vec<String>> {
-        let boxes = workplace.succeed(&[&by_size[..], options].concat()).stdout;
+        let boxes = workplace.succeed(&(&by_size, options)).stdout;
         boxes.lines().skip(1).map(|it| it.split(',').skip(11).map(str::to_owned).collect()).collect()
     };
     let whole = last_cells(&[]);
@@ -155,18 +151,8 @@ fn parameters_and_sensor_height_change_what_is_found() {
     // A car that the model tells counts from fewer points on than another object.
     let of_street = |min_vehicle_points: &str| {
         let points = format!("cluster.min_vehicle_points={min_vehicle_points}");
-        let street = [
-            "street-narrow",
-            "--scan",
-            "narrow-803595/000000",
-            "--boxes",
-            "-",
-            "-c",
-            "mine.toml",
-            "-P",
-            &points,
-        ];
-        workplace.succeed(&[&["detect"], &street[..]].concat()).stdout.lines().count() - 1
+        let street = "street-narrow --scan narrow-803595/000000 --boxes - -c mine.toml -P";
+        workplace.succeed(&("detect", street, &points)).stdout.lines().count() - 1
     };
     assert!(of_street("10") > 0 && of_street("100000") == 0);
     let few = ["-P", "cluster.min_points=10", "-P", "cluster.min_vehicle_points=10"];

@@ -12,7 +12,7 @@ fn recorded(sensor: &str, height_m: &str) -> Workplace {
     let workplace = Workplace::new();
     let simulate =
         ["data", "simulate", "street-main-road", "--scans", "0..2", "--to", "semantic-kitti", "-o", "robot"];
-    workplace.succeed(&[&simulate[..], &["--sensor", sensor, "--sensor-height", height_m]].concat());
+    workplace.succeed(&(&simulate, ["--sensor", sensor, "--sensor-height", height_m]));
     std::fs::remove_file(workplace.path("robot/scanbench.json")).unwrap();
     workplace
 }
@@ -40,13 +40,13 @@ fn move_points(folder: &Path, place_m: &dyn Fn([f32; 3]) -> [f32; 3]) {
 /// Runs, and returns what is printed and what the manifest says of the data set.
 fn run(workplace: &Workplace, options: &[&str]) -> (String, Value) {
     let run = ["run", "robot", "-d", "pca,hierarchical", "--no-rrd", "-o", "out", "--overwrite"];
-    let ended = workplace.succeed(&[&run[..], options].concat());
-    let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
+    let ended = workplace.succeed(&(&run, options));
+    let manifest = workplace.json("out/manifest.json");
     (format!("{}{}", ended.stdout, ended.stderr), manifest["datasets"][0].clone())
 }
 
 fn f_rate(workplace: &Workplace) -> f64 {
-    let report: Value = serde_json::from_str(&workplace.read("out/report.json")).unwrap();
+    let report = workplace.json("out/report.json");
     let rows = report["rows"].as_array().unwrap();
     let is_it = |it: &&Value| {
         it["detector"] == "hierarchical"
@@ -74,7 +74,7 @@ fn a_sensor_on_a_robot_is_recognised_with_its_height_and_tilt() {
     assert!((f_rate(&workplace) - upright).abs() < 0.08, "{} and {upright}", f_rate(&workplace));
     assert!(!said.contains("no verdict"), "{said}");
     // Results that name no frame are in that of the files, and stay with the points.
-    workplace.succeed(&["detect", "robot", "--scan", "0", "-d", "kd-tree", "--boxes", "others.csv"]);
+    workplace.succeed("detect robot --scan 0 -d kd-tree --boxes others.csv");
     let of_others = ["--detections", "others=others.csv", "--missing-detections", "empty"];
     let (said, entry) = run(&workplace, &of_others);
     assert!(said.contains("the ground is tilted by 8.0 degrees in the frame of the scans"), "{said}");
@@ -84,9 +84,8 @@ fn a_sensor_on_a_robot_is_recognised_with_its_height_and_tilt() {
 #[test]
 fn proposals_go_by_what_the_scans_show() {
     let workplace = recorded("xt32", "0.9");
-    let ended = workplace.succeed(&["data", "prelabel", "robot", "-o", "project", "--to", "labelcloud"]);
-    assert!(ended.stderr.contains("32 beams"), "{ended:#?}");
-    assert!(ended.stderr.contains("sensor, density and height taken from the scans"), "{ended:#?}");
+    let ended = workplace.succeed("data prelabel robot -o project --to labelcloud");
+    ended.check_stderr(&["32 beams", "sensor, density and height taken from the scans"]);
     assert!(!ended.stderr.contains("warning"), "{ended:#?}");
     // What comes back has the sensor and the height that were taken.
     let manifest = workplace.read("project/scanbench.json");
@@ -122,7 +121,7 @@ fn no_verdict_rests_on_a_frame_that_points_elsewhere_and_a_transform_mends_it() 
     assert!(said.contains("Task objects: no verdict, since the frame of robot is doubtful."), "{said}");
     assert_eq!(entry["doubts"].as_array().unwrap().len(), 1);
     assert!(workplace.read("out/report.html").contains("the axis that points up is -y"));
-    let checked = workplace.succeed(&["data", "check", "robot"]).stdout;
+    let checked = workplace.succeed("data check robot").stdout;
     assert!(checked.contains("the axis that points up is -y, not z"), "{checked}");
     workplace.write("mounting.txt", "# sensor from camera\n0 0 1 0\n-1 0 0 0\n0 -1 0 0\n");
     let (said, entry) = run(&workplace, &["--transform", "mounting.txt"]);
@@ -143,11 +142,11 @@ fn what_options_say_is_doubted_but_gone_by() {
         ("--sensor", "vlp-17", "there is no sensor \"vlp-17\""),
     ] {
         let ended = workplace.run(&["run", "robot", option, value, "-o", "other"]);
-        assert!(ended.stderr.contains(problem), "{}", ended.stderr);
+        ended.check_stderr(&[problem]);
         assert!(!workplace.path("other").exists());
     }
-    let ended = workplace.run(&["run", "street-narrow", "--transform", "bad.txt", "-o", "other"]);
-    assert!(ended.stderr.contains("has 3 numbers"), "{}", ended.stderr);
+    let ended = workplace.run("run street-narrow --transform bad.txt -o other");
+    ended.check_stderr(&["has 3 numbers"]);
 }
 
 #[test]
@@ -157,7 +156,7 @@ fn scans_without_labels_are_run_and_detectors_are_compared() {
     std::fs::rename(drive.join("velodyne"), workplace.path("clouds")).unwrap();
     let run = ["run", "clouds", "-d", "pca,kd-tree,hierarchical", "--no-rrd", "-o", "out"];
     let ended = workplace.succeed(&run);
-    assert!(ended.stderr.contains("\"clouds\" has no labels: nothing is scored"), "{}", ended.stderr);
+    ended.check_stderr(&["\"clouds\" has no labels: nothing is scored"]);
     assert!(
         ended.stdout.contains("how far detectors agree") && !ended.stdout.contains("F-rate"),
         "{}",
@@ -181,12 +180,11 @@ fn scans_without_labels_are_run_and_detectors_are_compared() {
 fn a_data_set_is_added_to_a_catalogue_as_its_scans_show_it() {
     let workplace = recorded("vlp-16", "0.9");
     let add = ["data", "add", "robot", "--catalogue", "mine.toml"];
-    let added = workplace.succeed(&[&add[..], &["--licence", "ours"]].concat()).stdout;
+    let added = workplace.succeed(&(&add, "--licence ours")).stdout;
     assert!(added.contains("[recorded.robot]") && added.contains("sensor = \"vlp-16\""), "{added}");
-    let again = workplace.run(&add);
-    assert!(again.exit_code == Some(2) && again.stderr.contains("has \"robot\" already"), "{again:#?}");
+    workplace.refuse(&add, 2, &["has \"robot\" already"]);
     let before = workplace.read("mine.toml");
-    workplace.succeed(&[&add[..], &["--id", "high", "--sensor-height", "2"]].concat());
+    workplace.succeed(&(&add, "--id high --sensor-height 2"));
     assert!(workplace.read("mine.toml").starts_with(&before));
     let run = ["run", "high", "robot", "--catalogue", "mine.toml", "-d", "pca", "--no-rrd", "-o", "out"];
     let said = workplace.succeed(&run).stderr;
@@ -194,7 +192,7 @@ fn a_data_set_is_added_to_a_catalogue_as_its_scans_show_it() {
         said.contains("the frame of \"high\" is doubtful") && !said.contains("\"robot\" is doubtful"),
         "{said}"
     );
-    let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
+    let manifest = workplace.json("out/manifest.json");
     assert_eq!(manifest["datasets"][1]["licence"], "ours");
     assert_eq!(manifest["datasets"][0]["sensor_height_m"].as_f64(), Some(2.0));
 }

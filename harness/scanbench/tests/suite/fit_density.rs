@@ -1,10 +1,10 @@
 //! Learning the density of points over range.
 
-use serde_json::{Value, json};
+use serde_json::json;
 use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::{Ended, Workplace};
+use crate::program::Workplace;
 
 /// A workplace with the drive `street` of three drawn scans.
 fn drive() -> (Workplace, DrawnDataset) {
@@ -22,7 +22,7 @@ fn curve(workplace: &Workplace, name: &str) -> toml::Table {
 #[test]
 fn a_curve_says_what_it_was_learned_from() {
     let (workplace, _drawn) = drive();
-    let ended = workplace.succeed(&["fit-density", "street", "--scans", "0..2"]);
+    let ended = workplace.succeed("fit-density street --scans 0..2");
     assert!(ended.stdout.starts_with("Sensor hdl-64e-s2, 2 scans\nDensest ring: "), "{ended:#?}");
     assert_eq!(ended.stderr, "Density curve: density.toml\n");
     assert_eq!(workplace.top_names(), ["density.toml", "street"]);
@@ -40,12 +40,12 @@ fn a_curve_says_what_it_was_learned_from() {
 #[test]
 fn twice_the_points_are_twice_the_density_and_the_same_weight() {
     let (workplace, drawn) = drive();
-    workplace.succeed(&["fit-density", "street", "-o", "once.toml"]);
+    workplace.succeed("fit-density street -o once.toml");
     for scan in 0..3 {
         let name = format!("training/velodyne/0000/{scan:06}.bin");
         drawn.change(&name, |bytes| bytes.extend(bytes.clone()));
     }
-    workplace.succeed(&["fit-density", "street", "-o", "twice.toml"]);
+    workplace.succeed("fit-density street -o twice.toml");
     let [once, twice] = ["once.toml", "twice.toml"].map(|it| curve(&workplace, it));
     let peak = |it: &toml::Table| it["peak_points_per_m2"].as_float().expect("a number");
     assert!((peak(&twice) / peak(&once) - 2.0).abs() < 1e-4);
@@ -55,30 +55,27 @@ fn twice_the_points_are_twice_the_density_and_the_same_weight() {
 #[test]
 fn a_run_takes_the_file() {
     let (workplace, _drawn) = drive();
-    workplace.succeed(&["fit-density", "street"]);
+    workplace.succeed("fit-density street");
     let run = ["run", "street", "-d", "hierarchical", "-o", "out", "-c", "density.toml"];
     workplace.succeed(&run);
-    let manifest: serde_json::Value =
-        serde_json::from_str(&workplace.read("out/manifest.json")).expect("JSON");
+    let manifest = workplace.json("out/manifest.json");
     let of_run = &manifest["config"]["hierarchical"]["density_weighting"]["curve"]["peak_points_per_m2"];
     assert_eq!(of_run.as_f64(), curve(&workplace, "density.toml")["peak_points_per_m2"].as_float());
 
     let damaged = workplace.read("density.toml").replace("version = 1", "version = 2");
     workplace.write("density.toml", &damaged);
-    let ended = workplace.run(&[&run[..], &["--overwrite"]].concat());
-    assert_eq!(ended.exit_code, Some(2));
+    let ended = workplace.refuse(&(&run, "--overwrite"), 2, &[]);
     let said = "hierarchical.density_weighting.curve.version = 2 is not within what this program reads";
-    assert!(ended.stderr.contains(said), "{ended:#?}");
+    ended.check_stderr(&[said]);
     let cut = damaged.split_once("coefficients").expect("it is there").0;
     workplace.write("density.toml", &format!("{cut}coefficients = [0.0, 1.0]\n"));
-    let ended = workplace.run(&[&run[..], &["--overwrite"]].concat());
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    workplace.refuse(&(&run, "--overwrite"), 2, &[]);
 }
 
 #[test]
 fn figures_hold_every_ring_and_the_units() {
     let (workplace, _drawn) = drive();
-    workplace.succeed(&["fit-density", "street", "--figures", "figures"]);
+    workplace.succeed("fit-density street --figures figures");
     let table = workplace.read("figures/density.csv");
     for statistic in ["ring_density", "weight"] {
         let n_rows = table.lines().filter(|line| line.starts_with(&format!("{statistic},"))).count();
@@ -90,61 +87,33 @@ fn figures_hold_every_ring_and_the_units() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bytes_with_any_number_of_threads() {
+fn a_simulated_curve_names_its_sensor_and_seed() {
     let workplace = Workplace::new();
-    let fit_with = |n_threads: &str, name: &str| {
-        let arguments =
-            ["fit-density", "street-narrow", "--seed", "7", "--scans", "0..3", "--sensor", "vlp-16"];
-        let mut command = workplace.command(&[&arguments[..], &["-o", name]].concat());
-        let ended = Ended::from(command.env("RAYON_NUM_THREADS", n_threads).output().expect("it starts"));
-        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
-        workplace.read(name)
-    };
-    let one = fit_with("1", "one.toml");
+    workplace.succeed("fit-density street-narrow --seed 7 --scans 0 --sensor vlp-16 -o one.toml");
+    let one = workplace.read("one.toml");
     assert!(one.contains("\nsensor = \"vlp-16\"\n") && one.contains("\nseeds = [7]\n"), "{one}");
-    assert_eq!(one, fit_with("3", "three.toml"));
-}
-
-/// Runs with `arguments` after the verb; it ends with `exit_code`, says `part`, and leaves nothing.
-#[track_caller]
-fn check_refused(workplace: &Workplace, arguments: &[&str], exit_code: i32, part: &str) {
-    let before = workplace.names();
-    let ended = workplace.run(&[&["fit-density"], arguments].concat());
-    assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(exit_code), ""), "{ended:#?}");
-    assert!(ended.stderr.contains(part), "{ended:#?}");
-    assert_eq!(workplace.names(), before);
 }
 
 #[test]
 fn what_cannot_be_fitted_leaves_nothing() {
     let (workplace, drawn) = drive();
-    check_refused(&workplace, &["nowhere"], 2, "nowhere");
     let other =
         "street = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\nsensor = \"vlp-16\"\n";
     workplace.write("catalogue.toml", &format!("[simulated.other]\n{other}"));
-    check_refused(
-        &workplace,
-        &["street", "other", "--catalogue", "catalogue.toml"],
-        2,
-        "of several sensors (hdl-64e-s2, vlp-16)",
-    );
-    check_refused(&workplace, &["street", "-o", "missing/density.toml"], 2, "missing/density.toml");
+    for (arguments, part) in [
+        ("nowhere", "nowhere"),
+        ("street other --catalogue catalogue.toml", "of several sensors (hdl-64e-s2, vlp-16)"),
+        ("street -o missing/density.toml", "missing/density.toml"),
+    ] {
+        workplace.refuse(&("fit-density", arguments), 2, &[part]);
+    }
     drawn.change("training/velodyne/0000/000001.bin", |bytes| bytes.truncate(100));
-    check_refused(&workplace, &["street", "--figures", "out"], 3, "000001.bin");
+    workplace.refuse("fit-density street --figures out", 3, &["000001.bin"]);
     for scan in 0..3 {
         let five_metres_ahead = [5.0_f32, 0.0, 0.0, 0.5].map(f32::to_le_bytes).concat();
         drawn.write(&format!("training/velodyne/0000/{scan:06}.bin"), five_metres_ahead.repeat(30));
     }
-    check_refused(&workplace, &["street", "--figures", "out"], 4, "only 1 of 79 rings have 20 points");
-}
-
-#[test]
-fn an_earlier_file_is_overwritten_when_asked_for() {
-    let (workplace, _drawn) = drive();
-    let arguments = ["fit-density", "street", "--figures", "figures"];
-    workplace.succeed(&arguments);
-    check_refused(&workplace, &arguments[1..], 2, "--overwrite");
-    workplace.succeed(&[&arguments[..], &["--overwrite"]].concat());
+    workplace.refuse("fit-density street --figures out", 4, &["only 1 of 79 rings have 20 points"]);
 }
 
 #[test]
@@ -158,15 +127,14 @@ fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_g
     let said = "street-narrow: density of the sensor mine.toml taken from the scans";
     let ended = workplace.succeed(&run);
     assert!(ended.stderr.contains(said) && !ended.stderr.contains("warning"), "{ended:#?}");
-    let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).expect("it is JSON");
+    let manifest = workplace.json("out/manifest.json");
     assert_eq!(manifest["datasets"][0]["seen"]["taken"], json!(["density"]));
     let scan = ["--scan", "narrow-803595/000000", "-d", "hierarchical"];
     let detect = [&["detect"], &drives[..3], &scan].concat();
-    let ended = workplace.succeed(&detect);
-    assert!(ended.stderr.contains(said), "{ended:#?}");
-    let ended = workplace.succeed(&[&["fit-density"], &drives[..]].concat());
+    workplace.succeed(&detect).check_stderr(&[said]);
+    let ended = workplace.succeed(&("fit-density", &drives));
     assert!(!ended.stderr.contains("taken from the scans"), "{ended:#?}");
-    let ended = workplace.succeed(&[&run[..], &["-c", "density.toml"]].concat());
+    let ended = workplace.succeed(&(&run, "-c density.toml"));
     assert!(!ended.stderr.contains("density of the sensor"), "{ended:#?}");
 }
 
@@ -175,10 +143,7 @@ fn training_warns_of_a_sensor_without_a_curve() {
     let workplace = Workplace::new();
     let drives = ["train", "pca", "training-narrow", "--sensor", "xt32", "--scans", "0..81:40"];
     let ended = workplace.run(&drives);
-    assert!(
-        ended.stderr.contains("warning: there is no density curve for the sensor \"xt32\""),
-        "{ended:#?}"
-    );
+    ended.check_stderr(&["warning: there is no density curve for the sensor \"xt32\""]);
 }
 
 #[test]
@@ -186,7 +151,7 @@ fn every_data_set_has_its_own_curve_whatever_runs_beside_it() {
     let workplace = Workplace::new();
     let results_of = |datasets: &[&str], output: &str| {
         let options = ["--sensor", "xt32", "--scans", "0", "-d", "hierarchical", "-o", output];
-        workplace.succeed(&[&["run"], datasets, &options].concat());
+        workplace.succeed(&("run", datasets, &options));
         let rows = workplace.read(&format!("{output}/matches.csv"));
         rows.lines().filter(|it| it.starts_with("street-narrow")).map(str::to_owned).collect::<Vec<_>>()
     };

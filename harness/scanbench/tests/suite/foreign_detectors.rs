@@ -13,31 +13,21 @@ use evaluation::process::message::{Answer, Introduction, Question, ResultLine, l
 
 use crate::program::{Ended, Workplace};
 
-/// The street of these tests: eleven scans of few beams, which are simulated quickly.
-const STREET: [&str; 7] =
-    ["street-narrow", "--simulated-scans", "44", "--scans", "0..44:4", "--sensor", "vlp-16"];
-const QUIET: [&str; 4] = ["--no-rrd", "-q", "-o", "out"];
+const QUIET: &str = "--no-rrd -q -o out";
 /// The scan at which they misbehave, from 1: warmed up on the first before.
 const GUILTY: u64 = 5;
 
-/// A workplace with a detector `odd` that behaves as `behaviour` says.
+/// A drawn drive of eleven scans and a detector `odd` that behaves as `behaviour` says.
 fn place_with(behaviour: &str, more: &str) -> Workplace {
-    let place = Workplace::new();
+    let place = Workplace::with_drive(11);
     let program = std::env::current_exe().unwrap().display().to_string();
     let words = [program.as_str(), "foreign_detectors::as_a_detector", "--exact", "--nocapture", behaviour];
-    let served = env!("CARGO_BIN_EXE_scanbench");
-    place.write(
-        "scanbench.toml",
-        &format!(
-            "[detector.odd]\ncommand = {words:?}\n{more}\n[detector.served]\ncommand = [{served:?}, \"serve\", \"kd-tree\"]\n"
-        ),
-    );
+    place.write("scanbench.toml", &format!("[detector.odd]\ncommand = {words:?}\n{more}\n"));
     place
 }
 
-fn run_odd(place: &Workplace, more: &[&str]) -> Ended {
-    let detectors = ["run", "-d", "odd,simple-grid"];
-    place.run(&[&detectors[..], &STREET, &QUIET, more].concat())
+fn run_odd(place: &Workplace, more: &str) -> Ended {
+    place.run(&("run street -d odd,simple-grid", QUIET, more))
 }
 
 /// Whether processes with `word` among their arguments run.
@@ -56,143 +46,109 @@ fn check_gone(word: &str) {
     }
 }
 
-/// `behaviour` ends a run with exit code 6 and a sentence that has `expected`, and loses no earlier scan; with `skip`, as many
-/// scans as `n_failed` count as nothing found, and nothing else is different.
+/// `behaviour` ends a run with exit code 6 and a sentence that has `expected`, and loses no earlier scan; with `skip`, one
+/// scan counts as nothing found, and nothing else is different.
 #[track_caller]
-fn check_misbehaviour(behaviour: &str, expected: &str, n_failed: usize) {
+fn check_misbehaviour(behaviour: &str, expected: &str) {
     let place = place_with(behaviour, "time_limit_s = 0.5");
-    let stopped = run_odd(&place, &[]);
-    assert_eq!(stopped.exit_code, Some(6), "{behaviour}: {stopped:#?}");
-    assert!(
-        stopped.stderr.contains("the detector \"odd\" failed at scan"),
-        "{behaviour}: {}",
-        stopped.stderr
-    );
-    assert!(stopped.stderr.contains(expected), "{behaviour}: {}", stopped.stderr);
+    let stopped = run_odd(&place, "");
+    stopped.check_refusal(6, &["the detector \"odd\" failed at scan", expected]);
     assert!(place.read("out.unfinished/scans.csv").lines().count() > 1, "{behaviour}");
     assert!(!place.path("out").exists());
 
     std::fs::remove_file(place.path("misbehaved")).unwrap();
-    let skipped = run_odd(&place, &["--on-detector-failure", "skip"]);
+    let skipped = run_odd(&place, "--on-detector-failure skip");
     assert_eq!(skipped.exit_code, Some(0), "{behaviour}: {skipped:#?}");
-    let rows = place.read("out/scans.csv");
-    let objects: Vec<&str> = rows.lines().filter(|it| it.contains(",objects,")).collect();
-    let failed: Vec<&&str> = objects.iter().filter(|it| it.contains(",failed,")).collect();
-    assert_eq!((objects.len(), failed.len()), (22, n_failed), "{behaviour}: {rows}");
-    assert!(failed.iter().all(|it| it.contains(",odd,")));
-    if n_failed > 0 {
-        let note = format!("odd gave no answer to {n_failed} of 11 scans, which count as nothing found.");
-        assert!(skipped.stdout.contains(&note), "{behaviour}: {}", skipped.stdout);
-        let told = format!(
-            "odd failed at {n_failed} of 11 scans. They count as nothing found. The first was street-narrow"
-        );
-        assert!(place.read("out/report.html").contains(&told), "{behaviour}: {told}");
-        // Nothing of a failed scan is a mistake about its objects.
-        let matches = place.read("out/matches.csv");
-        let with_reason: BTreeSet<&str> = matches
-            .lines()
-            .filter(|it| it.contains(",detector failed,"))
-            .map(|it| it.split(',').nth(2).unwrap())
-            .collect();
-        assert_eq!(with_reason.len(), n_failed, "{behaviour}: {with_reason:?}");
-    }
+    let rows = place.table("out/scans.csv");
+    let of_objects = rows.iter().filter(|it| it["task"] == "objects");
+    let failed: Vec<_> = of_objects.clone().filter(|it| it["status"] == "failed").collect();
+    assert_eq!((of_objects.count(), failed.len()), (22, 1), "{behaviour}: {rows:?}");
+    assert_eq!(failed[0]["detector"], "odd");
+    skipped.check_stdout(&["odd gave no answer to 1 of 11 scans, which count as nothing found."]);
+    let told = "odd failed at 1 of 11 scans. They count as nothing found. The first was street";
+    assert!(place.read("out/report.html").contains(told), "{behaviour}");
+    // Nothing of a failed scan is a mistake about its objects.
+    let matches = place.read("out/matches.csv");
+    let with_reason = matches.lines().filter(|it| it.contains(",detector failed,"));
+    let scans: BTreeSet<&str> = with_reason.map(|it| it.split(',').nth(2).unwrap()).collect();
+    assert_eq!(scans.len(), 1, "{behaviour}: {scans:?}");
     check_gone(behaviour);
 }
 
 #[test]
 fn crashes_and_errors_are_told_and_counted() {
-    check_misbehaviour("exit", "it ended with exit code 3", 1);
-    check_misbehaviour("abort", "it was ended by signal 6", 1);
-    check_misbehaviour("error", "it reports an error: out of ideas", 1);
-    check_misbehaviour("end", "it ended with exit code 0", 1);
+    for (behaviour, expected) in [
+        ("exit", "it ended with exit code 3"),
+        ("abort", "it was ended by signal 6"),
+        ("error", "it reports an error: out of ideas"),
+        ("end", "it ended with exit code 0"),
+    ] {
+        check_misbehaviour(behaviour, expected);
+    }
 }
 
 #[test]
 fn silence_is_not_waited_for() {
-    check_misbehaviour("silent", "it gave no whole answer to scan within 0.5 s", 1);
-    check_misbehaviour("half", "it gave no whole answer to scan within 0.5 s", 1);
-    check_misbehaviour("half-and-end", "it ended with exit code 4", 1);
-    check_misbehaviour("stdout", "result to the wrong place", 1);
+    for (behaviour, expected) in [
+        ("silent", "it gave no whole answer to scan within 0.5 s"),
+        ("half", "it gave no whole answer to scan within 0.5 s"),
+        ("half-and-end", "it ended with exit code 4"),
+        ("stdout", "result to the wrong place"),
+    ] {
+        check_misbehaviour(behaviour, expected);
+    }
 }
 
 #[test]
 fn answers_that_break_the_protocol_are_refused() {
-    check_misbehaviour("too-few-ids", "payload_bytes is", 1);
-    check_misbehaviour("nan", "not all of them finite", 1);
-    check_misbehaviour("huge", "the size [100000.0", 1);
-    check_misbehaviour("another-number", "it is to scan number 4711", 1);
-    check_misbehaviour("no-json", "a line is not JSON", 1);
-    check_misbehaviour("endless-line", "a line is longer than 1 MiB", 1);
-    // Noticed before the next scan, which is skipped.
-    check_misbehaviour("too-much", "it says more than it was asked", 1);
+    for (behaviour, expected) in [
+        ("too-few-ids", "payload_bytes is"),
+        ("nan", "not all of them finite"),
+        ("huge", "the size [100000.0"),
+        ("another-number", "it is to scan number 4711"),
+        ("no-json", "a line is not JSON"),
+        ("endless-line", "a line is longer than 1 MiB"),
+        // Noticed before the next scan, which is skipped.
+        ("too-much", "it says more than it was asked"),
+    ] {
+        check_misbehaviour(behaviour, expected);
+    }
 }
 
 #[test]
-fn what_cannot_begin_ends_the_run_whatever_the_rule() {
-    for (behaviour, more, expected) in [
-        ("silent-start", "start_limit_s = 0.5", "it gave no whole answer to hello within 0.5 s"),
-        ("another-protocol", "", "it speaks protocol 99, not 1"),
-        ("error-configure", "", "it reports an error: never heard of it"),
-        ("always", "", "it ended with exit code 3"),
+fn what_ends_a_run_is_told_and_nobody_waits_for_orphans() {
+    let skip = "--on-detector-failure skip";
+    for (behaviour, more, options, expected) in [
+        // What cannot begin ends it whatever the rule.
+        ("silent-start", "start_limit_s = 0.5", skip, &["it gave no whole answer to hello within 0.5 s"][..]),
+        ("another-protocol", "", skip, &["it speaks protocol 99, not 1"]),
+        ("error-configure", "", skip, &["it reports an error: never heard of it"]),
+        ("always", "", skip, &["it ended with exit code 3"]),
+        ("exit-255", "", "", &["it ended with exit code 255"]),
+        ("exit-126", "", "", &["it ended with exit code 126"]),
+        // The detector lives on, silent, and has the pipe.
+        ("kill-supervisor", "time_limit_s = 0.5", "", &["it gave no whole answer"]),
+        ("exit", "", "", &["last lines that it printed:\n", "  my last words"]),
     ] {
         let place = place_with(behaviour, more);
-        let ended = run_odd(&place, &["--on-detector-failure", "skip"]);
-        assert_eq!(ended.exit_code, Some(6), "{behaviour}: {ended:#?}");
-        assert!(ended.stderr.contains(expected), "{behaviour}: {}", ended.stderr);
+        run_odd(&place, options).check_refusal(6, expected);
         check_gone(behaviour);
     }
-    let place = Workplace::new();
+    let place = Workplace::with_drive(1);
     place.write("scanbench.toml", "[detector.odd]\ncommand = [\"./nowhere\"]");
-    let ended = run_odd(&place, &["--on-detector-failure", "skip"]);
-    assert_eq!(ended.exit_code, Some(6));
-    assert!(ended.stderr.contains("cannot be started: No such file"), "{}", ended.stderr);
+    run_odd(&place, skip).check_refusal(6, &["cannot be started: No such file"]);
 }
 
 #[test]
-fn a_crash_at_the_first_scan_is_skipped_like_any_other() {
-    let place = place_with("exit-at-first", "");
-    let ended = run_odd(&place, &["--on-detector-failure", "skip"]);
-    assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
-    check_gone("exit-at-first");
-}
-
-#[test]
-fn exit_codes_and_signals_are_told_apart_and_nobody_waits_for_orphans() {
-    for (behaviour, expected) in [
-        ("exit-255", "it ended with exit code 255"),
-        ("exit-126", "it ended with exit code 126"),
-        // The detector lives on, silent, and has the pipe.
-        ("kill-supervisor", "it gave no whole answer"),
+fn what_does_not_end_a_run_is_warned_of() {
+    for (behaviour, options, warning) in [
+        ("exit-at-first", "--on-detector-failure skip", ""),
+        ("deaf-to-quit", "", "did not end within 2 s"),
+        ("child", "", "left 1 processes behind"),
     ] {
-        let place = place_with(behaviour, "time_limit_s = 0.5");
-        let ended = run_odd(&place, &[]);
-        assert_eq!(ended.exit_code, Some(6), "{ended:#?}");
-        assert!(ended.stderr.contains(expected), "{behaviour}: {}", ended.stderr);
-        check_gone(behaviour);
-    }
-}
-
-#[test]
-fn the_last_words_are_told() {
-    let place = place_with("exit", "");
-    let ended = run_odd(&place, &[]);
-    assert!(
-        ended.stderr.contains("last lines that it printed:\n") && ended.stderr.contains("  my last words")
-    );
-}
-
-#[test]
-fn whoever_ignores_quit_or_leaves_children_is_killed_and_told_of() {
-    for (behaviour, warning) in
-        [("deaf-to-quit", "did not end within 2 s"), ("child", "left 1 processes behind")]
-    {
         let place = place_with(behaviour, "");
-        let ended = run_odd(&place, &[]);
-        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
         // Warnings are not for -q.
-        check_gone(behaviour);
-        let loud = ["run", "-d", "odd", "--no-rrd", "-o", "loud"];
-        let ended = place.run(&[&loud[..], &STREET].concat());
+        let ended = place.succeed(&("run street -d odd,simple-grid --no-rrd -o out", options));
         assert!(ended.stderr.contains(warning), "{behaviour}: {}", ended.stderr);
         check_gone(behaviour);
     }
@@ -203,7 +159,7 @@ fn nothing_is_left_behind_whatever_ends_us() {
     for (signal, exit_code) in [("KILL", None), ("INT", Some(130)), ("TERM", Some(143))] {
         let behaviour = format!("immortal-{signal}");
         let place = place_with(&behaviour, "time_limit_s = 100");
-        let run = place.start(&[&["run", "-d", "odd"][..], &STREET, &QUIET].concat());
+        let run = place.start(&("run street -d odd", QUIET));
         let ends = Instant::now() + Duration::from_secs(20);
         while !place.path("asked").exists() {
             assert!(Instant::now() < ends, "it was never asked");
@@ -215,10 +171,8 @@ fn nothing_is_left_behind_whatever_ends_us() {
         assert_eq!(ended.status.code(), exit_code, "{ended:?}");
         check_gone(&behaviour);
         let names = place.top_names();
-        assert!(
-            names.contains(&"out.unfinished".to_owned()) && !names.contains(&"out".to_owned()),
-            "{names:?}"
-        );
+        let there = |name: &str| names.iter().any(|it| it == name);
+        assert!(there("out.unfinished") && !there("out"), "{names:?}");
     }
 }
 
@@ -230,7 +184,7 @@ fn what_is_served_finds_the_same() {
     let tables = names.map(|it| format!("[detector.x-{it}]\ncommand = [{served:?}, \"serve\", {it:?}]\n"));
     place.write("scanbench.toml", &tables.concat());
     let both: Vec<String> = names.iter().flat_map(|it| [format!("x-{it}"), (*it).to_owned()]).collect();
-    place.succeed(&[&["run", "-d", &both.join(",")][..], &STREET, &QUIET].concat());
+    place.succeed(&("run street-narrow --simulated-scans 3 --sensor vlp-16 -d", &both.join(","), QUIET));
     let matches = place.read("out/matches.csv");
     for name in names {
         let of = |name: &str| -> Vec<String> {
@@ -247,29 +201,18 @@ fn what_is_served_finds_the_same() {
 #[test]
 fn a_served_detector_is_asked_by_every_verb_that_takes_detectors() {
     let place = place_with("fine", "parameters = { most = 3 }");
-    place.succeed(
-        &[
-            &["sweep", "-d", "odd", "-P", "odd.most=1:3:1", "--timed-scans", "1"][..],
-            &STREET,
-            &["-q", "-o", "sweep"],
-        ]
-        .concat(),
-    );
+    place.succeed("sweep street -d odd -P odd.most=1:3:1 --timed-scans 1 -q -o sweep");
     let sweep = place.read("sweep/sweep.csv");
     assert!(sweep.contains("detector.odd.most") && sweep.lines().count() > 6, "{sweep}");
-    let file = place.path("scan.bin");
     let points =
         (0..200_u16).flat_map(|it| [4.0 + f32::from(it) * 0.01, 2.0, -1.0, 0.5]).flat_map(f32::to_le_bytes);
-    std::fs::write(&file, points.collect::<Vec<u8>>()).unwrap();
-    let detected = place.succeed(&["detect", "scan.bin", "-d", "odd", "-P", "most=2"]);
-    assert!(detected.stdout.contains("odd: 2 clusters of"), "{}", detected.stdout);
-    place.succeed(&["gaps", "-d", "odd,simple-grid", "--pairs", "1", "-q", "-o", "gaps"]);
-    let refused = place.run(&["boxes", "-d", "odd"]);
-    assert_eq!(refused.exit_code, Some(2));
-    let refused = place.run(&["run", "-d", "odder"]);
-    assert!(
-        refused.stderr.contains("there is no detector \"odder\"") && refused.stderr.contains("odd, served")
-    );
+    place.write("scan.bin", &points.collect::<Vec<u8>>());
+    place.succeed("detect scan.bin -d odd -P most=2").check_stdout(&["odd: 2 clusters of"]);
+    place.succeed("gaps -d odd,simple-grid --pairs 1 --sensor vlp-16 -q -o gaps");
+    assert_eq!(place.run("boxes -d odd").exit_code, Some(2));
+    let both = place.read("scanbench.toml") + "[detector.served]\ncommand = [\"true\"]\n";
+    place.write("scanbench.toml", &both);
+    place.refuse("run -d odder", 2, &["there is no detector \"odder\"", "odd, served"]);
 }
 
 #[test]
@@ -277,7 +220,7 @@ fn lasers_and_times_of_points_are_sent_where_the_data_have_them() {
     let place = place_with("by-ring-and-time", "");
     let with = crate::readers::argoverse2::drawn().display().to_string();
     place.succeed(&["detect", &with, "--scan", "0", "-d", "odd"]);
-    let without = place.run(&["detect", STREET[0], "--scan", "narrow-803595/000000", "-d", "odd"]);
+    let without = place.run("detect street-narrow --sensor vlp-16 --scan narrow-803595/000000 -d odd");
     assert_eq!(without.exit_code, Some(6), "{}", without.stderr);
     assert!(
         without.stderr.contains("ring") && !without.stderr.contains("time_offset_s"),

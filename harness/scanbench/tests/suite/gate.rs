@@ -1,6 +1,6 @@
 //! Runs judged by others: what passes, what does not, and with which exit code.
 
-use crate::program::{Ended, Prepared, Workplace};
+use crate::program::{Ended, Prepared, Workplace, copy_folder};
 use evaluation::metrics::counts::SCORING_VERSION;
 use serde_json::Value;
 
@@ -19,28 +19,24 @@ absolute = 0.001
 relative = 0.0
 "#;
 
+/// What makes hardly anything an object.
+const WORSE: &str = "-P hierarchical.cluster.min_points=200";
+
 /// Runs `pca` and the hierarchical detector on a scan of each of ten narrow streets, seen by few beams.
 #[track_caller]
-fn run(workplace: &Workplace, name: &str, options: &[&str]) {
-    let mut arguments = vec!["run", "street-narrow", "-o", name];
+fn run(workplace: &Workplace, name: &str, options: &str) {
     let usual = [
-        ("--simulated-scans", "20"),
-        ("--scans", "0..20:2"),
-        ("--sensor", "vlp-16"),
-        ("-d", "hierarchical,pca"),
+        "--simulated-scans 20",
+        "--scans 0..20:2",
+        "--sensor vlp-16",
+        "-d hierarchical,pca",
         // Those of development: what is worse there is known.
-        ("--seed", "9001"),
+        "--seed 9001",
     ];
-    for (option, usual) in usual {
-        if !options.contains(&option) {
-            arguments.extend([option, usual]);
-        }
-    }
-    if cfg!(feature = "viewer") {
-        arguments.push("--no-rrd");
-    }
-    arguments.extend(options);
-    workplace.succeed(&arguments);
+    let is_given = |usual: &&str| options.split(' ').any(|it| usual.split(' ').next() == Some(it));
+    let usual: Vec<&str> = usual.into_iter().filter(|it| !is_given(it)).collect();
+    let no_recording = if cfg!(feature = "viewer") { "--no-rrd" } else { "" };
+    workplace.succeed(&(("run street-narrow -o", name), usual.join(" "), no_recording, options));
     // Whoever changes the program runs these tests before there is a commit of it.
     edit(workplace, &format!("{name}/manifest.json"), "\"dirty\": true", "\"dirty\": false");
 }
@@ -51,12 +47,13 @@ fn edit(workplace: &Workplace, path: &str, from: &str, to: &str) {
     workplace.write(path, &text.replacen(from, to, 1));
 }
 
-/// A workplace with a run, accepted as the baseline `golden`.
+/// A workplace with a run `first`, accepted as the baseline `golden`, and one that is `worse`.
 fn accepted() -> Workplace {
     static ACCEPTED: Prepared = Prepared::new();
     ACCEPTED.workplace(|workplace| {
         workplace.write("tolerances.toml", TOLERANCES);
-        run(workplace, "first", &[]);
+        run(workplace, "first", "");
+        run(workplace, "worse", WORSE);
         workplace.succeed(&["baseline", "accept", "first", "-b", "golden", "--why", "the first"]);
         workplace.write("golden/tolerances.toml", TOLERANCES);
     })
@@ -75,7 +72,7 @@ fn check_gate(workplace: &Workplace, run: &str, exit_code: i32, expected: &str) 
 fn a_run_is_as_good_as_itself_and_as_its_repetition() {
     let workplace = accepted();
     check_gate(&workplace, "first", 0, "PASSED\n");
-    run(&workplace, "again", &["--jobs", "1", "--warmup", "0", "-d", "pca,hierarchical"]);
+    run(&workplace, "again", "--jobs 1 --warmup 0 -d pca,hierarchical");
     let ended = check_gate(&workplace, "again", 0, "No result changed.");
     assert!(!ended.stdout.contains("inconclusive\n"), "{}", ended.stdout);
     check_gate(&workplace, "golden/run", 0, "PASSED\n");
@@ -83,26 +80,17 @@ fn a_run_is_as_good_as_itself_and_as_its_repetition() {
 
 /// The street of any seed against itself, run again: nothing may ever be reported.
 #[test]
-fn twenty_streets_run_twice_report_nothing() {
+fn streets_run_twice_report_nothing() {
     let workplace = Workplace::new();
     workplace.write("tolerances.toml", TOLERANCES);
-    for seed in 1..=20 {
-        let seed = seed.to_string();
-        let options = ["--seed", seed.as_str(), "--scans", "0..4:2", "--overwrite"];
+    for seed in 1..=5 {
+        let options = format!("--seed {seed} --scans 0..4:2 --overwrite");
         run(&workplace, "once", &options);
-        run(&workplace, "twice", &[&options[..], &["--jobs", "3"]].concat());
-        let arguments = ["gate", "twice", "-b", "once", "-t", "tolerances.toml"];
-        let ended = workplace.succeed(&arguments);
-        assert!(
-            ended.stdout.contains(" 0 worse, 0 inconclusive, 0 missing. No result changed."),
-            "{}",
-            ended.stdout
-        );
-        assert!(
-            ended.stdout.contains("Only 2 blocks of scans: too few to show that anything is worse."),
-            "{}",
-            ended.stdout
-        );
+        run(&workplace, "twice", &format!("{options} --jobs 3"));
+        workplace.succeed("gate twice -b once -t tolerances.toml").check_stdout(&[
+            " 0 worse, 0 inconclusive, 0 missing. No result changed.",
+            "Only 2 blocks of scans: too few to show that anything is worse.",
+        ]);
     }
 }
 
@@ -115,7 +103,7 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
         ("more-points", "hierarchical.cluster.min_points=18"),
         ("higher-points", "hierarchical.foreground.clearance_m=0.17"),
     ] {
-        run(&workplace, run_name, &["-P", parameter]);
+        run(&workplace, run_name, &format!("-P {parameter}"));
         let ended = workplace.run(&["gate", run_name, "-b", "golden", "-o", "verdict", "--full"]);
         assert!(matches!(ended.exit_code, Some(100 | 101)), "{parameter}: {ended:#?}");
         let scan = ended.stdout.lines().position(|it| it.starts_with("street-narrow narrow-90"));
@@ -124,7 +112,7 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
         assert!(lines[scan].contains(", hierarchical, "), "{}", lines[scan]);
         assert!(lines[scan + 1].starts_with("  ") && lines[scan + 1].contains(" m"), "{}", lines[scan + 1]);
         assert!(!ended.stdout.contains(", pca, objects\n"), "{parameter} is none of pca's\n{}", ended.stdout);
-        let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
+        let verdict = workplace.json("verdict/gate.json");
         let drift = verdict["drift"].as_array().expect("a list");
         assert!(drift.iter().all(|it| !it["changes"].as_array().expect("a list").is_empty()), "{drift:?}");
         assert!(!drift.is_empty(), "{parameter}");
@@ -134,32 +122,29 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
 #[test]
 fn what_is_surely_worse_is_a_regression() {
     let workplace = accepted();
-    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
     check_gate(&workplace, "worse", 100, "FAILED: worse\n");
-    let ended = workplace.run(&["gate", "worse", "-b", "golden", "--allow-drift"]);
+    let ended = workplace.run("gate worse -b golden --allow-drift");
     assert_eq!(ended.exit_code, Some(100), "a loss is one, whatever is allowed: {ended:#?}");
-    let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
+    let verdict = workplace.json("verdict/gate.json");
     assert_eq!(verdict["conclusion"], "regression");
     let junit = workplace.read("verdict/junit.xml");
     assert!(junit.contains("type=\"regression\"") && junit.contains("type=\"drift\""), "{junit}");
     assert!(workplace.read("verdict/gate.md").starts_with("**FAILED: worse**\n"));
-    let smaller: Value =
-        serde_json::from_str(&workplace.read("verdict/custom-smaller-is-better.json")).expect("JSON");
+    let smaller = workplace.json("verdict/custom-smaller-is-better.json");
     let is_f_rate = |it: &&Value| it["name"] == "objects/hierarchical/1 - f_rate";
     let entry = smaller.as_array().expect("a list").iter().find(is_f_rate).expect("an F-rate");
-    let bencher: Value = serde_json::from_str(&workplace.read("verdict/bencher.json")).expect("JSON");
+    let bencher = workplace.json("verdict/bencher.json");
     let f_rate = bencher["objects/hierarchical"]["f_rate"]["value"].as_f64().expect("a number");
     assert_eq!(entry["value"].as_f64(), Some(1.0 - f_rate));
 }
 
 #[test]
 fn a_better_run_is_no_regression_but_has_to_be_accepted() {
-    let workplace = Workplace::new();
+    let workplace = accepted();
+    std::fs::remove_dir_all(workplace.path("golden")).expect("it was accepted");
     // Of more and smaller clusters a smaller share is right.
     let other_metrics = r#", "precision", "over_segmentation", "box_length_error_m""#;
     workplace.write("tolerances.toml", &TOLERANCES.replacen(other_metrics, "", 1));
-    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
-    run(&workplace, "better", &[]);
     let accept = |name: &str, why: &str| {
         let ended = workplace.succeed(&["baseline", "accept", name, "-b", "golden", "--why", why]);
         std::fs::copy(workplace.path("tolerances.toml"), workplace.path("golden/tolerances.toml"))
@@ -167,7 +152,7 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
         ended
     };
     accept("worse", "nothing better\nyet");
-    check_gate(&workplace, "better", 101, "FAILED: results changed\n");
+    check_gate(&workplace, "first", 101, "FAILED: results changed\n");
     let tolerances = workplace.read("golden/tolerances.toml");
     for (drift, option, exit_code) in [
         ("", "--allow-drift", 0),
@@ -177,7 +162,7 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
         ("drift = \"warn\"\n", "--allow-drift=false", 101),
     ] {
         workplace.write("golden/tolerances.toml", &format!("{drift}{tolerances}"));
-        let ended = workplace.run(&["gate", "better", "-b", "golden", option]);
+        let ended = workplace.run(&("gate first -b golden", option));
         assert_eq!(ended.exit_code, Some(exit_code), "{drift} {option}: {ended:#?}");
         let headline = ended.stdout.lines().next().unwrap_or_default();
         assert_eq!(headline.ends_with(" scans (allowed)"), exit_code == 0, "{headline}");
@@ -185,18 +170,18 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
         assert_eq!(ended.stderr, error, "{drift} {option}");
     }
     workplace.write("golden/tolerances.toml", &tolerances);
-    let ended = accept("better", "smaller clusters are objects too");
-    assert!(ended.stdout.contains(" → ") && ended.stdout.contains("objects: hierarchical "), "{ended:#?}");
-    check_gate(&workplace, "better", 0, "PASSED\n");
+    let ended = accept("first", "smaller clusters are objects too");
+    ended.check_stdout(&[" → ", "objects: hierarchical "]);
+    check_gate(&workplace, "first", 0, "PASSED\n");
     let history = workplace.read("golden/SCORES.md");
     let lines: Vec<&str> = history.lines().filter(|it| it.starts_with("- ")).collect();
     assert_eq!(lines.len(), 2, "{history}");
     assert!(lines[0].ends_with(". nothing better yet."), "{history}");
     assert!(lines[1].ends_with(". smaller clusters are objects too."), "{history}");
-    let manifest: Value = serde_json::from_str(&workplace.read("golden/run/manifest.json")).expect("JSON");
+    let manifest = workplace.json("golden/run/manifest.json");
     assert_eq!(manifest["argv"][0], "scanbench");
     let n_rows = |name: &str| workplace.read(name).lines().count();
-    assert!(n_rows("golden/run/matches.csv") < n_rows("better/matches.csv"));
+    assert!(n_rows("golden/run/matches.csv") < n_rows("first/matches.csv"));
 }
 
 /// A worse run is accepted only by whoever says so, having seen what is worse.
@@ -204,37 +189,37 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
 fn a_worse_run_is_accepted_only_by_name() {
     let workplace = accepted();
     let history = workplace.read("golden/SCORES.md");
-    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
     let accept = ["baseline", "accept", "worse", "-b", "golden", "--why", "fewer is more"];
     let ended = workplace.run(&accept);
     assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
-    assert!(ended.stdout.contains(" losses:\n- ") && ended.stdout.contains(": worse\n"), "{ended:#?}");
+    ended.check_stdout(&[" losses:\n- ", ": worse\n"]);
     assert!(!ended.stdout.contains("FAILED") && !ended.stdout.contains("PASSED"), "{ended:#?}");
-    assert!(ended.stderr.contains("to accept the run all the same, give --worse"), "{ended:#?}");
+    ended.check_stderr(&["to accept the run all the same, give --worse"]);
     assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");
     check_gate(&workplace, "first", 0, "PASSED\n");
-    let ended = workplace.succeed(&[&accept[..], &["--worse"]].concat());
-    assert!(ended.stdout.contains(": worse\n") && ended.stdout.contains(". fewer is more."), "{ended:#?}");
+    workplace.succeed(&(&accept, "--worse")).check_stdout(&[": worse\n", ". fewer is more."]);
     check_gate(&workplace, "worse", 0, "PASSED\n");
     // The way back is a gain, and needs no word.
     let back = ["baseline", "accept", "first", "-b", "golden", "--why", "more is more"];
     let ended = workplace.run(&back);
     let n_worse = ended.stdout.matches(": worse").count() + ended.stdout.matches(": inconclusive").count();
     assert_eq!(ended.exit_code, Some(if n_worse == 0 { 0 } else { 100 }), "{ended:#?}");
-    assert!(ended.stdout.contains(": better\n"), "{ended:#?}");
+    ended.check_stdout(&[": better\n"]);
 }
 
 /// What `baseline init` writes is about the detectors and tasks of the run, gates it, and names what a changed run did.
 #[test]
 fn a_first_baseline_gates_the_run_that_it_was_made_of() {
     let workplace = Workplace::new();
-    run(&workplace, "first", &["-P", "pca.cluster.min_points=15"]);
+    run(&workplace, "first", "-P pca.cluster.min_points=15");
     let ended = workplace.succeed(&["baseline", "init", "first", "-o", "a b/ci/"]);
-    assert!(ended.stdout.contains("mv 'a b/ci'/scanbench.yml .github/workflows/"), "{ended:#?}");
+    ended.check_stdout(&["mv 'a b/ci'/scanbench.yml .github/workflows/"]);
     // It names the run that was written, and says what its scans can show.
-    assert!(ended.stdout.contains("scanbench gate first --baseline 'a b/ci' "), "{ended:#?}");
-    assert!(ended.stdout.contains("a smaller loss than about this cannot be sure"), "{ended:#?}");
-    assert!(ended.stdout.contains("\n  hierarchical, objects: "), "{ended:#?}");
+    ended.check_stdout(&[
+        "scanbench gate first --baseline 'a b/ci' ",
+        "a smaller loss than about this cannot be sure",
+        "\n  hierarchical, objects: ",
+    ]);
     let names: Vec<String> = ["run/manifest.json", "SCORES.md", "tolerances.toml", "scanbench.yml"]
         .map(|it| format!("a b/ci/{it}"))
         .into();
@@ -252,84 +237,50 @@ fn a_first_baseline_gates_the_run_that_it_was_made_of() {
     assert!(workflow.contains("scanbench gate runs/gate --baseline 'a b/ci' -o verdict\n"), "{workflow}");
     let ended = workplace.succeed(&["gate", "first", "--baseline", "a b/ci"]);
     assert!(ended.stdout.starts_with("PASSED") && !ended.stdout.contains("built in"), "{ended:#?}");
-    let ended = workplace.run(&["baseline", "init", "first", "-o", "a b/ci"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("run\" exists; name another folder"), "{ended:#?}");
+    workplace.refuse(&("baseline init first -o", ["a b/ci"]), 2, &["run\" exists; name another folder"]);
 }
 
 #[test]
 fn a_first_baseline_is_written_whole_or_not_at_all() {
     let workplace = Workplace::new();
-    run(&workplace, "first", &["--scans", "0..2:2"]);
+    run(&workplace, "first", "--scans 0..2:2");
     edit(&workplace, "first/manifest.json", "\"dirty\": false", "\"dirty\": true");
     let names = workplace.names();
     let is_of_a_commit = workplace.read("first/manifest.json").contains("\"dirty\"");
     if is_of_a_commit {
-        let ended = workplace.run(&["baseline", "init", "first", "-o", "deep/ci"]);
-        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+        workplace.refuse("baseline init first -o deep/ci", 2, &[]);
     }
-    let ended = workplace.run(&["baseline", "init", "nowhere", "-o", "deep/ci"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    workplace.refuse("baseline init nowhere -o deep/ci", 2, &[]);
     assert_eq!(workplace.names(), names);
 }
 
 /// Any run is a baseline. What is tolerated is printed then, because it stands in no file.
 #[test]
 fn built_in_tolerances_are_printed() {
-    let workplace = Workplace::new();
-    run(&workplace, "first", &[]);
-    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
-    let ended = workplace.succeed(&["gate", "first", "--baseline", "first"]);
+    let workplace = accepted();
+    let ended = workplace.succeed("gate first --baseline first");
     let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("Tolerances: built in,") && said.contains("rates: 1.00 points;"), "{said}");
     assert!(said.contains("; time: 50 %."), "{said}");
-    let ended = workplace.run(&["gate", "worse", "--baseline", "first"]);
+    let ended = workplace.run("gate worse --baseline first");
     assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
-    let ended = workplace.run(&["gate", "first"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(
-        ended.stderr.contains("there is no baseline reports/golden; name a run with --baseline"),
-        "{ended:#?}"
-    );
-}
-
-/// What is wrong in the file, and what is wrong for these runs, with file and line.
-#[test]
-fn all_problems_of_a_file_are_told_at_once() {
-    let workplace = Workplace::new();
-    run(&workplace, "first", &["--scans", "0..2:2"]);
-    let bad = "[[quality]]\nmetrics = [\"f_rat\"]\nslices = [\"al\"]\nabsolute = 0.9\n\n[sped]\n";
-    workplace.write("bad.toml", bad);
-    let ended = workplace.run(&["gate", "first", "--baseline", "first", "-t", "bad.toml"]);
-    assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""), "{ended:#?}");
-    let lines: Vec<&str> = ended.stderr.lines().collect();
-    assert_eq!(
-        lines,
-        [
-            "error: bad tolerances \"bad.toml\", 4 problems:",
-            "  line 6: unknown field `sped`; did you mean \"speed\"?",
-            "  line 1, [[quality]] 1: there is no `relative`",
-            "  line 1, [[quality]] 1: there is no slice \"al\" in either run; did you mean \"all\"?",
-            "  line 2, [[quality]] 1: there is no metric \"f_rat\"; did you mean \"f_rate\"?",
-        ]
-    );
+    workplace.refuse("gate first", 2, &["there is no baseline reports/golden; name a run with --baseline"]);
 }
 
 #[test]
 fn runs_that_were_asked_for_other_things_are_not_compared() {
     let workplace = accepted();
     for (name, options, expected) in [
-        ("seed", &["--seed", "7"][..], "the data of street-narrow changed"),
-        ("scans", &["--scans", "0..6:2"], "the scans differ: 10 before, 3 now, 3 in common"),
-        ("criterion", &["--criterion", "centre"], "the matching criterion changed from"),
-        ("range", &["-P", "matching.max_range_m=60"], "the ignored annotations changed from"),
-        ("detectors", &["-d", "pca"], "the detector hierarchical is only in the earlier run"),
-        ("sensor", &["--sensor", "hdl-32e", "--scans", "0"], "the data of street-narrow changed"),
+        ("seed", "--seed 7", "the data of street-narrow changed"),
+        ("scans", "--scans 0..6:2", "the scans differ: 10 before, 3 now, 3 in common"),
+        ("criterion", "--criterion centre", "the matching criterion changed from"),
+        ("range", "-P matching.max_range_m=60", "the ignored annotations changed from"),
+        ("detectors", "-d pca", "the detector hierarchical is only in the earlier run"),
+        ("sensor", "--sensor hdl-32e --scans 0", "the data of street-narrow changed"),
     ] {
         run(&workplace, name, options);
         check_gate(&workplace, name, 5, expected);
-        let ended = workplace.run(&["compare", "first", name]);
-        assert_eq!(ended.exit_code, Some(5), "{name}: {ended:#?}");
+        workplace.refuse(&["compare", "first", name], 5, &[]);
     }
     let ours = format!("\"scoring_version\": {SCORING_VERSION}");
     edit(&workplace, "golden/run/manifest.json", &ours, "\"scoring_version\": 0");
@@ -340,16 +291,11 @@ fn runs_that_were_asked_for_other_things_are_not_compared() {
 fn damaged_files_and_wrong_usage_have_codes_of_their_own() {
     let workplace = accepted();
     check_gate(&workplace, "nowhere", 2, "there is no run directory nowhere");
-    let ended = workplace.run(&["gate", "first", "-b", "nowhere"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    workplace.refuse("gate first -b nowhere", 2, &[]);
     workplace.write("bad.toml", &TOLERANCES.replacen("f_rate", "f_rat", 1));
-    let ended = workplace.run(&["gate", "first", "-b", "golden", "-t", "bad.toml"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("there is no metric \"f_rat\""), "{ended:#?}");
-    let ended = workplace.run(&["baseline", "accept", "first", "-b", "golden", "--why", " "]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    let ended = workplace.run(&["compare", "first", "-d", "pca,nobody"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    workplace.refuse("gate first -b golden -t bad.toml", 2, &["there is no metric \"f_rat\""]);
+    workplace.refuse(&["baseline", "accept", "first", "-b", "golden", "--why", " "], 2, &[]);
+    workplace.refuse("compare first -d pca,nobody", 2, &[]);
 
     for (name, from, to) in [
         ("matches.csv", "pair,matched", "pair,missed"),
@@ -366,17 +312,15 @@ fn damaged_files_and_wrong_usage_have_codes_of_their_own() {
     }
     std::fs::remove_file(workplace.path("first/scans.csv")).expect("it was there");
     check_gate(&workplace, "first", 3, "scans.csv");
-    assert_eq!(workplace.run(&["compare", "first", "golden/run"]).exit_code, Some(3));
+    assert_eq!(workplace.run("compare first golden/run").exit_code, Some(3));
 }
 
 /// Thirty lines say it; the command that they end with prints the rest.
 #[test]
 fn a_verdict_is_short_unless_all_of_it_is_asked_for() {
     let workplace = accepted();
-    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
     let print = |arguments: &[&str]| {
-        let mut command = workplace.command(arguments);
-        let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));
+        let ended = workplace.run_with(&[("COLUMNS", "80")], arguments);
         assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
         assert!(ended.stdout.lines().all(|it| it.chars().count() <= 80), "{}", ended.stdout);
         ended.stdout
@@ -405,7 +349,7 @@ fn a_verdict_is_short_unless_all_of_it_is_asked_for() {
 fn the_summary_of_a_job_is_added_to() {
     let workplace = accepted();
     workplace.write("summary.md", "before\n");
-    let mut command = workplace.command(&["gate", "first", "-b", "golden"]);
+    let mut command = workplace.command("gate first -b golden");
     command.env("GITHUB_STEP_SUMMARY", workplace.path("summary.md"));
     assert!(command.output().expect("it runs").status.success());
     let summary = workplace.read("summary.md");
@@ -416,9 +360,9 @@ fn the_summary_of_a_job_is_added_to() {
 #[test]
 fn two_detectors_are_compared_on_the_same_resamples() {
     let workplace = accepted();
-    let text = workplace.succeed(&["compare", "first", "-d", "pca,hierarchical"]).stdout;
+    let text = workplace.succeed("compare first -d pca,hierarchical").stdout;
     assert!(text.contains("hierarchical − pca") && text.contains("least"), "{text}");
-    let itself = workplace.succeed(&["compare", "first", "golden/run", "--slices", "--markdown"]).stdout;
+    let itself = workplace.succeed("compare first golden/run --slices --markdown").stdout;
     assert!(itself.contains(r"| objects | pca | range/0-15 | recall \[%] |"), "{itself}");
     assert!(itself.contains("No result of a scan changed."), "{itself}");
 }
@@ -428,10 +372,8 @@ fn two_detectors_are_compared_on_the_same_resamples() {
 #[test]
 fn tolerances_that_name_nothing_never_let_a_loss_pass() {
     let workplace = accepted();
-    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
     let f_rate = |name: &str| -> f64 {
-        let report: Value =
-            serde_json::from_str(&workplace.read(&format!("{name}/report.json"))).expect("JSON");
+        let report = workplace.json(&format!("{name}/report.json"));
         let is_headline = |row: &&Value| {
             [("metric", "f_rate"), ("task", "objects"), ("detector", "hierarchical"), ("slice", "all")]
                 .iter()
@@ -446,20 +388,14 @@ fn tolerances_that_name_nothing_never_let_a_loss_pass() {
         format!("[[quality]]\nmetrics = [{metrics}]\nslices = [{slices}]\n{sizes}{more}\n")
     };
     let all = "\"all\"";
+    // Each mistake is told in the tests of `reports`; here it keeps the gate closed.
     for (tolerances, expected) in [
-        (rule("\"ap_r40\"", all, ""), "\"ap_r40\" has no interval"),
         (rule("\"f_rate\"", all, "slice = 1"), "unknown field `slice`"),
-        (rule("\"f_rat\"", all, ""), "there is no metric \"f_rat\"; did you mean \"f_rate\"?"),
-        (rule("\"f_rate\"", all, "tasks = [\"vehicels\"]"), "did you mean \"vehicles\"?"),
         (rule("\"f_rate\"", "\"al\"", ""), "there is no slice \"al\" in either run; did you mean \"all\"?"),
-        (rule("\"f_rate\"", "\"range/0-20\"", ""), "there is no slice \"range/0-20\""),
-        (rule("\"recall\"", "\"class/ship\"", ""), "there is no slice \"class/ship\""),
         (
             rule("\"precision\"", "\"class/*\"", ""),
             "the rule has no effect on precision of \"class/*\": neither run has it",
         ),
-        (rule("\"f_rate\"", all, "detectors = [\"hierarchicl\"]"), "did you mean \"hierarchical\"?"),
-        (rule("\"f_rate\"", all, "absolute = 0.0\nrelative = 5.0"), "relative = 5 tolerates 500 %"),
         (
             rule("\"f_rate\"", all, "absolute = 0.9\nrelative = 0.0"),
             "absolute = 0.9 would pass nearly everything",
@@ -480,7 +416,7 @@ fn tolerances_that_name_nothing_never_let_a_loss_pass() {
 #[test]
 fn a_number_that_is_missing_in_the_run_is_named_with_its_place() {
     let workplace = accepted();
-    run(&workplace, "unknown", &[]);
+    copy_folder(&workplace.path("first"), &workplace.path("unknown"));
     // As if false objects could not be known: a scan without their number.
     let text = workplace.read("unknown/scans.csv");
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
@@ -493,7 +429,7 @@ fn a_number_that_is_missing_in_the_run_is_named_with_its_place() {
     let expected = "f_rate of all, hierarchical, objects, street-narrow: missing in the run.";
     let ended = check_gate(&workplace, "unknown", 5, expected);
     assert!(ended.stdout.starts_with("FAILED: numbers are missing\n"), "{}", ended.stdout);
-    let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
+    let verdict = workplace.json("verdict/gate.json");
     assert_eq!(verdict["conclusion"], "incomparable");
 }
 
@@ -502,10 +438,10 @@ fn a_number_that_is_missing_in_the_run_is_named_with_its_place() {
 fn of_few_blocks_nothing_is_surely_worse() {
     let workplace = Workplace::new();
     workplace.write("tolerances.toml", TOLERANCES);
-    let nine = ["--simulated-scans", "18", "--scans", "0..18:2"];
-    run(&workplace, "once", &nine);
-    run(&workplace, "worse", &[&nine[..], &["-P", "hierarchical.cluster.min_points=200"]].concat());
-    let ended = workplace.run(&["gate", "worse", "-b", "once", "-t", "tolerances.toml", "--full"]);
+    let nine = "--simulated-scans 18 --scans 0..18:2";
+    run(&workplace, "once", nine);
+    run(&workplace, "worse", &format!("{nine} {WORSE}"));
+    let ended = workplace.run("gate worse -b once -t tolerances.toml --full");
     assert_eq!(ended.exit_code, Some(101), "{ended:#?}");
     for part in [
         "Only 9 blocks of scans: too few to show that anything is worse.",
@@ -514,7 +450,7 @@ fn of_few_blocks_nothing_is_surely_worse() {
     ] {
         assert!(ended.stdout.contains(part), "no {part:?} in\n{}", ended.stdout);
     }
-    let text = workplace.succeed(&["compare", "once", "worse"]).stdout;
+    let text = workplace.succeed("compare once worse").stdout;
     assert!(text.contains('§') && text.contains("§ from fewer than 10 blocks"), "{text}");
     let table = workplace.read("once/table_objects.md");
     assert!(table.contains('§'), "{table}");
@@ -537,7 +473,7 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
     let ended = check_gate(&workplace, "first", 0, "grid-write");
     assert!(!ended.stdout.contains("Speed was not compared"), "{}", ended.stdout);
     // Every detection of pca takes half as long again, and only that is seen.
-    run(&workplace, "slower", &[]);
+    copy_folder(&workplace.path("first"), &workplace.path("slower"));
     let text = workplace.read("first/scans.csv");
     let slower = text.lines().map(|line| {
         let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
@@ -549,8 +485,8 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
     assert_eq!(text.lines().next().expect("a head").split(',').nth(11), Some("least_latency_ms"));
     workplace.write("slower/scans.csv", &slower.collect::<String>());
     let ended = check_gate(&workplace, "slower", 100, "FAILED: worse\n");
-    assert!(ended.stdout.contains(" 1 worse,"), "{}", ended.stdout);
-    let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
+    ended.check_stdout(&[" 1 worse,"]);
+    let verdict = workplace.json("verdict/gate.json");
     let slowdown = verdict["speeds"][1]["slowdown"].as_f64().expect("a number");
     assert!((slowdown - 0.5).abs() < 0.01 && verdict["speeds"][1]["detector"] == "pca", "{verdict}");
     // On another processor that says nothing, and the verdict says so at once.
@@ -563,7 +499,7 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
         "{third}"
     );
     // The report has what a verdict is made of.
-    let report: Value = serde_json::from_str(&workplace.read("first/report.json")).expect("JSON");
+    let report = workplace.json("first/report.json");
     for metric in ["reference_ms", "time_over_reference"] {
         let has = |row: &Value| row["metric"] == metric && row["value"].as_f64().is_some_and(|it| it > 0.0);
         assert!(report["rows"].as_array().expect("a list").iter().any(has), "{metric}");
@@ -574,11 +510,11 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
 fn repetitions_change_no_number_but_the_least_time() {
     let workplace = Workplace::new();
     workplace.write("tolerances.toml", TOLERANCES);
-    run(&workplace, "once", &["--scans", "0..4:2"]);
-    run(&workplace, "thrice", &["--scans", "0..4:2", "--repeats", "3"]);
-    workplace.succeed(&["gate", "thrice", "-b", "once", "-t", "tolerances.toml"]);
+    run(&workplace, "once", "--scans 0..4:2");
+    run(&workplace, "thrice", "--scans 0..4:2 --repeats 3");
+    workplace.succeed("gate thrice -b once -t tolerances.toml");
     assert_eq!(workplace.read("once/matches.csv"), workplace.read("thrice/matches.csv"));
-    let manifest: Value = serde_json::from_str(&workplace.read("thrice/manifest.json")).expect("JSON");
+    let manifest = workplace.json("thrice/manifest.json");
     assert_eq!(manifest["n_repeats"], 3);
     let scans = workplace.read("thrice/scans.csv");
     let times = scans.lines().skip(1).map(|line| {
@@ -591,18 +527,17 @@ fn repetitions_change_no_number_but_the_least_time() {
         let cells: Vec<&str> = line.split(',').collect();
         cells[10] == cells[11]
     }));
-    assert_eq!(workplace.run(&["run", "--repeats", "0"]).exit_code, Some(2));
+    assert_eq!(workplace.run("run --repeats 0").exit_code, Some(2));
 }
 
 #[test]
 fn what_cannot_be_made_again_or_compared_is_not_accepted() {
     let workplace = accepted();
-    run(&workplace, "changed", &[]);
+    copy_folder(&workplace.path("first"), &workplace.path("changed"));
     edit(&workplace, "changed/manifest.json", "\"dirty\": false", "\"dirty\": true");
     let history = workplace.read("golden/SCORES.md");
     let accept = |name: &str, more: &[&str], code: i32, expected: &str| {
-        let ended =
-            workplace.run(&[&["baseline", "accept", name, "-b", "golden", "--why", "x"], more].concat());
+        let ended = workplace.run(&(["baseline", "accept", name, "-b", "golden", "--why", "x"], more));
         assert_eq!(ended.exit_code, Some(code), "{ended:#?}");
         assert!(ended.stderr.contains(expected) || ended.stdout.contains(expected), "{ended:#?}");
     };
@@ -611,7 +546,7 @@ fn what_cannot_be_made_again_or_compared_is_not_accepted() {
             accept("changed", more, 2, "with uncommitted changes after commit");
         }
     }
-    run(&workplace, "seed", &["--seed", "7"]);
+    run(&workplace, "seed", "--seed 7");
     accept("seed", &[], 5, "the data of street-narrow changed");
     accept("seed", &[], 5, "--new-baseline");
     assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");
@@ -633,18 +568,16 @@ fn what_changed_in_a_detector_of_others_is_told() {
         workplace.write("mine.sh", script);
         let told = format!("[detector.mine]\ncommand = [\"sh\", \"mine.sh\"]\nvehicles = {vehicles:?}\n");
         workplace.write("scanbench.toml", &told);
-        run(&workplace, name, &["-d", "mine"]);
+        run(&workplace, name, "-d mine");
     };
     let script = format!("exec {served:?} serve kd-tree\n");
     run(&script, "size", "first");
     run(&format!("# Mine.\n{script}"), "model", "second");
     let said = "Configuration changed: mine: vehicles: size → model; mine: mine.sh: SHA-256 ";
     for full in [&[][..], &["--full"]] {
-        let gate = workplace.succeed(&[&["gate", "second", "-b", "first"], full].concat());
-        assert!(gate.stdout.contains("PASSED\n") && gate.stdout.contains(said), "{gate:#?}");
+        workplace.succeed(&("gate second -b first", full)).check_stdout(&["PASSED\n", said]);
     }
-    let compared = workplace.succeed(&["compare", "first", "second"]);
-    assert!(compared.stdout.contains(said), "{compared:#?}");
+    workplace.succeed("compare first second").check_stdout(&[said]);
     let page = workplace.read("second/report.html");
     assert!(page.contains("<code>sh mine.sh</code>") && page.contains("<code>mine.sh</code> of SHA-256 "));
     let table = workplace.read("second/table_vehicles.md");

@@ -7,75 +7,49 @@ use crate::program::Workplace;
 
 /// The files of a folder with their content, hidden ones too.
 fn files(workplace: &Workplace, folder: &str) -> Vec<(String, Vec<u8>)> {
-    let below = workplace
-        .names()
-        .into_iter()
-        .filter(|it| it.starts_with(folder) && workplace.folder().join(it).is_file());
-    below
-        .map(|it| {
-            let name = it.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
-            (name, std::fs::read(workplace.folder().join(&it)).unwrap())
-        })
-        .collect()
+    let names = workplace.names().into_iter().filter(|it| workplace.folder().join(it).is_file());
+    let below = names.filter_map(|it| Some(it.strip_prefix(folder).ok()?.to_str().unwrap().to_owned()));
+    below.map(|it| (it.clone(), workplace.read_bytes(&format!("{folder}/{it}")))).collect()
 }
 
 #[test]
-fn a_folder_has_a_detector_scans_with_labels_and_a_gate() {
+fn a_new_folder_has_a_detector_scans_with_labels_and_a_gate_that_makes_the_scans_again() {
     let workplace = Workplace::new();
-    let ended = workplace.succeed(&["init", "mine"]);
-    assert!(ended.stdout.contains("\n  cd mine\n"), "{ended:#?}");
-    let names: Vec<String> = files(&workplace, "mine").into_iter().map(|it| it.0).collect();
+    workplace.succeed("init a/mine").check_stdout(&["\n  cd a/mine\n"]);
+    let names: Vec<String> = files(&workplace, "a/mine").into_iter().map(|it| it.0).collect();
     let plain = names.iter().filter(|it| !it.starts_with("data/")).map(String::as_str);
-    assert_eq!(
-        plain.collect::<Vec<_>>(),
-        [
-            ".github/workflows/gate.yml",
-            ".gitignore",
-            "README.md",
-            "detector.py",
-            "scanbench.toml",
-            "tolerances.toml"
-        ]
-    );
-    let checked = workplace.succeed(&["data", "check", "mine/data/street"]);
-    assert!(checked.stdout.contains("20 of 10 drives"), "{checked:#?}");
-    let parameters: toml::Table = toml::from_str(&workplace.read("mine/scanbench.toml")).unwrap();
+    let expected =
+        ".github/workflows/gate.yml .gitignore README.md detector.py scanbench.toml tolerances.toml";
+    assert_eq!(plain.collect::<Vec<_>>().join(" "), expected);
+    workplace.succeed("data check a/mine/data/street").check_stdout(&["20 of 10 drives"]);
+    let parameters: toml::Table = toml::from_str(&workplace.read("a/mine/scanbench.toml")).unwrap();
     assert!(parameters["detector"]["cells"]["command"].is_array(), "{parameters:?}");
-    assert!(workplace.read("mine/detector.py").contains("\ndef cells("));
-}
-
-#[test]
-fn its_workflow_makes_the_same_scans_again() {
-    let workplace = Workplace::new();
-    workplace.succeed(&["init", "mine"]);
-    let workflow = workplace.read("mine/.github/workflows/gate.yml");
+    assert!(workplace.read("a/mine/detector.py").contains("\ndef cells("));
+    let workflow = workplace.read("a/mine/.github/workflows/gate.yml");
     let simulate = workflow
         .lines()
         .find_map(|it| it.trim().strip_prefix("- run: mkdir -p data && scanbench data simulate "))
         .unwrap();
-    let arguments: Vec<&str> = ["data", "simulate"].into_iter().chain(simulate.split(' ')).collect();
     std::fs::create_dir(workplace.path("data")).unwrap();
-    workplace.succeed(&arguments);
+    workplace.succeed(&("data simulate", simulate));
     let of_workflow = files(&workplace, "data");
-    assert!(of_workflow.len() > 20 && of_workflow == files(&workplace, "mine/data"));
+    assert!(of_workflow.len() > 20 && of_workflow == files(&workplace, "a/mine/data"));
 }
 
 #[test]
 fn its_gate_passes_an_unchanged_detector() {
     let workplace = Workplace::new();
-    workplace.succeed(&["init", "."]);
+    workplace.succeed("init .");
     for name in ["first", "again"] {
         let no_recording = if cfg!(feature = "viewer") { &["--no-rrd"][..] } else { &[] };
-        workplace.succeed(&[&["run", "data/street", "-d", "pca", "-o", name], no_recording].concat());
+        workplace.succeed(&(["run", "data/street", "-d", "pca", "-o", name], no_recording));
         // Whoever changes the program runs these tests before there is a commit of it.
         let manifest = format!("{name}/manifest.json");
         let clean = workplace.read(&manifest).replacen("\"dirty\": true", "\"dirty\": false", 1);
         workplace.write(&manifest, &clean);
     }
     workplace.succeed(&["baseline", "accept", "first", "-b", "baseline", "--why", "the first"]);
-    let gate =
-        workplace.succeed(&["gate", "again", "-b", "baseline", "-t", "tolerances.toml", "-o", "verdict"]);
-    assert!(gate.stdout.contains("PASSED\n"), "{gate:#?}");
+    workplace.succeed("gate again -b baseline -t tolerances.toml -o verdict").check_stdout(&["PASSED\n"]);
 }
 
 #[test]
@@ -85,18 +59,8 @@ fn a_folder_with_something_in_it_is_left_alone() {
     for (folder, why) in
         [(".", "is not empty"), ("note.txt", "cannot write"), ("note.txt/below", "cannot write")]
     {
-        let ended = workplace.run(&["init", folder]);
-        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-        assert!(ended.stderr.contains(why) && ended.stdout.is_empty(), "{ended:#?}");
-        assert_eq!(workplace.names().into_iter().collect::<Vec<_>>(), [Path::new("note.txt")]);
+        workplace.refuse(&("init", folder), 2, &[why]);
     }
-}
-
-#[test]
-fn a_new_folder_below_new_folders_is_made() {
-    let workplace = Workplace::new();
-    workplace.succeed(&["-q", "init", "a/b"]);
-    assert!(workplace.path("a/b/data/street/training/velodyne").is_dir());
 }
 
 /// No package index has scanbench. Whoever took the name there could run anything where it is installed by name.

@@ -14,6 +14,7 @@ mod ablation;
 mod experiments;
 mod layers;
 mod run_directory;
+mod threads;
 mod seeds;
 #[cfg(target_os = "linux")]
 mod signals;

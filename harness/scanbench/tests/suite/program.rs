@@ -1,12 +1,78 @@
 //! The program `scanbench`, run from outside in a folder of its own.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
 
+use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::drawn_dataset::DrawnDataset;
+
+/// A command: a line as it is typed, word by word where a word has a space, or several of these, one after the other.
+pub trait Words {
+    /// Its words.
+    fn words(&self) -> Vec<&str>;
+}
+
+impl Words for str {
+    fn words(&self) -> Vec<&str> {
+        self.split_whitespace().collect()
+    }
+}
+
+impl Words for String {
+    fn words(&self) -> Vec<&str> {
+        self.as_str().words()
+    }
+}
+
+impl Words for [&str] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+impl<const N: usize> Words for [&str; N] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+impl Words for Vec<&str> {
+    fn words(&self) -> Vec<&str> {
+        self.clone()
+    }
+}
+
+impl<T: Words + ?Sized> Words for &T {
+    fn words(&self) -> Vec<&str> {
+        T::words(self)
+    }
+}
+
+impl<A: Words, B: Words> Words for (A, B) {
+    fn words(&self) -> Vec<&str> {
+        [self.0.words(), self.1.words()].concat()
+    }
+}
+
+impl<A: Words, B: Words, C: Words> Words for (A, B, C) {
+    fn words(&self) -> Vec<&str> {
+        [self.0.words(), self.1.words(), self.2.words()].concat()
+    }
+}
+
+impl<A: Words, B: Words, C: Words, D: Words> Words for (A, B, C, D) {
+    fn words(&self) -> Vec<&str> {
+        [self.0.words(), self.1.words(), self.2.words(), self.3.words()].concat()
+    }
+}
+
+/// A row of a CSV file, by the names of its columns.
+pub type Row = BTreeMap<String, String>;
 
 /// A folder that the program runs in and that goes away with the test.
 pub struct Workplace {
@@ -30,6 +96,13 @@ impl Workplace {
         Self { folder: tempfile::tempdir().unwrap() }
     }
 
+    /// A folder with a drive `street` of `n_scans` drawn scans.
+    pub fn with_drive(n_scans: u32) -> Self {
+        let workplace = Self::new();
+        DrawnDataset::tracking(workplace.folder(), n_scans);
+        workplace
+    }
+
     /// The folder.
     pub fn folder(&self) -> &Path {
         self.folder.path()
@@ -46,20 +119,35 @@ impl Workplace {
         std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
+    /// The content of the JSON file `name`.
+    pub fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// The rows of the CSV file `name`.
+    pub fn table(&self, name: &str) -> Vec<Row> {
+        let mut reader =
+            csv::Reader::from_path(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        reader.deserialize().map(|row| row.unwrap_or_else(|error| panic!("{name}: {error}"))).collect()
+    }
+
+    /// A column of the CSV file `name`, row by row.
+    pub fn column(&self, name: &str, column: &str) -> Vec<String> {
+        let cell = |mut row: Row| row.remove(column).unwrap_or_else(|| panic!("no {column} in {name}"));
+        self.table(name).into_iter().map(cell).collect()
+    }
+
     /// The content of the file `name`, which is no text.
     pub fn read_bytes(&self, name: &str) -> Vec<u8> {
         let path = self.path(name);
         std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
-    /// Writes the file `name`, which is no text.
-    pub fn write_bytes(&self, name: &str, content: &[u8]) {
-        std::fs::write(self.path(name), content).unwrap();
-    }
-
-    /// Writes the file `name`.
-    pub fn write(&self, name: &str, content: &str) {
-        std::fs::write(self.path(name), content).unwrap();
+    /// Writes the file `name`, in new folders if need be.
+    pub fn write(&self, name: &str, content: &(impl AsRef<[u8]> + ?Sized)) {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
     }
 
     /// All files and folders below the folder, hidden ones too.
@@ -85,9 +173,9 @@ impl Workplace {
     }
 
     /// The program with `arguments`, about to run here, free of the environment of whoever runs the tests.
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    pub fn command(&self, arguments: &(impl Words + ?Sized)) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_scanbench"));
-        command.args(arguments).current_dir(self.folder());
+        command.args(arguments.words()).current_dir(self.folder());
         let variables = [
             "SCANBENCH_DATASETS",
             "RERUN",
@@ -104,22 +192,88 @@ impl Workplace {
     }
 
     /// Runs the program with `arguments` to its end.
-    pub fn run(&self, arguments: &[&str]) -> Ended {
+    pub fn run(&self, arguments: &(impl Words + ?Sized)) -> Ended {
         Ended::from(self.command(arguments).output().unwrap())
+    }
+
+    /// The same with these variables of the environment.
+    pub fn run_with(&self, variables: &[(&str, &str)], arguments: &(impl Words + ?Sized)) -> Ended {
+        Ended::from(self.command(arguments).envs(variables.iter().copied()).output().unwrap())
     }
 
     /// Runs the program with `arguments`, which has to succeed.
     #[track_caller]
-    pub fn succeed(&self, arguments: &[&str]) -> Ended {
+    pub fn succeed(&self, arguments: &(impl Words + ?Sized)) -> Ended {
         let ended = self.run(arguments);
-        assert_eq!(ended.exit_code, Some(0), "{arguments:?}: {ended:#?}");
+        assert_eq!(ended.exit_code, Some(0), "{:?}: {ended:#?}", arguments.words());
+        ended
+    }
+
+    /// Runs the program with `arguments`, which it refuses with `exit_code` and a message that has all `parts`; it prints no
+    /// result and leaves nothing behind.
+    #[track_caller]
+    pub fn refuse(&self, arguments: &(impl Words + ?Sized), exit_code: i32, parts: &[&str]) -> Ended {
+        let before = self.names();
+        let ended = self.run(arguments);
+        ended.check_refusal(exit_code, parts);
+        assert_eq!(self.names(), before, "{:?} leaves something behind", arguments.words());
         ended
     }
 
     /// Starts the program with `arguments`, with its output captured.
-    pub fn start(&self, arguments: &[&str]) -> Child {
+    pub fn start(&self, arguments: &(impl Words + ?Sized)) -> Child {
         let mut command = self.command(arguments);
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+}
+
+impl Ended {
+    /// It ended with `exit_code`, without a result, and with an error that has all `parts`.
+    #[track_caller]
+    pub fn check_refusal(&self, exit_code: i32, parts: &[&str]) {
+        assert_eq!((self.exit_code, self.stdout.as_str()), (Some(exit_code), ""), "{self:#?}");
+        assert!(self.stderr.contains("error: ") && !self.stderr.contains("panicked"), "{self:#?}");
+        for part in parts {
+            assert!(self.stderr.contains(part), "no {part:?} in {self:#?}");
+        }
+    }
+
+    /// It printed all `parts` among its results.
+    #[track_caller]
+    pub fn check_stdout(&self, parts: &[&str]) -> &Self {
+        for part in parts {
+            assert!(self.stdout.contains(part), "no {part:?} in {self:#?}");
+        }
+        self
+    }
+
+    /// It printed all `parts` beside its results.
+    #[track_caller]
+    pub fn check_stderr(&self, parts: &[&str]) -> &Self {
+        for part in parts {
+            assert!(self.stderr.contains(part), "no {part:?} in {self:#?}");
+        }
+        self
+    }
+}
+
+/// Sends a signal to a running program.
+pub fn send(child: &Child, signal: &str) {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(sent.unwrap().success());
+}
+
+/// Copies all files below the folder `from`.
+pub fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let copied = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_folder(&entry.path(), &copied);
+        } else {
+            std::fs::copy(entry.path(), copied).unwrap();
+        }
     }
 }
 

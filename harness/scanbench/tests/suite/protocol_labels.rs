@@ -19,7 +19,7 @@ use crate::program::Workplace;
 /// A simulated drive in SemanticKITTI's format, in the folder `drive`.
 fn simulate(workplace: &Workplace) {
     let street = ["data", "simulate", "street-narrow", "--sensor", "vlp-16", "--simulated-scans", "3"];
-    workplace.succeed(&[&street[..], &["--to", "semantic-kitti", "-o", "drive"]].concat());
+    workplace.succeed(&(&street, "--to semantic-kitti -o drive"));
 }
 
 fn numbers_of(run: &Path) -> ProtocolReport {
@@ -39,9 +39,9 @@ fn labels_of_results_are_scored_and_the_truth_is_perfect() {
     simulate(&workplace);
     let run =
         ["run", "drive", "-d", "hierarchical,pca", "--detections", "truth=drive", "--no-rrd", "-o", "run"];
-    let ended = workplace.succeed(&[&run[..], &["--protocol", "semantic-kitti,ground"]].concat());
-    assert!(ended.stderr.contains("\"pca\" does not tell which points are ground"), "{}", ended.stderr);
-    assert!(ended.stdout.contains("s_assoc_over_50_points"), "{}", ended.stdout);
+    let ended = workplace.succeed(&(&run, "--protocol semantic-kitti,ground"));
+    ended.check_stderr(&["\"pca\" does not tell which points are ground"]);
+    ended.check_stdout(&["s_assoc_over_50_points"]);
     let report = numbers_of(&workplace.path("run"));
     for (class, id) in
         [("all", "s_assoc"), ("all", "unknown_quality"), ("present", "pq"), ("groundgrid", "f1")]
@@ -53,7 +53,7 @@ fn labels_of_results_are_scored_and_the_truth_is_perfect() {
     assert!(of_ours.iter().all(|it| (0.1..1.0).contains(it)), "{of_ours:?}");
     assert!(value(&report, "hierarchical", "groundgrid", "precision").is_some_and(|it| it > 0.5));
     assert!(report.rows.iter().all(|it| it.detector != "pca" || it.metric.id != "f1"));
-    let selftest = workplace.succeed(&["selftest", "drive", "--protocol", "semantic-kitti,ground"]);
+    let selftest = workplace.succeed("selftest drive --protocol semantic-kitti,ground");
     assert_eq!(selftest.stdout.matches("numbers are the best there is").count(), 2, "{}", selftest.stdout);
 }
 
@@ -62,11 +62,10 @@ fn without_labels_of_points_there_is_nothing_to_score() {
     let workplace = Workplace::new();
     let run =
         ["run", "street-narrow", "--simulated-scans", "1", "--sensor", "vlp-16", "--protocol", "ground"];
-    let ended = workplace.run(&run);
-    assert_eq!(ended.exit_code, Some(2));
+    let ended = workplace.refuse(&run, 2, &[]);
     let expected =
         "--protocol ground needs labels of points, as semantic-kitti has them; \"street-narrow\" has none";
-    assert!(ended.stderr.contains(expected), "{}", ended.stderr);
+    ended.check_stderr(&[expected]);
     assert_eq!(workplace.top_names(), Vec::<String>::new());
 }
 

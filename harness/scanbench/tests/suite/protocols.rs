@@ -7,18 +7,11 @@ use crate::program::{Ended, Workplace};
 
 /// Runs two detectors on scans of a narrow street, seen by few beams.
 #[track_caller]
-fn run(workplace: &Workplace, name: &str, options: &[&str]) {
-    let mut arguments =
-        vec!["run", "street-narrow", "--simulated-scans", "24", "--scans", "0..24:2", "-o", name];
-    arguments.extend(["--sensor", "vlp-16"]);
-    if !options.contains(&"-d") {
-        arguments.extend(["-d", "hierarchical,pca"]);
-    }
-    if cfg!(feature = "viewer") {
-        arguments.push("--no-rrd");
-    }
-    arguments.extend(options);
-    workplace.succeed(&arguments);
+fn run(workplace: &Workplace, name: &str, options: &str) {
+    let street = "run street-narrow --simulated-scans 24 --scans 0..24:2 --sensor vlp-16 -o";
+    let detectors = if options.contains("-d ") { "" } else { "-d hierarchical,pca" };
+    let no_recording = if cfg!(feature = "viewer") { "--no-rrd" } else { "" };
+    workplace.succeed(&((street, name), detectors, no_recording, options));
 }
 
 fn numbers(workplace: &Workplace, run: &str) -> Vec<Value> {
@@ -30,7 +23,7 @@ fn numbers(workplace: &Workplace, run: &str) -> Vec<Value> {
 #[test]
 fn a_run_leaves_numbers_rows_tables_and_a_section() {
     let workplace = Workplace::new();
-    run(&workplace, "run", &["--protocol", "nuscenes,argoverse2"]);
+    run(&workplace, "run", "--protocol nuscenes,argoverse2");
     let rows = numbers(&workplace, "run");
     for (protocol, best) in [("nuscenes", "nds"), ("argoverse2", "cds")] {
         for detector in ["hierarchical", "pca"] {
@@ -58,37 +51,37 @@ fn a_run_leaves_numbers_rows_tables_and_a_section() {
     }
     let page = workplace.read("run/report.html");
     assert!(page.contains("href=\"#protocols\"") && page.contains("Protocol argoverse2"));
-    let manifest: Value = serde_json::from_str(&workplace.read("run/manifest.json")).unwrap();
+    let manifest = workplace.json("run/manifest.json");
     assert_eq!(manifest["protocols"], serde_json::json!(["nuscenes", "argoverse2"]));
-    workplace.succeed(&["report", "run"]);
+    workplace.succeed("report run");
     assert_eq!(workplace.read("run/report.html"), page);
 }
 
 #[test]
 fn the_order_of_detectors_changes_no_number_and_others_leave_no_file() {
     let workplace = Workplace::new();
-    run(&workplace, "once", &["--protocol", "nuscenes"]);
-    run(&workplace, "again", &["--protocol", "nuscenes", "-d", "pca,hierarchical"]);
+    run(&workplace, "once", "--protocol nuscenes");
+    run(&workplace, "again", "--protocol nuscenes -d pca,hierarchical");
     let sorted = |run: &str| {
         let mut rows: Vec<String> = numbers(&workplace, run).iter().map(Value::to_string).collect();
         rows.sort();
         rows
     };
     assert_eq!(sorted("once"), sorted("again"));
-    run(&workplace, "without", &[]);
+    run(&workplace, "without", "");
     assert!(!workplace.path("without/protocols.json").exists());
-    let manifest: Value = serde_json::from_str(&workplace.read("without/manifest.json")).unwrap();
+    let manifest = workplace.json("without/manifest.json");
     assert!(manifest["protocols"].is_null());
 }
 
 #[test]
 fn a_gate_holds_numbers_of_protocols_to_rules() {
     let workplace = Workplace::new();
-    run(&workplace, "before", &["--protocol", "nuscenes"]);
-    run(&workplace, "after", &["--protocol", "nuscenes", "-P", "hierarchical.cluster.min_vehicle_points=60"]);
-    let same = workplace.succeed(&["gate", "before", "-b", "before", "--full"]);
+    run(&workplace, "before", "--protocol nuscenes");
+    run(&workplace, "after", "--protocol nuscenes -P hierarchical.cluster.min_vehicle_points=60");
+    let same = workplace.succeed("gate before -b before --full");
     assert!(same.stdout.starts_with("PASSED"), "{}", same.stdout);
-    let compared = workplace.succeed(&["compare", "before", "after", "-o", "compared"]).stdout;
+    let compared = workplace.succeed("compare before after -o compared").stdout;
     assert!(compared.contains("nuscenes") && compared.contains("nds"), "{compared}");
     assert!(workplace.read("compared/comparison.csv").contains("nuscenes,hierarchical,all,nds,"));
     let rule = |metric: &str| {
@@ -98,17 +91,15 @@ fn a_gate_holds_numbers_of_protocols_to_rules() {
         )
     };
     workplace.write("rules.toml", &rule("ap"));
-    let gate = |run: &str| {
-        workplace.run(&["gate", run, "-b", "before", "-t", "rules.toml", "-o", "verdict", "--allow-drift"])
-    };
+    let gate = |run: &str| workplace.run(&("gate", run, "-b before -t rules.toml -o verdict --allow-drift"));
     assert_eq!(gate("before").exit_code, Some(0));
     gate("after");
     assert!(workplace.read("verdict/gate.json").contains("\"task\": \"nuscenes\""));
     workplace.write("rules.toml", &rule("cds"));
     let refused = gate("after");
     assert_eq!(refused.exit_code, Some(2), "{}", refused.stderr);
-    assert!(refused.stderr.contains("the rule has no effect on \"cds\" of \"car\""), "{}", refused.stderr);
-    run(&workplace, "without", &[]);
+    refused.check_stderr(&["the rule has no effect on \"cds\" of \"car\""]);
+    run(&workplace, "without", "");
     workplace.write("rules.toml", &rule("ap"));
     let missing = gate("without");
     assert_eq!(missing.exit_code, Some(5), "{}{}", missing.stdout, missing.stderr);
@@ -121,17 +112,14 @@ fn a_sweep_has_the_numbers_of_a_run_at_every_value() {
     let street = ["street-narrow", "--simulated-scans", "24", "--scans", "0..24:2", "--sensor", "vlp-16"];
     let swept =
         ["-L", "ranked_probability=0.05,0.5", "--timed-scans", "0", "--protocol", "nuscenes,argoverse2"];
-    let ended = workplace.succeed(&[&["sweep"][..], &street, &swept, &["-o", "out"]].concat());
-    assert!(ended.stdout.contains("Protocols of others: best of 2 values"), "{}", ended.stdout);
-    let rows: Value = serde_json::from_str(&workplace.read("out/sweep_protocols.json")).unwrap();
+    workplace
+        .succeed(&("sweep", &street, &swept, "-o out"))
+        .check_stdout(&["Protocols of others: best of 2 values"]);
+    let rows = workplace.json("out/sweep_protocols.json");
     let rows = rows["rows"].as_array().unwrap();
     for value in ["0.05", "0.5"] {
-        let parameter = format!("{name}={value}");
-        run(
-            &workplace,
-            value,
-            &["-d", "hierarchical", "--protocol", "nuscenes,argoverse2", "-P", &parameter],
-        );
+        let options = format!("-d hierarchical --protocol nuscenes,argoverse2 -P {name}={value}");
+        run(&workplace, value, &options);
         let without_point = |row: &Value| {
             let mut row = row.as_object().unwrap().clone();
             row.remove("point");
@@ -148,9 +136,9 @@ fn a_sweep_has_the_numbers_of_a_run_at_every_value() {
     }
     let svg = workplace.read("out/protocol_argoverse2_street-narrow.svg");
     assert!(svg.contains("present cds") && svg.contains("ranked probability"), "{svg}");
-    let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
+    let manifest = workplace.json("out/manifest.json");
     assert_eq!(manifest["protocols"], serde_json::json!(["nuscenes", "argoverse2"]));
-    workplace.succeed(&["report", "out"]);
+    workplace.succeed("report out");
     assert!(workplace.read("out/report.html").contains("sweep_protocols.csv"));
 }
 
@@ -163,9 +151,7 @@ fn a_sweep_refuses_a_protocol_that_the_data_cannot_have() {
         ("kitti-object", "--protocol kitti-object: \"street-narrow\" has no labels in KITTI's layouts"),
         ("ground", "--protocol ground needs labels of points"),
     ] {
-        let refused = workplace.run(&[&swept[..], &[protocol]].concat());
-        assert_eq!(refused.exit_code, Some(2), "{}", refused.stderr);
-        assert!(refused.stderr.contains(expected), "{}", refused.stderr);
+        workplace.run(&(&swept, protocol)).check_refusal(2, &[expected]);
         assert!(!workplace.path("out").exists());
     }
 }
@@ -184,7 +170,7 @@ fn labels_fed_back_have_the_best_numbers() {
 fn a_split_of_kitti_is_the_scans_of_its_list() {
     let workplace = Workplace::new();
     let street = ["data", "simulate", "street-narrow", "--simulated-scans", "3", "--sensor", "vlp-16"];
-    workplace.succeed(&[&street[..], &["--to", "kitti-object", "-o", "objects"]].concat());
+    workplace.succeed(&(&street, "--to kitti-object -o objects"));
     // KITTI has no class for what else stands there.
     for scan in 0..3 {
         let labels = format!("objects/training/label_2/{scan:06}.txt");
@@ -194,7 +180,6 @@ fn a_split_of_kitti_is_the_scans_of_its_list() {
         let known: String = text.lines().filter(known).flat_map(|it| [it, "\n"]).collect();
         workplace.write(&labels, &known);
     }
-    std::fs::create_dir_all(workplace.path("objects/ImageSets")).unwrap();
     workplace.write("objects/ImageSets/val.txt", "000002\n000000\n");
     let run = |name: &str| {
         let arguments =
@@ -220,14 +205,14 @@ fn a_split_of_kitti_is_the_scans_of_its_list() {
     workplace.write("objects/ImageSets/val.txt", "000002\n000007\n");
     let ended = run("kitti-object-val");
     assert_eq!(ended.exit_code, Some(3), "{}", ended.stderr);
-    assert!(ended.stderr.contains("000007.bin"), "{}", ended.stderr);
+    ended.check_stderr(&["000007.bin"]);
 }
 
 #[test]
 fn an_unknown_protocol_is_refused_with_those_there_are() {
-    let ended = Workplace::new().run(&["run", "street-narrow", "--protocol", "waymo"]);
+    let ended = Workplace::new().run("run street-narrow --protocol waymo");
     assert_eq!(ended.exit_code, Some(2));
-    assert!(ended.stderr.contains("nuscenes") && ended.stderr.contains("argoverse2"), "{}", ended.stderr);
+    ended.check_stderr(&["nuscenes", "argoverse2"]);
 }
 
 #[test]

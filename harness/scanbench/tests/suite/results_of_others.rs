@@ -1,47 +1,30 @@
 //! `run --detections` and `--detections-out`: results that are carried from one program to another, and judged.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
-use std::collections::BTreeMap;
 
 use test_data::test_data;
 
-use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
-
-/// The rows of a CSV file of a run, each by the names of its columns.
-fn rows(workplace: &Workplace, name: &str) -> Vec<BTreeMap<String, String>> {
-    let text = workplace.read(name);
-    let mut lines = text.lines();
-    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let row = |line: &str| {
-        columns.iter().map(|it| (*it).to_owned()).zip(line.split(',').map(str::to_owned)).collect()
-    };
-    lines.map(row).collect()
-}
 
 /// What was counted for `detector`, scan by scan.
 fn counts(workplace: &Workplace, run: &str, detector: &str) -> Vec<Vec<String>> {
     let of_detector =
-        rows(workplace, &format!("{run}/scans.csv")).into_iter().filter(|it| it["detector"] == detector);
+        workplace.table(&format!("{run}/scans.csv")).into_iter().filter(|it| it["detector"] == detector);
     let columns = ["dataset", "scan", "task", "status", "no", "tp", "mo", "fo", "ignored_detections"];
     of_detector.map(|row| columns.iter().map(|it| row[*it].clone()).collect()).collect()
 }
 
 /// Warnings are said: nothing is quiet.
-const OUTPUT: [&str; 2] = ["--no-rrd", "-o"];
+const OUTPUT: &str = "--no-rrd -o";
 
 #[test]
 fn our_own_results_are_judged_as_we_are() {
     for format in ["kitti", "csv"] {
-        let workplace = Workplace::new();
-        DrawnDataset::tracking(workplace.folder(), 4);
+        let workplace = Workplace::with_drive(4);
         // By size, because the drawn cars are blocks, which the trained model takes for none.
         let ours = ["run", "street", "-d", "hierarchical,pca", "-P", "vehicle_model.enabled=false"];
-        workplace
-            .succeed(&[&ours[..], &OUTPUT, &["first", "--detections-out", "found", "--as", format]].concat());
+        workplace.succeed(&(&ours, OUTPUT, ["first", "--detections-out", "found", "--as", format]));
         let theirs =
             ["--detections", "a=found/hierarchical", "--detections", "b=found/pca", "-d", "simple-grid"];
-        let ended = workplace.succeed(&[&["run", "street"], &theirs[..], &OUTPUT, &["second"]].concat());
+        let ended = workplace.succeed(&("run street", &theirs, OUTPUT, "second"));
         assert_eq!(ended.stderr.matches("warning").count(), 0, "{}", ended.stderr);
         for (name, known) in [("hierarchical", "a"), ("pca", "b")] {
             let (first, second) = (counts(&workplace, "first", name), counts(&workplace, "second", known));
@@ -49,7 +32,7 @@ fn our_own_results_are_judged_as_we_are() {
         }
         assert!(counts(&workplace, "second", "a").iter().any(|it| it[5] == "2"), "both cars are found");
         // Nothing was timed, and nothing stands in columns of times.
-        for row in rows(&workplace, "second/scans.csv") {
+        for row in workplace.table("second/scans.csv") {
             let has_time = ["latency_ms", "least_latency_ms", "cpu_ms"].iter().any(|it| !row[*it].is_empty());
             assert_eq!(has_time, row["detector"] == "simple-grid", "{row:?}");
         }
@@ -64,101 +47,71 @@ fn several_data_sets_have_a_folder_each() {
     let workplace = Workplace::new();
     let streets = ["street-narrow", "street-intersection", "--simulated-scans", "4", "--sensor", "vlp-16"];
     let ours = [&["run"], &streets[..], &["-d", "simple-grid"]].concat();
-    workplace.succeed(&[&ours[..], &OUTPUT, &["first", "--detections-out", "found", "--as", "csv"]].concat());
+    workplace.succeed(&(&ours, OUTPUT, "first --detections-out found --as csv"));
     assert!(workplace.path("found/simple-grid/street-narrow").is_dir());
     workplace.write("scanbench.toml", "[detector.again]\nresults = \"found/simple-grid\"\n");
     let theirs = [&["run"], &streets[..], &["-d", "again,simple-grid"]].concat();
-    workplace.succeed(&[&theirs[..], &OUTPUT, &["second"]].concat());
+    workplace.succeed(&(&theirs, OUTPUT, "second"));
     let again = counts(&workplace, "second", "again");
     assert!(again.len() == 16 && again == counts(&workplace, "second", "simple-grid"), "{again:?}");
 }
 
 #[test]
 fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
-    std::fs::create_dir_all(workplace.path("found/0000")).unwrap();
-    workplace.write(
-        "found/0000/000000.csv",
-        "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\n",
-    );
-    std::fs::create_dir(workplace.path("empty")).unwrap();
-    std::fs::create_dir_all(workplace.path("above/pca/0000")).unwrap();
-    for number in 0..2 {
-        let file = format!("0000/{number:06}.csv");
-        let content = workplace.read("found/0000/000000.csv");
-        workplace.write(&format!("above/pca/{file}"), &content);
+    let workplace = Workplace::with_drive(2);
+    let boxes = "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\n";
+    for name in ["found/0000/000000", "above/pca/0000/000000", "above/pca/0000/000001"] {
+        workplace.write(&format!("{name}.csv"), boxes);
     }
-    let names_before = workplace.top_names();
-    let check = |arguments: &[&str], exit_code: i32, part: &str| {
-        let ended = workplace.run(&[&["run", "street", "-d", "pca"], arguments, &OUTPUT, &["out"]].concat());
-        assert_eq!(ended.exit_code, Some(exit_code), "{arguments:?}: {ended:#?}");
-        assert!(ended.stderr.contains(part), "{arguments:?}: {}", ended.stderr);
-        assert_eq!(workplace.top_names(), names_before);
-    };
-    check(&["--detections", "a=found"], 3, "has no results for 1 of 2 scans of \"street\": 0000/000001");
-    check(&["--detections", "a=nowhere"], 3, "cannot read \"nowhere\"");
-    check(&["--detections", "a=empty"], 2, "has no results in a known format");
-    check(
-        &["--detections", "a=street"],
-        3,
-        "it has others: training/calib/0000.txt, training/label_02/0000.txt",
-    );
-    check(&["--detections", "a=above"], 3, "; folders in it have results, name one of them: \"above/pca\"");
-    check(&["--detections", "a"], 2, "write NAME=PATH");
-    check(&["--detections", "pca=found"], 2, "has the name of a built-in detector");
-    check(&["--detections", "a=found", "--detections", "a=found"], 2, "there is a detector \"a\" already");
-    check(&["--detections-out", "x"], 2, "--as");
-    check(&["--detections-out", "street", "--as", "csv"], 2, "\"street\" exists");
-    check(&["--detections-out", "x", "--as", "nuscenes"], 2, "its data set has no samples of nuScenes");
-    let ended = workplace.succeed(
-        &[
-            &["run", "street", "-d", "pca", "--detections", "a=found", "--missing-detections", "empty"],
-            &OUTPUT[..],
-            &["out"],
-        ]
-        .concat(),
-    );
-    assert!(
-        ended.stderr.contains("has no results for 1 scans, which count as nothing found"),
-        "{}",
-        ended.stderr
-    );
+    std::fs::create_dir(workplace.path("empty")).unwrap();
+    for (arguments, exit_code, part) in [
+        ("--detections a=found", 3, "has no results for 1 of 2 scans of \"street\": 0000/000001"),
+        ("--detections a=nowhere", 3, "cannot read \"nowhere\""),
+        ("--detections a=empty", 2, "has no results in a known format"),
+        ("--detections a=street", 3, "it has others: training/calib/0000.txt, training/label_02/0000.txt"),
+        ("--detections a=above", 3, "; folders in it have results, name one of them: \"above/pca\""),
+        ("--detections a", 2, "write NAME=PATH"),
+        ("--detections pca=found", 2, "has the name of a built-in detector"),
+        ("--detections a=found --detections a=found", 2, "there is a detector \"a\" already"),
+        ("--detections-out x", 2, "--as"),
+        ("--detections-out street --as csv", 2, "\"street\" exists"),
+        ("--detections-out x --as nuscenes", 2, "its data set has no samples of nuScenes"),
+    ] {
+        workplace.refuse(&("run street -d pca -o out --no-rrd", arguments), exit_code, &[part]);
+    }
+    workplace
+        .succeed("run street -d pca --detections a=found --missing-detections empty -o out --no-rrd")
+        .check_stderr(&["has no results for 1 scans, which count as nothing found"]);
     let missed = counts(&workplace, "out", "a");
     assert!(missed.iter().all(|it| it[5] == "0"), "{missed:?}");
     // Other verbs need a detector that runs.
     workplace.write("scanbench.toml", "[detector.a]\nresults = \"found\"\n");
-    let ended = workplace.run(&["detect", "street", "--scan", "0", "-d", "a"]);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("which only `scanbench run` judges"), "{}", ended.stderr);
+    workplace.refuse("detect street --scan 0 -d a", 2, &["which only `scanbench run` judges"]);
 }
 
 #[test]
 fn what_cannot_be_written_is_told_before_the_first_scan_is_read() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     workplace.write("street/training/velodyne/0000/000000.bin", "damaged");
     let run = |format: &str| {
         let arguments = ["run", "street", "-d", "pca", "--detections-out", "x", "--as", format];
-        workplace.run(&[&arguments[..], &OUTPUT, &["out"]].concat())
+        workplace.run(&(&arguments, OUTPUT, "out"))
     };
     let ended = run("nuscenes");
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("its data set has no samples of nuScenes"), "{}", ended.stderr);
+    ended.check_stderr(&["its data set has no samples of nuScenes"]);
     assert_eq!(run("kitti").exit_code, Some(3));
     assert!(!workplace.path("x").exists());
 }
 
 #[test]
 fn a_gate_refuses_results_of_other_files() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     let run = |output: &str| {
         let arguments = ["run", "street", "-d", "pca", "--detections", "deep=found"];
-        workplace.succeed(&[&arguments[..], &OUTPUT, &[output]].concat());
+        workplace.succeed(&(&arguments, OUTPUT, [output]));
     };
     for number in 0..2 {
-        std::fs::create_dir_all(workplace.path("found")).unwrap();
         workplace.write(&format!("found/{number:06}.txt"), "");
     }
     run("first");
@@ -177,29 +130,21 @@ fn a_gate_refuses_results_of_other_files() {
     assert!(gate("again").exit_code != Some(5), "{:#?}", gate("again"));
     let refused = gate("other");
     assert_eq!(refused.exit_code, Some(5), "{refused:#?}");
-    assert!(
-        refused.stderr.contains("the results of deep changed: their checksums differ"),
-        "{}",
-        refused.stderr
-    );
-    let compared = workplace.succeed(&["compare", "first", "other"]).stdout;
+    refused.check_stderr(&["the results of deep changed: their checksums differ"]);
+    let compared = workplace.succeed("compare first other").stdout;
     assert!(compared.contains("The results of these changed before they were judged: deep."), "{compared}");
 }
 
 #[test]
 fn results_that_are_damaged_later_fail_as_a_detector_does() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 3);
-    std::fs::create_dir_all(workplace.path("found")).unwrap();
+    let workplace = Workplace::with_drive(3);
     for number in 0..3 {
         workplace.write(&format!("found/{number:06}.txt"), if number == 1 { "Car" } else { "" });
     }
     let run = ["run", "street", "-d", "pca", "--detections", "deep=found"];
-    let ended = workplace.run(&[&run[..], &OUTPUT, &["out"]].concat());
-    assert_eq!(ended.exit_code, Some(6), "{ended:#?}");
     let expected = "the detector \"deep\" failed at scan 0000/000001: its results cannot be read: \"found/000001.txt\", line 1";
-    assert!(ended.stderr.contains(expected), "{}", ended.stderr);
-    workplace.succeed(&[&run[..], &["--on-detector-failure", "skip"], &OUTPUT, &["skipped"]].concat());
+    workplace.run(&(&run, OUTPUT, "out")).check_refusal(6, &[expected]);
+    workplace.succeed(&(&run, "--on-detector-failure skip", OUTPUT, "skipped"));
     let states: Vec<String> =
         counts(&workplace, "skipped", "deep").into_iter().map(|it| it[3].clone()).collect();
     assert_eq!(states.iter().filter(|it| *it == "failed").count(), 2, "{states:?}");
@@ -213,7 +158,7 @@ fn a_published_detector_is_judged_beside_ours() {
     let scans = test_data("data/kitti_tracking").display().to_string();
     let results = format!("pointrcnn={}", test_data("data/kitti_tracking_results/pointrcnn").display());
     let run = ["run", &scans, "-d", "simple-grid", "--detections", &results, "--criterion", "bev-iou"];
-    let ended = workplace.succeed(&[&run[..], &OUTPUT, &["out"]].concat());
+    let ended = workplace.succeed(&(&run, OUTPUT, "out"));
     assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
     let sums = |detector: &str| {
         let of_vehicles = counts(&workplace, "out", detector).into_iter().filter(|it| it[2] == "vehicles");

@@ -1,12 +1,10 @@
 //! What the program does before it gets to work.
 
-use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
 
 #[test]
 fn a_model_may_come_from_files() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 1);
+    let workplace = Workplace::with_drive(1);
     let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../../detector/src/params");
     let directory = format!("vehicle_model.groupings_directory={shipped:?}");
     let detect = |options: &[&str]| {

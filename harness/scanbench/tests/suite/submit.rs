@@ -3,7 +3,6 @@
 
 use std::process::Command;
 
-use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace};
 
 /// A `sbatch` that runs a job at once, an array task by task; a job that depends on another only if that has succeeded.
@@ -53,16 +52,15 @@ fn no_recording() -> &'static [&'static str] {
 
 #[test]
 fn an_array_of_slurm_and_its_merge_give_the_rows_of_the_whole_run() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 40);
+    let workplace = Workplace::with_drive(40);
     let data = "it's \"a\" $(street) {{name}}";
     std::fs::rename(workplace.path("street"), workplace.path(data)).unwrap();
     let run = [&["run", data, "-d", "pca"], no_recording()].concat();
-    workplace.succeed(&[&run[..], &["-o", "whole"]].concat());
+    workplace.succeed(&(&run, "-o whole"));
     let submit = [&["submit", "slurm", "--shards", "3", "--now", "-o", "my 'jobs'", "--"], &run[..]].concat();
     let ended = with_sbatch(&workplace, &submit);
     assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
-    assert!(ended.stdout.contains("shards: job 41, merge: job 42, merged run: "), "{ended:#?}");
+    ended.check_stdout(&["shards: job 41, merge: job 42, merged run: "]);
     let log = workplace.read("my 'jobs'/log");
     for shard in 1..=3 {
         assert!(
@@ -88,20 +86,19 @@ fn an_array_of_slurm_and_its_merge_give_the_rows_of_the_whole_run() {
 
 #[test]
 fn nothing_is_merged_where_a_shard_fails() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 4);
-    std::fs::write(workplace.path("street/training/velodyne/0000/000003.bin"), "damaged").unwrap();
+    let workplace = Workplace::with_drive(4);
+    workplace.write("street/training/velodyne/0000/000003.bin", "damaged");
     let run = [&["run", "street", "-d", "pca"], no_recording()].concat();
     let submit = [&["submit", "slurm", "--shards", "2", "--now", "-o", "jobs", "--"], &run[..]].concat();
     let ended = with_sbatch(&workplace, &submit);
-    assert!(ended.stderr.contains("cancelled"), "{ended:#?}");
+    ended.check_stderr(&["cancelled"]);
     assert!(!workplace.path("jobs/run").exists());
 }
 
 #[test]
 fn where_slurm_takes_nothing_the_scripts_stay() {
     let workplace = Workplace::new();
-    let mut command = workplace.command(&["submit", "slurm", "--now", "-o", "jobs", "--", "run", "street-narrow"]);
+    let mut command = workplace.command("submit slurm --now -o jobs -- run street-narrow");
     // bash, and no sbatch.
     std::fs::create_dir(workplace.path("programs")).unwrap();
     for program in ["bash", "dirname", "mkdir"] {
@@ -111,7 +108,7 @@ fn where_slurm_takes_nothing_the_scripts_stay() {
     }
     let ended = Ended::from(command.env("PATH", workplace.path("programs")).output().unwrap());
     assert_eq!(ended.exit_code, Some(1), "{ended:#?}");
-    assert!(ended.stderr.contains("nothing was submitted, or not all of it"), "{ended:#?}");
+    ended.check_stderr(&["nothing was submitted, or not all of it"]);
     assert!(workplace.path("jobs/submit.sh").is_file());
 }
 
@@ -137,31 +134,15 @@ fn a_wrong_submission_writes_nothing() {
         ("kubernetes -o jobs -- run street", "--image <IMAGE>"),
         ("kubernetes -o jobs --image a b --claim c -- run street", "unexpected argument 'b'"),
     ] {
-        let words: Vec<&str> = ["submit"].into_iter().chain(arguments.split(' ')).collect();
-        let ended = workplace.run(&words);
-        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-        assert!(ended.stderr.contains(why), "{arguments}: {ended:#?}");
-        assert_eq!(workplace.top_names(), ["taken"]);
+        workplace.refuse(&("submit", arguments), 2, &[why]);
     }
 }
 
 #[test]
 fn pods_get_the_words_of_the_run_and_the_number_of_shards() {
     let workplace = Workplace::new();
-    let submit = [
-        "submit",
-        "kubernetes",
-        "--image",
-        "a/b:1",
-        "--claim",
-        "scans",
-        "--shards",
-        "2",
-        "-o",
-        "runs/Fleet_1",
-    ];
-    let ended = workplace.succeed(&[&submit[..], &["--", "run", "$(HOME) {{name}}", "-d", "pca"]].concat());
-    assert!(ended.stdout.contains("runs/Fleet_1/submit.sh"), "{ended:#?}");
+    let submit = "submit kubernetes --image a/b:1 --claim scans --shards 2 -o runs/Fleet_1 -- run";
+    workplace.succeed(&(submit, ["$(HOME) {{name}}", "-d", "pca"])).check_stdout(&["runs/Fleet_1/submit.sh"]);
     let shards = workplace.read("runs/Fleet_1/shards.yaml");
     for line in [
         "  name: fleet-1-shards\n",

@@ -4,17 +4,7 @@ use crate::program::Workplace;
 
 fn small_run() -> Workplace {
     let workplace = Workplace::new();
-    workplace.succeed(&[
-        "run",
-        "street-narrow",
-        "--simulated-scans",
-        "2",
-        "-d",
-        "hierarchical,pca",
-        "--no-rrd",
-        "-o",
-        "run",
-    ]);
+    workplace.succeed("run street-narrow --simulated-scans 2 -d hierarchical,pca --no-rrd -o run");
     workplace
 }
 
@@ -22,7 +12,7 @@ fn small_run() -> Workplace {
 fn the_worst_come_first_and_can_be_chosen() {
     let workplace = small_run();
     let listed = |options: &[&str]| -> Vec<(String, u64)> {
-        let ended = workplace.succeed(&[&["view", "run", "--task", "objects", "--no-rrd"], options].concat());
+        let ended = workplace.succeed(&("view run --task objects --no-rrd", options));
         let lines = ended.stdout.lines().skip(1).map(|line| {
             let words: Vec<&str> = line.split_whitespace().collect();
             // Rank, data set, drive, scan, outcome, class, points.
@@ -42,10 +32,9 @@ fn the_worst_come_first_and_can_be_chosen() {
 #[cfg(feature = "viewer")]
 fn their_scans_are_recorded_in_the_run_directory_or_elsewhere() {
     let workplace = small_run();
-    let ended = workplace.succeed(&["view", "run", "--task", "objects", "--worst", "2"]);
-    assert!(ended.stderr.contains("worst.rrd"), "{}", ended.stderr);
+    workplace.succeed("view run --task objects --worst 2").check_stderr(&["worst.rrd"]);
     assert!(workplace.path("run/worst.rrd").metadata().unwrap().len() > 100_000);
-    workplace.succeed(&["view", "run", "--task", "objects", "--worst", "1", "--save-rrd=one.rrd"]);
+    workplace.succeed("view run --task objects --worst 1 --save-rrd=one.rrd");
     assert!(workplace.path("one.rrd").exists());
 }
 
@@ -78,9 +67,7 @@ fn scans_that_would_not_be_the_same_are_not_recorded() {
     ] {
         assert!(manifest.contains(from), "{manifest}");
         workplace.write("run/manifest.json", &manifest.replace(from, to));
-        let ended = workplace.run(&["view", "run", "--task", "objects"]);
-        assert_eq!(ended.exit_code, Some(2), "{}", ended.stderr);
-        assert!(ended.stderr.contains(message), "{}", ended.stderr);
+        workplace.refuse("view run --task objects", 2, &[message]);
         assert!(!workplace.path("run/worst.rrd").exists());
     }
 }

@@ -6,7 +6,7 @@ use reports::vocabulary::class::AnnotationClass;
 use test_data::test_data;
 
 use super::{check_damaged, open};
-use crate::program::Workplace;
+use crate::program::{Workplace, copy_folder};
 
 /// A log of drawn points, written by `pyarrow` as `.ci/formats/make_feather_samples.py` says.
 pub fn drawn() -> PathBuf {
@@ -63,33 +63,19 @@ fn boxes_hold_as_many_points_as_the_makers_counted() {
 
 const N_INTERIOR_POINTS: usize = 17_972;
 
-/// Copies the drawn log, changes the file `name` in it, and expects `parts` in the message.
+/// Changes the file `name` in a copy of the drawn log, or removes it if no bytes are left; the message has all `parts`.
 #[track_caller]
 fn check(name: &str, change: impl Fn(&mut Vec<u8>), parts: &[&str]) {
     let workplace = Workplace::new();
-    let log = drawn().join("sensor/val/drawn-log");
-    for file in [
-        "sensors/lidar/1000.feather",
-        "annotations.feather",
-        "city_SE3_egovehicle.feather",
-        "calibration/egovehicle_SE3_sensor.feather",
-    ] {
-        let copy = workplace.path("log").join(file);
-        std::fs::create_dir_all(copy.parent().unwrap()).unwrap();
-        let mut bytes = std::fs::read(log.join(file)).unwrap();
-        if file == name {
-            change(&mut bytes);
-        }
-        write_unless_empty(&copy, &bytes);
+    copy_folder(&drawn().join("sensor/val/drawn-log"), &workplace.path("log"));
+    let file = workplace.path("log").join(name);
+    let mut bytes = std::fs::read(&file).unwrap();
+    change(&mut bytes);
+    std::fs::remove_file(&file).unwrap();
+    if !bytes.is_empty() {
+        std::fs::write(file, bytes).unwrap();
     }
     check_damaged(&workplace.path("log"), parts);
-}
-
-/// Writes the file, or nothing for no bytes.
-fn write_unless_empty(path: &Path, bytes: &[u8]) {
-    if !bytes.is_empty() {
-        std::fs::write(path, bytes).unwrap();
-    }
 }
 
 #[test]

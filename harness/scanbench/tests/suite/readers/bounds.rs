@@ -13,7 +13,7 @@ use crate::program::Workplace;
 #[track_caller]
 fn check(name: &str, content: &[u8], part: &str) {
     let workplace = Workplace::new();
-    made::write(&workplace.path(name), content);
+    workplace.write(name, content);
     let path = if Path::new(name).extension().is_some_and(|it| it == "mcap") {
         workplace.path(name)
     } else {
@@ -58,8 +58,8 @@ fn points_of_no_bytes_are_refused_whatever_their_number() {
 fn the_program_ends_where_a_compressed_cloud_claims_points_of_no_bytes() {
     let workplace = Workplace::new();
     let header = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 0 0\nPOINTS 18446744073709551615\n";
-    made::write(&workplace.path("a.pcd"), format!("{header}DATA binary_compressed\n\0\0\0\0\0\0\0\0"));
-    let mut child = workplace.start(&["detect", "a.pcd"]);
+    workplace.write("a.pcd", &format!("{header}DATA binary_compressed\n\0\0\0\0\0\0\0\0"));
+    let mut child = workplace.start("detect a.pcd");
     let begun = Instant::now();
     while begun.elapsed() < Duration::from_mins(1) {
         if let Some(status) = child.try_wait().unwrap() {

@@ -55,8 +55,8 @@ fn data_sets(workplace: &Workplace) -> Vec<&'static str> {
         let boxes = format!(
             r#"[{{"class": "{class}", "center_m": [5, 1, -1], "length_width_height_m": [4, 2, 1.5], "yaw_rad": 0.1}}]"#
         );
-        made::write(&workplace.path(&format!("folder/labels/{number}.json")), boxes);
-        made::write(&workplace.path(&format!("folder/{number}.bin")), [0_u8; 16]);
+        workplace.write(&format!("folder/labels/{number}.json"), &boxes);
+        workplace.write(&format!("folder/{number}.bin"), &[0_u8; 16]);
     }
     let mut messages = Vec::new();
     for (second, class) in [(1, "FORK-LIFT"), (2, "gizmo")] {
@@ -86,7 +86,7 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
             "{data}: {ended:#?}"
         );
         let mapped = ["--class", "fork lift=truck", "--class", "GIZMO=Pole"];
-        let ended = workplace.run(&[&["data", "check", data][..], &mapped].concat());
+        let ended = workplace.run(&(["data", "check", data], &mapped));
         assert_eq!(ended.exit_code, Some(0), "{data}: {ended:#?}");
         let annotations = ended.stdout.lines().find(|it| it.starts_with("annotations")).unwrap();
         assert!(annotations.contains(" truck") && annotations.contains(" pole"), "{data}: {annotations}");
@@ -104,20 +104,16 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
 fn labels_of_semantic_kitti_that_nobody_knows_are_listed_by_number() {
     let workplace = Workplace::new();
     for number in 0..2 {
-        made::write(&workplace.path(&format!("s/sequences/00/velodyne/{number:06}.bin")), [0_u8; 32]);
+        workplace.write(&format!("s/sequences/00/velodyne/{number:06}.bin"), &[0_u8; 32]);
         let labels = [12 + number as u8, 0, 1, 0, 40, 0, 0, 0];
-        made::write(&workplace.path(&format!("s/sequences/00/labels/{number:06}.label")), labels);
+        workplace.write(&format!("s/sequences/00/labels/{number:06}.label"), &labels);
     }
-    let ended = workplace.run(&["data", "check", "s"]);
+    let ended = workplace.run("data check s");
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
     // 13 is a bus; of 12 there are only points in the first scan.
-    assert!(
-        ended.stderr.contains("\"12\"") && ended.stderr.contains("000000.label\", point 0"),
-        "{ended:#?}"
-    );
+    ended.check_stderr(&["\"12\"", "000000.label\", point 0"]);
     assert!(!ended.stderr.contains("\"13\""), "{ended:#?}");
-    let ended = workplace.succeed(&["data", "check", "s", "--class", "12=car"]);
-    assert!(ended.stdout.contains("1 car, 1 bus"), "{ended:#?}");
+    workplace.succeed("data check s --class 12=car").check_stdout(&["1 car, 1 bus"]);
 }
 
 #[test]
@@ -125,11 +121,10 @@ fn an_object_without_a_class_has_to_be_given_one() {
     let workplace = Workplace::new();
     let messages = foxglove_messages(SECOND, &serde_json::json!([]));
     write(&workplace, WriteOptions::new(), &messages);
-    let ended = workplace.run(&["data", "check", "drive.mcap"]);
+    let ended = workplace.run("data check drive.mcap");
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("--class =misc") && ended.stderr.contains("\"\" = \"misc\""), "{ended:#?}");
-    let ended = workplace.succeed(&["data", "check", "drive.mcap", "--class", "=car"]);
-    assert!(ended.stdout.contains(": 1 car"), "{ended:#?}");
+    ended.check_stderr(&["--class =misc", "\"\" = \"misc\""]);
+    workplace.succeed("data check drive.mcap --class =car").check_stdout(&[": 1 car"]);
 }
 
 #[test]
@@ -140,8 +135,7 @@ fn configuration_catalogue_and_options_say_it_and_the_manifest_keeps_it() {
         *bytes = String::from_utf8(bytes.clone()).unwrap().replace("Car", "auto-mobil").into_bytes();
     });
     let run = ["run", "street", "-d", "pca", "--no-rrd", "--overwrite", "-o", "run"];
-    let ended = workplace.run(&run);
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    workplace.refuse(&run, 2, &[]);
     assert!(!workplace.path("run").exists());
     workplace.write("mine.toml", "[classes]\nAUTO_MOBIL = \"car\"\n");
     let entry = |lines: &str| {
@@ -151,39 +145,34 @@ fn configuration_catalogue_and_options_say_it_and_the_manifest_keeps_it() {
         )
     };
     workplace.write("catalogue.toml", &entry("classes = { auto-mobil = \"van\" }\n"));
-    let mapping = |arguments: &[&str]| -> serde_json::Value {
-        let all = [&["run", "-d", "pca", "--no-rrd", "--overwrite", "-o", "run"], arguments].concat();
-        workplace.succeed(&all);
-        let manifest: serde_json::Value = serde_json::from_str(&workplace.read("run/manifest.json")).unwrap();
+    let mapping = |arguments: &str, class: &[&str]| -> serde_json::Value {
+        workplace.succeed(&("run -d pca --no-rrd --overwrite -o run", arguments, class));
+        let manifest = workplace.json("run/manifest.json");
         manifest["datasets"][0]["classes"].clone()
     };
-    assert_eq!(mapping(&["street", "-c", "mine.toml"]), serde_json::json!({"AUTO_MOBIL": "car"}));
-    let of_catalogue = mapping(&["drive", "--catalogue", "catalogue.toml"]);
-    assert_eq!(of_catalogue, serde_json::json!({"auto-mobil": "van"}));
-    // The configuration has the last word over the catalogue, the option over both.
-    let of_all = mapping(&["drive", "--catalogue", "catalogue.toml", "-c", "mine.toml"]);
-    assert_eq!(of_all, serde_json::json!({"AUTO_MOBIL": "car"}));
-    let of_option = mapping(&[
-        "drive",
-        "--catalogue",
-        "catalogue.toml",
-        "-c",
-        "mine.toml",
-        "--class",
-        "auto mobil=truck",
-    ]);
-    assert_eq!(of_option, serde_json::json!({"auto mobil": "truck"}));
+    for (arguments, class, expected) in [
+        ("street -c mine.toml", &[][..], serde_json::json!({"AUTO_MOBIL": "car"})),
+        ("drive --catalogue catalogue.toml", &[], serde_json::json!({"auto-mobil": "van"})),
+        // The configuration has the last word over the catalogue, the option over both.
+        ("drive --catalogue catalogue.toml -c mine.toml", &[], serde_json::json!({"AUTO_MOBIL": "car"})),
+        (
+            "drive --catalogue catalogue.toml -c mine.toml",
+            &["--class", "auto mobil=truck"],
+            serde_json::json!({"auto mobil": "truck"}),
+        ),
+    ] {
+        assert_eq!(mapping(arguments, class), expected, "{arguments} {class:?}");
+    }
     let matches = workplace.read("run/matches.csv");
     assert!(matches.contains(",truck,") && !matches.contains(",car,"), "{}", &matches[..500]);
     // Where nothing is mapped, nothing is said.
     DrawnDataset::tracking(workplace.folder(), 2);
-    assert_eq!(mapping(&["street"]), serde_json::Value::Null);
+    assert_eq!(mapping("street", &[]), serde_json::Value::Null);
 }
 
 #[test]
 fn mistakes_in_the_mapping_are_usage() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 1);
+    let workplace = Workplace::with_drive(1);
     workplace.write("mine.toml", "[classes]\nforklift = \"mics\"\n");
     for (arguments, parts) in [
         (&["data", "check", "street", "--class", "forklift=mics"][..], ["\"mics\" is not a class", "misc"]),
@@ -193,9 +182,7 @@ fn mistakes_in_the_mapping_are_usage() {
             ["line 2: classes.forklift", "\"mics\" is not a class"],
         ),
     ] {
-        let ended = workplace.run(arguments);
-        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-        assert!(parts.iter().all(|it| ended.stderr.contains(it)), "{ended:#?}");
+        workplace.refuse(arguments, 2, &parts);
     }
 }
 
@@ -203,7 +190,7 @@ fn mistakes_in_the_mapping_are_usage() {
 fn checksums_and_lists_do_not_ask_about_classes() {
     let workplace = Workplace::new();
     data_sets(&workplace);
-    let ended = workplace.succeed(&["data", "hash", "t/street", "./nuscenes", "drive.mcap"]);
+    let ended = workplace.succeed("data hash t/street ./nuscenes drive.mcap");
     assert_eq!(ended.stdout.lines().count(), 3);
 }
 

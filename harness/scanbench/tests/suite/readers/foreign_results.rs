@@ -129,8 +129,7 @@ fn what_is_written_is_read_back() {
 
 #[test]
 fn formats_are_for_the_data_sets_of_their_makers() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     let dataset = open(&workplace.path("street"));
     let (scan, frame) = (dataset.read_scan(0).unwrap(), dataset.foreign_frame(0).unwrap());
     for (number, output) in [ResultOutput::NuScenes, ResultOutput::Argoverse2].into_iter().enumerate() {
@@ -140,7 +139,7 @@ fn formats_are_for_the_data_sets_of_their_makers() {
         let error = writer.add("echo", (&scan, &frame), &echo(&*dataset, 0).0).expect_err("another's");
         assert!(error.to_string().contains("its data set has no "), "{error}");
     }
-    write(&workplace.path("a.json"), "{\"results\": {}}");
+    workplace.write("a.json", "{\"results\": {}}");
     check_refused(
         &workplace.path("a.json"),
         &*dataset,
@@ -148,24 +147,23 @@ fn formats_are_for_the_data_sets_of_their_makers() {
         &["tokens of nuScenes", "\"street\" (kitti-tracking) has none"],
     );
     let street = street(1);
-    write(&workplace.path("kitti/000000.txt"), "");
+    workplace.write("kitti/000000.txt", "");
     check_refused(&workplace.path("kitti"), &*street, true, &["frame of KITTI's camera", "no calibration"]);
     assert_eq!(workplace.top_names(), ["a.json", "kitti", "street"]);
 }
 
 #[test]
 fn what_lies_at_the_path_says_which_format_it_is() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     let dataset = open(&workplace.path("street"));
     let check = |name: &str, parts: &[&str]| check_refused(&workplace.path(name), &*dataset, true, parts);
-    write(&workplace.path("none/readme.txt"), "");
+    workplace.write("none/readme.txt", "");
     check("none", &["has no results in a known format (KITTI's .txt, "]);
-    write(&workplace.path("both/0000.txt"), "");
-    write(&workplace.path("both/000000.u32"), "");
+    workplace.write("both/0000.txt", "");
+    workplace.write("both/000000.u32", "");
     check("both", &["has results in several formats", "KITTI's .txt, scanbench's .csv and .u32"]);
-    write(&workplace.path("two/a.json"), "");
-    write(&workplace.path("two/b.json"), "");
+    workplace.write("two/a.json", "");
+    workplace.write("two/b.json", "");
     check("two", &["has several files of results", "a.json", "b.json"]);
     let error = read_all(&workplace.path("nowhere"), &*dataset).expect_err("it does not exist");
     assert!(matches!(error, DatasetError::Io { .. }), "{error}");
@@ -173,8 +171,7 @@ fn what_lies_at_the_path_says_which_format_it_is() {
 
 #[test]
 fn other_content_is_seen_by_the_checksum() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     let dataset = open(&workplace.path("street"));
     let checksum = || {
         let results = try_results(&workplace.path("found"), &*dataset, MissingResults::AreEmpty).unwrap();
@@ -182,15 +179,15 @@ fn other_content_is_seen_by_the_checksum() {
     };
     let bytes = std::fs::read(workplace.path("street/training/velodyne/0000/000000.bin")).unwrap();
     let mut labels = vec![0_u8; bytes.len() / 4];
-    write(&workplace.path("found/000000.label"), &labels);
+    workplace.write("found/000000.label", &labels);
     let before = checksum();
     assert_eq!(checksum(), before);
-    write(&workplace.path("found/readme.md"), "no result");
-    write(&workplace.path("found/000077.label"), "of no scan that is asked for");
+    workplace.write("found/readme.md", "no result");
+    workplace.write("found/000077.label", "of no scan that is asked for");
     assert_eq!(checksum(), before);
     // Of the same size.
     labels[2] = 1;
-    write(&workplace.path("found/000000.label"), &labels);
+    workplace.write("found/000000.label", &labels);
     assert_ne!(checksum(), before);
 }
 
@@ -200,7 +197,7 @@ fn scans_without_results_are_named_and_so_are_results_without_scans() {
     DrawnDataset::objects(workplace.folder(), 13);
     let dataset = open(&workplace.path("street"));
     for number in [0, 1, 77] {
-        write(&workplace.path(&format!("results/{number:06}.txt")), "");
+        workplace.write(&format!("results/{number:06}.txt"), "");
     }
     let path = workplace.path("results");
     check_refused(
@@ -234,7 +231,7 @@ fn a_wrong_frame_is_seen_by_boxes_without_points() {
     let dataset = open(&street.root);
     let labels = std::fs::read_to_string(street.path("training/label_02/0000.txt")).unwrap();
     let read = |text: &str| {
-        write(&workplace.path("results/0000.txt"), text);
+        workplace.write("results/0000.txt", text);
         let mut results = try_results(&workplace.path("results"), &*dataset, MissingResults::Refuse).unwrap();
         for scan_idx in 0..3 {
             let found = results.read(&dataset.read_scan(scan_idx).unwrap()).unwrap().unwrap();
@@ -254,8 +251,7 @@ fn a_wrong_frame_is_seen_by_boxes_without_points() {
 
 #[test]
 fn damage_is_named() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 1);
+    let workplace = Workplace::with_drive(1);
     let dataset = open(&workplace.path("street"));
     let car = "0 -1 Car -1 -1 -10 0 0 1 1 1.5 1.8 4.2 1.5 1.73 12 -1.57";
     let check = |name: &str, content: &str, parts: &[&str]| {
@@ -279,8 +275,8 @@ fn damage_is_named() {
     check("000000.csv", "point,cluster\n0,1\n", &["has 1 labels, but its scan has "]);
     check("000000.csv", "nothing", &["has neither the columns point,cluster nor those of boxes"]);
     let error = {
-        write(
-            &workplace.path("results/000000.csv"),
+        workplace.write(
+            "results/000000.csv",
             "class,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\ngoose,1,1,1,1,1,1,1\n",
         );
         read_all(&workplace.path("results"), &*dataset).expect_err("no class")
@@ -288,22 +284,21 @@ fn damage_is_named() {
     assert!(error.is_usage_error() && error.to_string().contains("--class goose=misc"), "{error}");
     // Of two files of boxes neither is the right one.
     let boxes = "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\n";
-    write(&workplace.path("results/000000.csv"), boxes);
-    write(&workplace.path("results/000000.boxes.csv"), boxes);
+    workplace.write("results/000000.csv", boxes);
+    workplace.write("results/000000.boxes.csv", boxes);
     check_refused(&workplace.path("results"), &*dataset, false, &["says the same of the scan as another"]);
 }
 
 #[test]
 fn what_detect_writes_is_read() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     std::fs::create_dir_all(workplace.path("results/0000")).unwrap();
     for number in 0..2 {
         let name = |ending: &str| format!("results/0000/{number:06}.{ending}");
         let scan = format!("0000/{number:06}");
         let seen = ["-P", "vehicle_model.enabled=false", "-P", "boxes.whole=false"];
         let parts = [&["detect", "street", "--scan", &scan], &seen[..]].concat();
-        workplace.succeed(&[&parts[..], &["-o", &name("u32"), "--boxes", &name("csv")]].concat());
+        workplace.succeed(&(&parts, ["-o", &name("u32"), "--boxes", &name("csv")]));
     }
     let dataset = open(&workplace.path("street"));
     let found = read_all(&workplace.path("results"), &*dataset).unwrap();
@@ -330,7 +325,7 @@ fn what_detect_writes_is_read() {
 fn instances_of_labels_are_clusters() {
     let workplace = Workplace::new();
     let simulate = ["data", "simulate", "street-narrow", "--sensor", "vlp-16", "--simulated-scans", "2"];
-    workplace.succeed(&[&simulate[..], &["--to", "semantic-kitti", "-o", "drive"]].concat());
+    workplace.succeed(&(&simulate, "--to semantic-kitti -o drive"));
     let dataset = open(&workplace.path("drive"));
     let of_labels = read_all(&workplace.path("drive"), &*dataset).unwrap();
     for (scan_idx, found) in of_labels.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use scans::annotation::PointRegion;
 
-use super::made::{DRIVE, boxed, kitti_raw, scans, street, write, write_sheet};
+use super::made::{DRIVE, boxed, kitti_raw, scans, street, write_sheet};
 use super::{check_damaged, open};
 use crate::program::Workplace;
 
@@ -32,7 +32,7 @@ fn a_drive_is_read_as_it_was_made() {
     let way_m = poses[1].translation.vector - poses[0].translation.vector;
     assert!((way_m.y - 1.1132).abs() < 1e-3 && way_m.x.abs() < 1e-6, "{way_m}");
     assert!((poses[0].translation.vector.norm() - (0.8_f64 * 0.8 * 2.0 + 0.09).sqrt()).abs() < 1e-9);
-    workplace.succeed(&["selftest", "."]);
+    workplace.succeed("selftest .");
     workplace.succeed(&["run", DRIVE.split('/').next().unwrap(), "-d", "pca", "--no-rrd"]);
     // A single drive, a day, and the folder of all days.
     assert_eq!(open(&workplace.path(DRIVE)).scan_ids().len(), 3);
@@ -50,7 +50,7 @@ fn what_the_camera_sees_is_labelled_and_drives_without_tracklets_are_not() {
     std::fs::remove_file(workplace.path(&format!("{DRIVE}/tracklet_labels.xml"))).unwrap();
     let scan = open(workplace.folder()).read_scan(0).unwrap();
     assert!(scan.annotations.is_empty() && scan.point_regions.iter().all(|it| *it == PointRegion::Outside));
-    let ended = workplace.run(&["run", ".", "-d", "pca", "--no-rrd"]);
+    let ended = workplace.run("run . -d pca --no-rrd");
     assert!(ended.exit_code == Some(0) && ended.stderr.contains("has no labels"), "{ended:#?}");
 }
 
@@ -59,7 +59,7 @@ fn damage_is_named() {
     let check = |file: &str, content: &str, parts: &[&str]| {
         let workplace = Workplace::new();
         kitti_raw(workplace.folder(), &*street(2));
-        write(&workplace.path(file), content);
+        workplace.write(file, content);
         check_damaged(workplace.folder(), parts);
     };
     let drive = |file: &str| format!("{DRIVE}/{file}");

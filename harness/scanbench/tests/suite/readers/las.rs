@@ -2,7 +2,7 @@
 
 use reports::vocabulary::class::AnnotationClass;
 
-use super::made::{las_file, write};
+use super::made::las_file;
 use super::{check_damaged, open};
 use crate::program::Workplace;
 
@@ -18,7 +18,7 @@ pub fn drawn() -> Workplace {
         [(0, false), (0, true), (6, false), (6, true)].into_iter().enumerate()
     {
         let name = format!("drive/{number}.{}", if is_compressed { "laz" } else { "las" });
-        write(&workplace.path(&name), las_file(&hill(2000), [0.0; 3], format, is_compressed));
+        workplace.write(&name, &las_file(&hill(2000), [0.0; 3], format, is_compressed));
     }
     workplace
 }
@@ -39,19 +39,19 @@ fn compressed_and_plain_points_are_the_same() {
         }
         assert!((scan.cloud.intensity()[7] - 1000.0 / 65535.0).abs() < 1e-6);
     }
-    workplace.succeed(&["detect", "drive/1.laz", "--sensor-height", "0"]);
+    workplace.succeed("detect drive/1.laz --sensor-height 0");
 }
 
 #[test]
 fn points_and_labels_on_a_map_move_together() {
     let workplace = Workplace::new();
     let offset_m = [691_000.0, 5_336_000.0, 520.0];
-    write(
-        &workplace.path("map/labels/0.json"),
+    workplace.write(
+        "map/labels/0.json",
         r#"[{"class": "car", "center_m": [691010.0, 5336005.0, 521.0],
         "length_width_height_m": [8.0, 8.0, 4.0], "yaw_rad": 0.0}]"#,
     );
-    write(&workplace.path("map/0.laz"), las_file(&hill(2000), offset_m, 6, true));
+    workplace.write("map/0.laz", &las_file(&hill(2000), offset_m, 6, true));
     let dataset = open(&workplace.path("map"));
     let pose = dataset.world_from_sensor(0).unwrap().unwrap();
     let origin = pose.translation.vector;
@@ -75,10 +75,10 @@ fn what_is_cut_off_is_named() {
         let workplace = Workplace::new();
         let mut bytes = las_file(&hill(2000), [0.0; 3], format, is_compressed);
         bytes.truncate(bytes.len() - 100);
-        write(&workplace.path("drive/0.las"), &bytes);
+        workplace.write("drive/0.las", &bytes);
         check_damaged(&workplace.path("drive"), &["0.las"]);
         bytes.truncate(1000);
-        write(&workplace.path("drive/0.las"), &bytes);
+        workplace.write("drive/0.las", &bytes);
         check_damaged(&workplace.path("drive"), &["0.las"]);
     }
 }

@@ -17,7 +17,7 @@ use simulator::catalogue::Catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::Workplace;
+use crate::program::{Workplace, copy_folder};
 
 /// How long one changed data set may take to be read, on a busy machine.
 const MAX_TIME: Duration = Duration::from_secs(10);
@@ -27,7 +27,7 @@ const MAX_BYTES: u64 = 256 << 20;
 const MAX_BYTES_FOR_EACH: u64 = 100;
 
 fn seconds_for_each() -> f64 {
-    std::env::var("SCANBENCH_MUTATION_SECONDS").ok().and_then(|it| it.parse().ok()).unwrap_or(1.0)
+    std::env::var("SCANBENCH_MUTATION_SECONDS").ok().and_then(|it| it.parse().ok()).unwrap_or(0.5)
 }
 
 /// All files below `folder`, in order, with what is in them.
@@ -212,7 +212,7 @@ fn kitti_layouts_written() {
     let street =
         ["data", "simulate", "street-main-road-ahead", "--sensor", "vlp-16", "--simulated-scans", "2"];
     for (seed, format) in [(91, "kitti-tracking"), (92, "kitti-object")] {
-        workplace.succeed(&[&street[..], &["--to", format, "-o", format]].concat());
+        workplace.succeed(&(&street, ["--to", format, "-o", format]));
         assert!(workplace.names().iter().any(|it| it.extension().is_some_and(|it| it == "u8")), "{format}");
         check(&format!("{format}, written by scanbench"), &workplace.path(format), seed);
     }
@@ -222,14 +222,13 @@ fn kitti_layouts_written() {
 fn semantic_kitti() {
     let workplace = Workplace::new();
     let street = ["data", "simulate", "street-narrow", "--sensor", "vlp-16", "--simulated-scans", "2"];
-    workplace.succeed(&[&street[..], &["--to", "semantic-kitti", "-o", "drive"]].concat());
+    workplace.succeed(&(&street, "--to semantic-kitti -o drive"));
     check("semantic-kitti", &workplace.path("drive"), 2);
 }
 
 #[test]
 fn recordings_of_foxglove() {
-    let workplace = Workplace::new();
-    DrawnDataset::tracking(workplace.folder(), 2);
+    let workplace = Workplace::with_drive(2);
     for (seed, compression) in [(3, "none"), (4, "lz4"), (5, "zstd")] {
         let name = format!("{compression}.mcap");
         workplace.succeed(&["data", "convert", "street", "-o", &name, "--compression", compression]);
@@ -260,12 +259,7 @@ fn recordings_of_ros() {
 #[test]
 fn argoverse2() {
     let workplace = Workplace::new();
-    let log = super::argoverse2::drawn();
-    for (file, bytes) in files_below(&log) {
-        let copy = workplace.path("log").join(file.strip_prefix(&log).unwrap());
-        std::fs::create_dir_all(copy.parent().unwrap()).unwrap();
-        std::fs::write(copy, bytes).unwrap();
-    }
+    copy_folder(&super::argoverse2::drawn(), &workplace.path("log"));
     check("argoverse2", &workplace.path("log"), 20);
 }
 
@@ -284,7 +278,7 @@ fn scan_folders_of_packed_points() {
     let columns: Vec<u8> =
         [5.0_f32, 20.0, 1.0, 0.0, -1.0, 0.0].iter().flat_map(|it| it.to_le_bytes()).collect();
     let write = |name: &str, header: &str, points: &[u8]| {
-        super::made::write(&workplace.path(name), [header.as_bytes(), points].concat());
+        workplace.write(name, &[header.as_bytes(), points].concat());
     };
     let pcd = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ";
     write("a.pcd", &format!("{pcd}binary\n"), &rows);
@@ -308,7 +302,7 @@ fn scan_folders_of_packed_points() {
     let header = "{'descr': '<f4', 'fortran_order': True, 'shape': (2, 3), }";
     let npy = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &columns]
         .concat();
-    super::made::write(&workplace.path("e.npy"), npy);
+    workplace.write("e.npy", &npy);
     check("scan-folder: PCD and PLY as bytes, .npy by columns", workplace.folder(), 31);
 }
 
@@ -347,16 +341,16 @@ fn nuscenes() {
 
 #[test]
 fn captures_of_packets() {
-    use super::made::{calibration_of_64, packets, pcap, pcapng, write};
+    use super::made::{calibration_of_64, packets, pcap, pcapng};
     let workplace = Workplace::new();
     let turns = packets(9000, 1200, 72, 2, [0, 0]);
-    write(&workplace.path("classic/a.pcap"), pcap(&turns));
-    write(&workplace.path("classic/a.yaml"), calibration_of_64());
+    workplace.write("classic/a.pcap", &pcap(&turns));
+    workplace.write("classic/a.yaml", &calibration_of_64());
     check("velodyne-pcap: pcap, calibration in YAML", &workplace.path("classic"), 60);
-    write(&workplace.path("next/a.pcapng"), pcapng(&packets(9000, 1200, 72, 1, [0x39, 0x22])));
+    workplace.write("next/a.pcapng", &pcapng(&packets(9000, 1200, 72, 1, [0x39, 0x22])));
     check("velodyne-pcap: pcapng", &workplace.path("next"), 61);
-    write(&workplace.path("xml/a.pcap"), pcap(&turns));
-    write(&workplace.path("xml/db.xml"), calibration_in_xml());
+    workplace.write("xml/a.pcap", &pcap(&turns));
+    workplace.write("xml/db.xml", &calibration_in_xml());
     check("velodyne-pcap: calibration in XML", &workplace.path("xml"), 62);
 }
 
@@ -384,7 +378,7 @@ fn projects_of_annotation_tools() {
     let workplace = Workplace::new();
     for (seed, tool) in [(80, "labelcloud"), (81, "sustechpoints"), (82, "kitti")] {
         let street = ["data", "prelabel", "street-main-road", "--sensor", "vlp-16", "--simulated-scans", "2"];
-        workplace.succeed(&[&street[..], &["--to", tool, "-o", tool]].concat());
+        workplace.succeed(&(&street, ["--to", tool, "-o", tool]));
         check(&format!("project of {tool}"), &workplace.path(tool), seed);
     }
 }

@@ -1,7 +1,7 @@
 //! Names and labels that do not fit the scans: found, said, and never mixed up.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use mcap::records::Metadata;
 use mcap::{Channel, Message, Schema, WriteOptions};
@@ -10,7 +10,7 @@ use scans::dataset::Dataset;
 use super::mcap::{Logged, SECOND, category, cloud_at, foxglove_messages, write};
 use super::{check_damaged, made, open, try_open};
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::Workplace;
+use crate::program::{Workplace, copy_folder};
 
 /// Two clouds, and the names that the recording gives them.
 fn named(workplace: &Workplace, scan_ids: &str) -> PathBuf {
@@ -54,9 +54,9 @@ fn two_scans_of_one_name_are_refused() {
         open(&named(&workplace, scan_ids)).scan_ids().iter().map(ToString::to_string).collect()
     };
     assert_eq!(ids(r#"[["a", 1], ["b", 1]]"#), ["a/000001", "b/000001"]);
-    assert_eq!(workplace.run(&["data", "check", "drive.mcap"]).exit_code, Some(0));
+    assert_eq!(workplace.run("data check drive.mcap").exit_code, Some(0));
     named(&workplace, r#"[["a", 1], ["a", 1]]"#);
-    assert_eq!(workplace.run(&["data", "check", "drive.mcap"]).exit_code, Some(3));
+    assert_eq!(workplace.run("data check drive.mcap").exit_code, Some(3));
 }
 
 #[test]
@@ -64,12 +64,12 @@ fn names_that_cannot_be_taken_are_said() {
     let workplace = Workplace::new();
     for scan_ids in [r#"[["a", 1]]"#, "no list"] {
         named(&workplace, scan_ids);
-        let ended = workplace.succeed(&["data", "check", "drive.mcap"]);
+        let ended = workplace.succeed("data check drive.mcap");
         let said = "but 2 scans: they are numbered instead";
-        assert!(ended.stdout.contains("WARNING") && ended.stdout.contains(said), "{ended:#?}");
+        ended.check_stdout(&["WARNING", said]);
     }
     named(&workplace, r#"[["a", 1], ["a", 2]]"#);
-    let ended = workplace.succeed(&["data", "check", "drive.mcap"]);
+    let ended = workplace.succeed("data check drive.mcap");
     assert!(!ended.stdout.contains("names for"), "{ended:#?}");
 }
 
@@ -83,7 +83,7 @@ fn drives_that_differ_by_a_slash_stay_apart() {
             open(&workplace.path(format)).scan_ids().iter().map(ToString::to_string).collect();
         assert_eq!(ids, ["a%2Fb/000000", "a_b/000000"], "{format}");
     }
-    workplace.succeed(&["data", "prelabel", "drive.mcap", "--to", "labelcloud", "-o", "project"]);
+    workplace.succeed("data prelabel drive.mcap --to labelcloud -o project");
     assert_eq!(open(&workplace.path("project")).scan_ids().len(), 2);
 }
 
@@ -92,13 +92,13 @@ fn two_drives_of_one_name_are_refused() {
     let workplace = Workplace::new();
     made::kitti_raw(workplace.folder(), &*made::street(1));
     let (day, drive) = made::DRIVE.split_once('/').unwrap();
-    copy(&workplace.path(day), &workplace.path("2011_09_27"));
+    copy_folder(&workplace.path(day), &workplace.path("2011_09_27"));
     check_damaged(workplace.folder(), &["several drives are called", drive, "2011_09_27"]);
 
     let workplace = Workplace::new();
     for split in ["train", "val"] {
         let log = super::argoverse2::drawn().join("sensor/val/drawn-log");
-        copy(&log, &workplace.path(&format!("{split}/drawn-log")));
+        copy_folder(&log, &workplace.path(&format!("{split}/drawn-log")));
     }
     check_damaged(workplace.folder(), &["several scans are called \"drawn-log/000000\""]);
 
@@ -118,19 +118,6 @@ fn scans_that_would_share_their_labels_are_refused() {
     check_damaged(&workplace.path("drive"), &["several scans are called \"b\"", "b.bin", "b.npy"]);
 }
 
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let entry = entry.unwrap();
-        let copied = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &copied);
-        } else {
-            std::fs::copy(entry.path(), copied).unwrap();
-        }
-    }
-}
-
 #[cfg(unix)]
 #[test]
 fn names_with_control_characters_are_refused_and_never_shown_as_they_are() {
@@ -139,9 +126,7 @@ fn names_with_control_characters_are_refused_and_never_shown_as_they_are() {
         for arguments in
             [&["data", "check", input][..], &["run", input, "-d", "pca", "--no-rrd", "-o", "run"]]
         {
-            let ended = workplace.run(arguments);
-            assert_eq!(ended.exit_code, Some(3), "{arguments:?}: {ended:#?}");
-            assert!(ended.stderr.contains(kind) && ended.stderr.contains("\\u{1b}[31m"), "{ended:#?}");
+            let ended = workplace.refuse(arguments, 3, &[kind, "\\u{1b}[31m"]);
             assert!(!ended.stderr.contains('\u{1b}') && !ended.stdout.contains('\u{1b}'), "{ended:#?}");
         }
         assert!(!workplace.path("run").exists());
@@ -201,13 +186,9 @@ fn labels_of_scans_that_are_not_there_are_said() {
     drawn.remove("training/velodyne/0000/000001.bin");
     drawn.remove("training/velodyne/0000/000003.bin");
     check_labels_without_scan(&*open(&drawn.root), 2, "0000/000001");
-    let ended = workplace.succeed(&["data", "check", "street"]);
-    assert!(
-        ended.stdout.contains("WARNING") && ended.stdout.contains("labels of 2 missing scans"),
-        "{ended:#?}"
-    );
+    workplace.succeed("data check street").check_stdout(&["WARNING", "labels of 2 missing scans"]);
     // Of a part of the scans, the others' labels are none that are missing.
-    let ended = workplace.succeed(&["data", "check", "street", "--scans", "0"]);
+    let ended = workplace.succeed("data check street --scans 0");
     assert!(!ended.stdout.contains("labels of"), "{ended:#?}");
 
     let workplace = super::scan_folder::drawn();
@@ -232,7 +213,7 @@ fn labels_of_scans_that_are_not_there_are_said() {
     check_labels_without_scan(&*open(workplace.folder()), 1, "the sample");
 
     let workplace = Workplace::new();
-    copy(&super::argoverse2::drawn(), &workplace.path("log"));
+    copy_folder(&super::argoverse2::drawn(), &workplace.path("log"));
     std::fs::remove_file(workplace.path("log/sensor/val/drawn-log/sensors/lidar/1000.feather")).unwrap();
     check_labels_without_scan(&*open(&workplace.path("log")), 1, "1000");
 }

@@ -4,7 +4,7 @@ use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use super::made::{boxed, nuscenes, scans, street, write};
 use super::{check_damaged, open, try_open};
-use crate::program::Workplace;
+use crate::program::{Workplace, copy_folder};
 
 #[test]
 fn a_scene_is_read_as_it_was_made() {
@@ -43,19 +43,15 @@ fn a_scene_is_read_as_it_was_made() {
             }
         }
     }
-    workplace.succeed(&["selftest", "."]);
-    workplace.succeed(&["run", "v1.0-mini", "-d", "pca", "--no-rrd"]);
+    workplace.succeed("selftest .");
+    workplace.succeed("run v1.0-mini -d pca --no-rrd");
 }
 
 #[test]
 fn several_versions_have_to_be_named() {
     let workplace = Workplace::new();
     nuscenes(workplace.folder(), &*street(1));
-    std::fs::create_dir(workplace.path("v1.0-test")).unwrap();
-    for entry in std::fs::read_dir(workplace.path("v1.0-mini")).unwrap() {
-        let path = entry.unwrap().path();
-        std::fs::copy(&path, workplace.path("v1.0-test").join(path.file_name().unwrap())).unwrap();
-    }
+    copy_folder(&workplace.path("v1.0-mini"), &workplace.path("v1.0-test"));
     let error = try_open(workplace.folder()).err().unwrap();
     assert!(error.is_usage_error() && error.to_string().contains("v1.0-test"), "{error}");
     assert_eq!(open(&workplace.path("v1.0-mini")).scan_ids().len(), 1);
@@ -83,6 +79,6 @@ fn damage_and_files_elsewhere_are_named() {
     std::fs::remove_file(workplace.path("v1.0-mini/visibility.json")).unwrap();
     check_damaged(workplace.folder(), &["visibility.json"]);
     nuscenes(workplace.folder(), &*street(1));
-    write(&workplace.path("samples/LIDAR_TOP/0.pcd.bin"), [0; 41]);
+    workplace.write("samples/LIDAR_TOP/0.pcd.bin", &[0; 41]);
     check_damaged(workplace.folder(), &["0.pcd.bin", "41 bytes", "20 of a point"]);
 }

@@ -65,7 +65,7 @@ fn data_sets(workplace: &Workplace) -> Vec<(PathBuf, Place)> {
     data_sets.push((tracking.root.clone(), place(tracking.path("training/velodyne/0000/000000.bin"), 0, 16)));
     let objects = DrawnDataset::objects(&root("objects-of"), 2);
     data_sets.push((objects.root.clone(), place(objects.path("training/velodyne/000000.bin"), 0, 16)));
-    workplace.succeed(&["data", "convert", "tracking-of/street", "--to", "semantic-kitti", "-o", "semantic"]);
+    workplace.succeed("data convert tracking-of/street --to semantic-kitti -o semantic");
     let semantic = root("semantic").join("sequences/0000/velodyne/000000.bin");
     data_sets.push((root("semantic"), place(semantic, 0, 16)));
     made::kitti_raw(&root("raw"), &*street);
@@ -78,15 +78,7 @@ fn data_sets(workplace: &Workplace) -> Vec<(PathBuf, Place)> {
         let folder = root(extension);
         data_sets.push((folder.clone(), scan_file(&folder, extension)));
     }
-    workplace.succeed(&[
-        "data",
-        "convert",
-        "tracking-of/street",
-        "-o",
-        "drive.mcap",
-        "--compression",
-        "none",
-    ]);
+    workplace.succeed("data convert tracking-of/street -o drive.mcap --compression none");
     let bytes = std::fs::read(root("drive.mcap")).unwrap();
     let first = std::fs::read(&data_sets[0].1.path).unwrap();
     let at = bytes.windows(16).position(|it| it == &first[..16]).unwrap();
@@ -154,7 +146,7 @@ fn regions_and_objects_of_a_recording_stay_with_their_points() {
     let path = super::mcap::write(&workplace, WriteOptions::new(), &[cloud_at(SECOND)]);
     let scan = open(&path).read_scan(0).unwrap();
     assert_eq!((scan.cloud.len(), &scan.points_left_out[..]), (3, &[2][..]));
-    workplace.succeed(&["data", "convert", "drive.mcap", "-o", "again.mcap"]);
+    workplace.succeed("data convert drive.mcap -o again.mcap");
     let again = open(&workplace.path("again.mcap")).read_scan(0).unwrap();
     assert_eq!((&again.cloud, &again.point_regions), (&scan.cloud, &scan.point_regions));
     assert!(again.points_left_out.is_empty());
@@ -177,45 +169,29 @@ const SAID: &str =
 #[test]
 fn every_verb_says_what_it_left_out() {
     let workplace = drive();
-    for (number, arguments) in [
-        &["run", "street", "-d", "pca", "--no-rrd", "-o", "run"][..],
-        &["ablation", "street", "-o", "ablation"],
-        &[
-            "sweep",
-            "street",
-            "-d",
-            "kd-tree",
-            "-P",
-            "kd_tree.tolerance_m=0.5:0.6:0.1",
-            "--no-rrd",
-            "-o",
-            "sweep",
-        ],
-        &["selftest", "street"],
-        &["boxes", "street", "-o", "boxes"],
-        &["fit-density", "street", "-o", "curve.toml"],
-        &["data", "convert", "street", "-o", "street.mcap"],
-        &["data", "prelabel", "street", "--to", "kitti", "-o", "prelabel"],
-        &["data", "realism", "street", "--against", "street", "-o", "realism"],
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    for arguments in [
+        "run street -d pca --no-rrd -o run",
+        "ablation street -o ablation",
+        "sweep street -d kd-tree -P kd_tree.tolerance_m=0.5:0.6:0.1 --no-rrd -o sweep",
+        "selftest street",
+        "boxes street -o boxes",
+        "fit-density street -o curve.toml",
+        "data convert street -o street.mcap",
+        "data prelabel street --to kitti -o prelabel",
+        "data realism street --against street -o realism",
+    ] {
         let ended = workplace.run(arguments);
         // Some find too little to do in three drawn scans; what they read is said all the same.
-        assert!(
-            ended.exit_code != Some(2) && ended.exit_code != Some(101),
-            "{number} {arguments:?}: {ended:#?}"
-        );
-        assert!(ended.stderr.contains(SAID), "{number} {arguments:?}: {ended:#?}");
+        assert!(![Some(2), Some(101)].contains(&ended.exit_code), "{arguments:?}: {ended:#?}");
+        assert!(ended.stderr.contains(SAID), "{arguments:?}: {ended:#?}");
     }
-    let manifest: serde_json::Value = serde_json::from_str(&workplace.read("run/manifest.json")).unwrap();
+    let manifest = workplace.json("run/manifest.json");
     assert_eq!(manifest["datasets"][0]["n_points_left_out"], 3);
-    let ended = workplace.succeed(&["data", "check", "street"]);
+    let ended = workplace.succeed("data check street");
     let line = ended.stdout.lines().find(|it| it.starts_with("no position")).unwrap();
     assert!(line.contains(" 3 of "), "{ended:#?}");
     // Nothing is said where nothing is left out.
-    let sound = workplace.run(&["selftest", "prelabel", "--format", "kitti-object"]);
+    let sound = workplace.run("selftest prelabel --format kitti-object");
     assert!(!sound.stderr.contains("left out"), "{sound:#?}");
 }
 
@@ -228,17 +204,16 @@ fn clusters_have_an_entry_for_every_point_of_the_file() {
     DrawnDataset::tracking(whole.folder(), 3);
     for input in [&[file][..], &["street", "--scan", "0"]] {
         let arguments = [&["detect", "-o", "clusters.u32"], input].concat();
-        let ended = workplace.succeed(&arguments);
-        assert!(ended.stdout.contains("points and 3 without a position, which are skipped"), "{ended:#?}");
+        workplace.succeed(&arguments).check_stdout(&["points and 3 without a position, which are skipped"]);
         let clusters = std::fs::read(workplace.path("clusters.u32")).unwrap();
         let (clusters, rest) = clusters.as_chunks::<4>();
         assert_eq!((clusters.len(), rest.len()), (n_points, 0));
         assert!([5, 6, 900].iter().all(|it| clusters[*it] == [0; 4]));
-        workplace.succeed(&[&["detect", "-o", "clusters.csv"], input].concat());
+        workplace.succeed(&("detect -o clusters.csv", input));
         let csv = workplace.read("clusters.csv");
         assert_eq!((csv.lines().count(), csv.lines().nth(901)), (n_points + 1, Some("900,0")));
         // All others are of the cluster that they are of where nothing is left out.
-        whole.succeed(&[&["detect", "-o", "clusters.u32"], input].concat());
+        whole.succeed(&("detect -o clusters.u32", input));
         let of_whole = std::fs::read(whole.path("clusters.u32")).unwrap();
         let (of_whole, _) = of_whole.as_chunks::<4>();
         let pairs = clusters.iter().zip(of_whole).enumerate().filter(|(it, _)| ![5, 6, 900].contains(it));

@@ -13,22 +13,18 @@ const STREET: [&str; 3] = ["street-main-road", "--simulated-scans", "2"];
 
 fn prelabel(workplace: &Workplace, tool: &str, options: &[&str]) -> Ended {
     let begin = ["data", "prelabel", STREET[0], STREET[1], STREET[2], "--to", tool, "-o", tool];
-    workplace.succeed(&[&begin[..], options].concat())
+    workplace.succeed(&(&begin, options))
 }
 
 /// The vehicles of `run` in `matches.csv` of the task *vehicles*, by scan: what `prelabel` has to propose.
 fn vehicles(workplace: &Workplace) -> Vec<usize> {
     let run = ["run", STREET[0], STREET[1], STREET[2], "-d", "hierarchical", "--no-rrd", "-o", "run"];
     workplace.succeed(&run);
-    let matches = workplace.read("run/matches.csv");
-    let columns: Vec<&str> = matches.lines().next().unwrap().split(',').collect();
-    let place = |name: &str| columns.iter().position(|it| *it == name).unwrap();
-    let is_vehicle =
-        |row: &Vec<&str>| row[place("task")] == "objects" && row[place("detection_class")] == "vehicle";
-    let rows: Vec<Vec<&str>> = matches.lines().map(|it| it.split(',').collect()).filter(is_vehicle).collect();
     let mut n_by_scan = BTreeMap::new();
-    for row in rows {
-        *n_by_scan.entry(row[place("scan")].parse::<u32>().unwrap()).or_default() += 1;
+    for row in workplace.table("run/matches.csv") {
+        if row["task"] == "objects" && row["detection_class"] == "vehicle" {
+            *n_by_scan.entry(row["scan"].parse::<u32>().unwrap()).or_default() += 1;
+        }
     }
     n_by_scan.into_values().collect()
 }
@@ -43,10 +39,7 @@ fn proposals_are_read_back_as_the_same_boxes() {
     {
         let ended = prelabel(&workplace, tool, &[]);
         let n_all: usize = n_expected.iter().sum();
-        assert!(
-            ended.stdout.contains(&format!("2 scans  {n_all} proposals  {tool}, simulated")),
-            "{ended:#?}"
-        );
+        ended.check_stdout(&[&format!("2 scans  {n_all} proposals  {tool}, simulated")]);
         let dataset = open(&workplace.path(tool));
         assert_eq!(dataset.description().format, format);
         assert!(dataset.description().is_simulated());
@@ -74,24 +67,10 @@ fn proposals_are_read_back_as_the_same_boxes() {
 fn what_finds_the_same_scores_one_on_its_own_proposals() {
     let workplace = Workplace::new();
     prelabel(&workplace, "sustechpoints", &[]);
-    let run = [
-        "run",
-        "sustechpoints",
-        "-d",
-        "hierarchical",
-        "--no-rrd",
-        "-o",
-        "run",
-        "-P",
-        "matching.min_points=1",
-    ];
-    workplace.succeed(&[&run[..], &["--criterion", "bev-iou"]].concat());
-    let scans = workplace.read("run/scans.csv");
-    let columns: Vec<&str> = scans.lines().next().unwrap().split(',').collect();
-    let place = |name: &str| columns.iter().position(|it| *it == name).unwrap();
-    for row in scans.lines().skip(1).filter(|it| it.contains(",vehicles,")) {
-        let cells: Vec<&str> = row.split(',').collect();
-        assert_eq!((cells[place("mo")], cells[place("fo")]), ("0", "0"), "{row}");
+    let run = "run sustechpoints -d hierarchical --no-rrd -o run -P matching.min_points=1";
+    workplace.succeed(&(run, "--criterion bev-iou"));
+    for row in workplace.table("run/scans.csv").iter().filter(|it| it["task"] == "vehicles") {
+        assert_eq!((row["mo"].as_str(), row["fo"].as_str()), ("0", "0"), "{row:?}");
     }
 }
 
@@ -105,7 +84,9 @@ fn sure_ones_alone_are_fewer() {
     prelabel(&workplace, "labelcloud", &["--min-score", "3"]);
     let (n_sure, n_all) = (n_boxes("labelcloud"), n_boxes("kitti"));
     assert!(0 < n_sure && n_sure < n_all, "{n_sure} of {n_all}");
-    let again = workplace.run(&["data", "prelabel", STREET[0], "-o", "kitti", "--to", "kitti"]);
-    assert_eq!(again.exit_code, Some(2), "{again:#?}");
-    assert!(again.stderr.contains("\"kitti\" exists; choose another name or remove it"), "{again:#?}");
+    workplace.refuse(
+        &["data", "prelabel", STREET[0], "-o", "kitti", "--to", "kitti"],
+        2,
+        &["\"kitti\" exists; choose another name or remove it"],
+    );
 }

@@ -8,14 +8,9 @@ use crate::program::Workplace;
 
 /// The rows of a CSV file of a run for each detector and task.
 fn rows(workplace: &Workplace, file: &str) -> BTreeMap<String, usize> {
-    let text = workplace.read(file);
-    let mut lines = text.lines();
-    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let place = |name: &str| columns.iter().position(|it| *it == name).unwrap();
     let mut counts = BTreeMap::new();
-    for line in lines {
-        let cells: Vec<&str> = line.split(',').collect();
-        *counts.entry(format!("/{}/{}", cells[place("detector")], cells[place("task")])).or_default() += 1;
+    for row in workplace.table(file) {
+        *counts.entry(format!("/{}/{}", row["detector"], row["task"])).or_default() += 1;
     }
     counts
 }
@@ -24,7 +19,7 @@ fn rows(workplace: &Workplace, file: &str) -> BTreeMap<String, usize> {
 fn a_recording_of_results_says_what_the_rows_say() {
     let workplace = Workplace::new();
     let street = ["run", "street-narrow", "--simulated-scans", "2", "--sensor", "vlp-16", "--no-rrd"];
-    workplace.succeed(&[&street[..], &["-d", "hierarchical,pca", "--mcap", "-o", "run"]].concat());
+    workplace.succeed(&(&street, "-d hierarchical,pca --mcap -o run"));
     let bytes = std::fs::read(workplace.path("run/run.mcap")).unwrap();
     let (mut n_numbers, mut n_outcomes) = (BTreeMap::new(), BTreeMap::new());
     let mut last_tp = 0;
@@ -53,7 +48,7 @@ fn a_recording_of_results_says_what_the_rows_say() {
     assert_eq!(n_outcomes, rows(&workplace, "run/matches.csv"));
 
     // It holds the scans as well.
-    workplace.succeed(&["run", "run/run.mcap", "-d", "hierarchical,pca", "--no-rrd", "-o", "again"]);
+    workplace.succeed("run run/run.mcap -d hierarchical,pca --no-rrd -o again");
     assert_eq!(rows(&workplace, "again/matches.csv"), rows(&workplace, "run/matches.csv"));
 }
 
@@ -61,10 +56,10 @@ fn a_recording_of_results_says_what_the_rows_say() {
 fn several_data_sets_have_a_recording_each_and_none_is_written_unasked() {
     let workplace = Workplace::new();
     let run = ["run", "street-narrow", "street-intersection", "-d", "pca", "--no-rrd", "--sensor", "vlp-16"];
-    workplace.succeed(&[&run[..], &["--simulated-scans", "1", "--mcap", "-o", "two"]].concat());
+    workplace.succeed(&(&run, "--simulated-scans 1 --mcap -o two"));
     for name in ["two/run-street-narrow.mcap", "two/run-street-intersection.mcap"] {
         assert!(workplace.path(name).is_file(), "{:?}", workplace.names());
     }
-    workplace.succeed(&[&run[..2], &run[3..], &["--simulated-scans", "1", "-o", "none"]].concat());
+    workplace.succeed(&(&run[..2], &run[3..], "--simulated-scans 1 -o none"));
     assert!(!workplace.path("none/run.mcap").exists());
 }

@@ -16,11 +16,6 @@ const BOXES: &str = r#"[{"class": "Car", "center_m": [5, 1, -1], "length_width_h
 /// A folder with a scan of each kind.
 pub fn drawn() -> Workplace {
     let workplace = Workplace::new();
-    let write = |name: &str, content: &[u8]| {
-        let path = workplace.path("drive").join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, content).unwrap();
-    };
     let rows: Vec<u8> =
         [5.0_f32, 1.0, -1.0, 0.5, 20.0, 0.0, 0.0, 0.25].iter().flat_map(|it| it.to_le_bytes()).collect();
     let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 4), }";
@@ -29,10 +24,10 @@ pub fn drawn() -> Workplace {
     for (name, content) in
         [("a.bin", &rows[..]), ("b.npy", &npy), ("c.pcd", PCD.as_bytes()), ("d.ply", PLY.as_bytes())]
     {
-        write(name, content);
-        write(&format!("labels/{}.json", &name[..1]), BOXES.as_bytes());
+        workplace.write(&format!("drive/{name}"), content);
+        workplace.write(&format!("drive/labels/{}.json", &name[..1]), BOXES);
     }
-    write("readme.txt", b"not a scan");
+    workplace.write("drive/readme.txt", "not a scan");
     workplace
 }
 
@@ -53,9 +48,8 @@ fn scans_of_all_kinds_are_read_with_their_boxes() {
     let scan = open(&workplace.path("drive")).read_scan(3).unwrap();
     assert_eq!((scan.annotations.len(), scan.point_regions), (0, vec![PointRegion::Outside; 2]));
     // A scan of its own, and one that nobody labelled.
-    workplace.succeed(&["detect", "drive/d.ply", "-o", "clusters.csv"]);
-    let ended = workplace.succeed(&["run", "drive", "-d", "pca", "--no-rrd"]);
-    assert!(ended.stderr.contains("\"drive\" has no labels"), "{ended:#?}");
+    workplace.succeed("detect drive/d.ply -o clusters.csv");
+    workplace.succeed("run drive -d pca --no-rrd").check_stderr(&["\"drive\" has no labels"]);
 }
 
 #[test]

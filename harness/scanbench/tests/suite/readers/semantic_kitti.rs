@@ -80,9 +80,7 @@ impl Drawn {
     }
 
     fn write(&self, name: &str, content: &[u8]) {
-        let path = self.path(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, content).unwrap();
+        self.0.write(&format!("drive/sequences/00/{name}"), content);
     }
 
     fn root(&self) -> std::path::PathBuf {

@@ -27,7 +27,7 @@ fn n_returns(n_lasers: usize) -> usize {
 fn revolutions_are_cut_where_the_azimuth_is_0() {
     for (name, bytes) in [("a.pcap", pcap(&turns(1, HDL_32E))), ("a.pcapng", pcapng(&turns(1, HDL_32E)))] {
         let workplace = Workplace::new();
-        write(&workplace.path(name), bytes);
+        workplace.write(name, &bytes);
         let dataset = open(&workplace.path(name));
         assert_eq!(
             (dataset.description().format.as_str(), dataset.description().sensor.as_str()),
@@ -60,7 +60,7 @@ fn points_have_the_times_of_their_packets() {
         let micros = (3_600_000_000_u64 - 60_000 + 553 * u64::from(number)) % 3_600_000_000;
         packet[1200..1204].copy_from_slice(&(micros as u32).to_le_bytes());
     }
-    write(&workplace.path("a.pcap"), pcap(&packets));
+    workplace.write("a.pcap", &pcap(&packets));
     let scan = open(&workplace.path("a.pcap")).read_scan(0).unwrap();
     let times_s = scan.cloud.time_offset_s().unwrap();
     assert!(times_s.windows(2).all(|it| it[0] < it[1]) && times_s[0] >= 0.0, "{:?}", &times_s[..40]);
@@ -70,42 +70,43 @@ fn points_have_the_times_of_their_packets() {
 
     // One clock that was set meanwhile.
     packets[100][1200..1204].copy_from_slice(&7_u32.to_le_bytes());
-    write(&workplace.path("b.pcap"), pcap(&packets));
+    workplace.write("b.pcap", &pcap(&packets));
     assert_eq!(open(&workplace.path("b.pcap")).read_scan(0).unwrap().cloud.time_offset_s(), None);
 }
 
 #[test]
 fn sixteen_and_sixty_four_lasers_are_read_too() {
     let workplace = Workplace::new();
-    write(&workplace.path("vlp.pcap"), pcap(&turns(1, VLP_16)));
+    workplace.write("vlp.pcap", &pcap(&turns(1, VLP_16)));
     let scan = open(&workplace.path("vlp.pcap")).read_scan(0).unwrap();
     assert_eq!(scan.cloud.len(), n_returns(32));
     let highest = scan.cloud.z_m().iter().copied().fold(f32::MIN, f32::max);
     assert!(highest > 3.0 && highest < 5.0, "{highest}");
 
     // Calibrated one by one: without a file nobody knows where the lasers point.
-    write(&workplace.path("hdl.pcap"), pcap(&turns(2, [0x48, 0x07])));
+    workplace.write("hdl.pcap", &pcap(&turns(2, [0x48, 0x07])));
     check_damaged(&workplace.path("hdl.pcap"), &["db.xml", "does not exist"]);
-    write(&workplace.path("hdl.yaml"), calibration_of_64());
+    workplace.write("hdl.yaml", &calibration_of_64());
     let scan = open(&workplace.path("hdl.pcap")).read_scan(0).unwrap();
     assert_eq!(scan.cloud.len(), n_returns(64));
-    write(&workplace.path("hdl.yaml"), calibration_of_64().split("- {laser_id: 63").next().unwrap());
+    workplace.write("hdl.yaml", calibration_of_64().split("- {laser_id: 63").next().unwrap());
     check_damaged(&workplace.path("hdl.pcap"), &["hdl.yaml", "has 63 lasers"]);
 }
 
 #[test]
 fn verbs_take_captures_and_a_run_says_that_nothing_is_labelled() {
     let workplace = Workplace::new();
-    write(&workplace.path("a.pcap"), pcap(&turns(1, VLP_16)));
-    workplace.succeed(&["data", "check", "a.pcap"]);
-    workplace.succeed(&["detect", "a.pcap", "--scan", "1"]);
-    workplace.succeed(&["data", "convert", "a.pcap", "-o", "a.mcap"]);
+    workplace.write("a.pcap", &pcap(&turns(1, VLP_16)));
+    workplace.succeed("data check a.pcap");
+    workplace.succeed("detect a.pcap --scan 1");
+    workplace.succeed("data convert a.pcap -o a.mcap");
     assert_eq!(
         open(&workplace.path("a.mcap")).read_scan(1).unwrap().cloud,
         open(&workplace.path("a.pcap")).read_scan(1).unwrap().cloud
     );
-    let ended = workplace.succeed(&["run", "a.pcap", "-d", "pca", "--no-rrd", "-o", "run"]);
-    assert!(ended.stderr.contains("\"a\" has no labels: nothing is scored"), "{ended:#?}");
+    workplace
+        .succeed("run a.pcap -d pca --no-rrd -o run")
+        .check_stderr(&["\"a\" has no labels: nothing is scored"]);
     assert!(workplace.path("run/agreement.csv").exists());
 }
 

@@ -1,6 +1,6 @@
 //! Whatever ends the program, and whatever the disk takes: what was asked for is there whole, or what was there before is.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
 
@@ -9,29 +9,22 @@ use rand_chacha::ChaCha8Rng;
 
 use super::made::scans;
 use super::{open, try_open};
-use crate::program::Workplace;
+use crate::program::{Ended, Words, Workplace};
 
-const SMALL: [&str; 4] = ["--simulated-scans", "3", "--sensor", "vlp-16"];
+const SMALL: &str = "--simulated-scans 3 --sensor vlp-16";
 
 /// What writes, and the file or folder that it leaves.
-fn writers() -> Vec<(Vec<&'static str>, &'static str)> {
-    let simulate = |format: &'static str, name: &'static str| {
-        (vec!["data", "simulate", "street-narrow", "--to", format, "-o", name], name)
-    };
-    let prelabel = |tool: &'static str, name: &'static str| {
-        (vec!["data", "prelabel", "street-narrow", "--to", tool, "-o", name], name)
-    };
-    vec![
-        simulate("mcap", "out.mcap"),
-        simulate("kitti-tracking", "tracking"),
-        simulate("kitti-object", "object"),
-        simulate("semantic-kitti", "semantic"),
-        prelabel("kitti", "kitti"),
-        prelabel("labelcloud", "labelcloud"),
-        prelabel("sustechpoints", "sustech"),
-        (vec!["run", "street-narrow", "-d", "pca", "--no-rrd", "--mcap", "-o", "run"], "run"),
-    ]
-}
+const WRITERS: [(&str, &str); 8] = [
+    ("data simulate street-narrow --to mcap -o", "out.mcap"),
+    ("data simulate street-narrow --to kitti-tracking -o", "tracking"),
+    ("data simulate street-narrow --to kitti-object -o", "object"),
+    ("data simulate street-narrow --to semantic-kitti -o", "semantic"),
+    ("data prelabel street-narrow --to kitti -o", "kitti"),
+    ("data prelabel street-narrow --to labelcloud -o", "labelcloud"),
+    ("data prelabel street-narrow --to sustechpoints -o", "sustech"),
+    (RUN, "run"),
+];
+const RUN: &str = "run street-narrow -d pca --no-rrd --mcap -o";
 
 /// Nothing, or something whole: a data set with all its scans, or a run with all its files.
 #[track_caller]
@@ -57,8 +50,9 @@ fn killed_at_any_moment_a_writer_leaves_nothing_or_all() {
     use std::os::unix::process::ExitStatusExt as _;
 
     let mut random = ChaCha8Rng::seed_from_u64(7);
-    for (arguments, name) in writers() {
-        let (workplace, arguments, whole_ms) = timed(&arguments);
+    for (writer, name) in WRITERS {
+        let arguments = (writer, name, SMALL);
+        let (workplace, whole_ms) = timed(&arguments);
         remove(&workplace.path(name));
         let (mut n_killed, mut n_whole) = (0, 0);
         // The last one well after the end, for the other outcome.
@@ -83,16 +77,17 @@ fn killed_at_any_moment_a_writer_leaves_nothing_or_all() {
 #[test]
 fn asked_to_end_at_any_moment_a_writer_leaves_nothing_at_all_or_all() {
     let mut random = ChaCha8Rng::seed_from_u64(9);
-    for (arguments, name) in writers() {
-        let (workplace, arguments, whole_ms) = timed(&arguments);
-        for attempt in 0..6 {
+    for (writer, name) in WRITERS {
+        let arguments = (writer, name, SMALL);
+        let (workplace, whole_ms) = timed(&arguments);
+        for attempt in 0..4 {
             remove(&workplace.path(name));
             let mut command = workplace.command(&arguments);
             let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
             std::thread::sleep(Duration::from_millis(random.random_range(0..=whole_ms)));
             let signal = if attempt % 2 == 0 { "-TERM" } else { "-INT" };
             let id = child.id().to_string();
-            for _ in 0..=attempt % 3 {
+            for _ in 0..=attempt / 2 {
                 // It may have ended.
                 let _ = std::process::Command::new("kill").args([signal, &id]).stderr(Stdio::null()).status();
             }
@@ -106,13 +101,12 @@ fn asked_to_end_at_any_moment_a_writer_leaves_nothing_at_all_or_all() {
     }
 }
 
-/// A workplace in which the program has run with `arguments` over a few scans, all of its arguments, and the milliseconds that it took.
-fn timed<'a>(arguments: &[&'a str]) -> (Workplace, Vec<&'a str>, u64) {
+/// A workplace in which the program has run with `arguments`, and the milliseconds that it took.
+fn timed(arguments: &impl Words) -> (Workplace, u64) {
     let workplace = Workplace::new();
-    let arguments = [arguments, &SMALL].concat();
     let started = std::time::Instant::now();
-    workplace.succeed(&arguments);
-    (workplace, arguments, started.elapsed().as_millis() as u64)
+    workplace.succeed(arguments);
+    (workplace, started.elapsed().as_millis() as u64)
 }
 
 fn remove(path: &Path) {
@@ -127,14 +121,13 @@ fn remove(path: &Path) {
 #[test]
 fn killed_while_a_run_is_replaced_the_one_or_the_other_is_there() {
     let workplace = Workplace::new();
-    let run = ["run", "street-narrow", "-d", "pca", "--no-rrd", "--mcap", "-o", "run", "--overwrite"];
-    let run = [&run[..], &SMALL].concat();
+    let run = (RUN, "run --overwrite", SMALL);
     workplace.succeed(&run);
     let started = std::time::Instant::now();
     workplace.succeed(&run);
     let whole_ms = started.elapsed().as_millis() as u64;
     let mut random = ChaCha8Rng::seed_from_u64(8);
-    for attempt in 0..12 {
+    for attempt in 0..9 {
         // Most moments near the end, when names change.
         let from_ms = if attempt % 3 == 0 { 0 } else { whole_ms * 3 / 4 };
         let pause_ms = random.random_range(from_ms..=whole_ms);
@@ -148,25 +141,23 @@ fn killed_while_a_run_is_replaced_the_one_or_the_other_is_there() {
 
 /// The program under a limit of the size of its files, as on a disk that is full.
 #[cfg(unix)]
-fn run_with_full_disk(workplace: &Workplace, arguments: &[&str], kilobytes: u32) -> std::process::Output {
-    let limited = format!("trap '' XFSZ; ulimit -f {kilobytes}; exec \"$0\" \"$@\"");
-    let program = workplace.command(&[]).get_program().to_owned();
+fn run_with_full_disk(workplace: &Workplace, arguments: &impl Words) -> Ended {
+    // Blocks of a kilobyte: less than a scan.
+    let limited = "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\"";
+    let program = workplace.command("").get_program().to_owned();
     let mut command = std::process::Command::new("bash");
-    command.args(["-c", &limited]).arg(program).args(arguments).current_dir(workplace.folder());
-    command.env_remove("SCANBENCH_DATASETS").output().unwrap()
+    command.args(["-c", limited]).arg(program).args(arguments.words()).current_dir(workplace.folder());
+    Ended::from(command.env_remove("SCANBENCH_DATASETS").output().unwrap())
 }
 
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_nothing_and_is_said() {
-    for (arguments, name) in writers() {
+    for (writer, name) in WRITERS {
         let workplace = Workplace::new();
-        // Blocks of a kilobyte: less than a scan.
-        let ended = run_with_full_disk(&workplace, &[&arguments[..], &SMALL].concat(), 64);
-        let stderr = String::from_utf8_lossy(&ended.stderr);
-        assert_eq!(ended.status.code(), Some(1), "{name}: {stderr}");
-        let says_why = stderr.to_lowercase().contains("file too large");
-        assert!(stderr.contains("cannot write") && says_why, "{name}: {stderr}");
+        let ended = run_with_full_disk(&workplace, &(writer, name, SMALL));
+        ended.check_refusal(1, &["cannot write"]);
+        assert!(ended.stderr.to_lowercase().contains("file too large"), "{name}: {ended:#?}");
         assert!(workplace.names().is_empty(), "{name}: {:?}", workplace.names());
     }
 }
@@ -175,12 +166,10 @@ fn a_full_disk_leaves_nothing_and_is_said() {
 #[test]
 fn a_run_is_not_replaced_where_the_disk_is_full() {
     let workplace = Workplace::new();
-    let run = ["run", "street-narrow", "-d", "pca", "--no-rrd", "--mcap", "-o", "run", "--overwrite"];
-    let run = [&run[..], &SMALL].concat();
+    let run = (RUN, "run --overwrite", SMALL);
     workplace.succeed(&run);
     let (before, names) = (workplace.read("run/manifest.json"), workplace.names());
-    let ended = run_with_full_disk(&workplace, &run, 64);
-    assert_eq!(ended.status.code(), Some(1), "{}", String::from_utf8_lossy(&ended.stderr));
+    run_with_full_disk(&workplace, &run).check_refusal(1, &[]);
     assert_eq!((workplace.read("run/manifest.json"), workplace.names()), (before, names));
 }
 
@@ -189,14 +178,10 @@ fn a_run_is_not_replaced_where_the_disk_is_full() {
 fn where_nothing_can_be_written_nothing_is_left() {
     let workplace = Workplace::new();
     workplace.write("file", "");
-    for (arguments, name) in writers() {
-        let below = PathBuf::from("file").join(name);
-        let arguments = [&arguments[..], &SMALL].concat();
-        let arguments: Vec<&str> =
-            arguments.into_iter().map(|it| if it == name { below.to_str().unwrap() } else { it }).collect();
-        let ended = workplace.run(&arguments);
+    for (writer, name) in WRITERS {
+        let ended = workplace.run(&(writer, format!("file/{name}"), SMALL));
         assert!([Some(1), Some(2)].contains(&ended.exit_code), "{ended:#?}");
-        assert!(ended.stderr.contains("file"), "{ended:#?}");
+        ended.check_stderr(&["file"]);
         assert_eq!(workplace.top_names(), ["file"]);
     }
 }
