@@ -68,7 +68,8 @@ class Runner:
             quality.write_text(re.sub(r"^\[speed\].*", "", tolerances, flags=re.MULTILINE | re.DOTALL))
             golden = ["bash", "-c", 'source .ci/preamble && GOLDEN_REPEATS=1 accepted_run "$1"', "golden", run]
             subprocess.run(golden, cwd=self.root, check=True, capture_output=True)
-            arguments = [self.program, "gate", run, "-b", self.root / "reports/golden", "-t", quality, "-o", Path(scratch, "verdict")]
+            accepted, verdict = self.root / "reports/golden", Path(scratch, "verdict")
+            arguments = [self.program, "gate", run, "-b", accepted, "-t", quality, "-o", verdict]
             ended = subprocess.run(arguments, cwd=self.root, capture_output=True, text=True, check=False)
         if ended.returncode != 0:
             said = (ended.stdout.splitlines() or ended.stderr.splitlines() or [""])[0]

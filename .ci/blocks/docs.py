@@ -100,7 +100,7 @@ def copied(root: Path, folder: Path, pages: list[Path]) -> Path:
 def main(words: list[str], root: Path = ROOT) -> int:
     parser = argparse.ArgumentParser(prog=".ci/docs", description="Makes generated blocks of pages again.")
     parser.add_argument("pages", nargs="*", metavar="PAGE", help="pages by name, as `robustness`; all if left out")
-    parser.add_argument("--check", action="store_true", help="list what is stale, end with 1 if anything is, and change nothing")
+    parser.add_argument("--check", action="store_true", help="list what is stale, and fail if anything is")
     parser.add_argument("--all", action="store_true", help="make every block, stale or not")
     parser.add_argument("--try", dest="folder", type=Path, help="make every block with tiny runs, in a copy in FOLDER")
     arguments = parser.parse_args(words)

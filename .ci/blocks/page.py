@@ -20,8 +20,11 @@ from pathlib import Path
 from stamp import checksum
 
 BEGIN = "<!-- made by:"
-BLOCK = re.compile(r"<!-- made by:\n(?P<commands>(?:(?!<!--|-->).)*?\n)shows: (?P<shows>[^\n]*)\n-->(?P<body>(?:(?!<!-- (?:made by|end)).)*)"
-                   r"<!-- end(?:: (?P<sums>(?:\w+ \w+(?:, )?)+))? -->", re.DOTALL)
+BLOCK = re.compile(
+    rf"{BEGIN}\n(?P<commands>(?:(?!<!--|-->).)*?\n)shows: (?P<shows>[^\n]*)\n-->"
+    r"(?P<body>(?:(?!<!-- (?:made by|end)).)*)<!-- end(?:: (?P<sums>(?:\w+ \w+(?:, )?)+))? -->",
+    re.DOTALL,
+)
 
 
 class PageError(Exception):

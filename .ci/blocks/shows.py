@@ -1,4 +1,4 @@
-"""What blocks show of the results of their commands: files that these leave behind, condensed tables of their CSV files, pictures.
+"""What blocks show of the results of their commands: files that these leave, condensed tables of CSV files, pictures.
 
 Every function in `SHOWS` takes the results of a block's commands, then the arguments of its line `shows: …`.
 """
@@ -11,6 +11,7 @@ import subprocess
 import tempfile
 from collections import defaultdict
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from statistics import mean, median_low, stdev
 
@@ -120,15 +121,15 @@ def overall_rates(results: list[Result]) -> Shown:
 
 
 def over_seeds(results: list[Result]) -> Shown:
-    """Mean and standard deviation over runs, which differ in their seeds, of F-rates and of the lead of the first detector."""
+    """F-rates, and the lead of the first detector, over runs that differ in their seeds: mean and standard deviation."""
     lines = []
     for task in TASKS:
         runs = [{it["detector"]: 100 * float(it["f_rate"]) for it in overall_rows(result, task)} for result in results]
         first, *_ = runs[0]
         for detector in runs[0]:
             rates, leads = [it[detector] for it in runs], [it[first] - it[detector] for it in runs]
-            lead = "" if detector == first else f"{mean(leads):.1f} ± {stdev(leads):.1f}"
-            lines.append([task, detector, f"{mean(rates):.1f} ± {stdev(rates):.1f}", f"{min(rates):.1f} to {max(rates):.1f}", lead])
+            cells = [f"{mean(it):.1f} ± {stdev(it):.1f}" for it in (rates, leads)]
+            lines.append([task, detector, cells[0], f"{min(rates):.1f} to {max(rates):.1f}", cells[1] * (detector != first)])
     return Shown(table(["task", "detector", "F-rate", "least and greatest", "lead of the first"], lines, 2))
 
 
@@ -160,7 +161,9 @@ def compared_runs(results: list[Result], *names: str) -> Shown:
     found = [differences(it) for it in compared]
     subjects = dict.fromkeys(subject for it in found for subject in it)
     tasks, detectors = (list(dict.fromkeys(it)) for it in zip(*subjects))
-    lines = [[part, task, *(gain(it.get((task, detector))) for detector in detectors)] for part, it in zip(names, found) for task in tasks]
+    lines = []
+    for (part, of_part), task in product(zip(names, found), tasks):
+        lines.append([part, task, *(gain(of_part.get((task, detector))) for detector in detectors)])
     return noted(table(["what it gives", "task", *detectors], lines, 2))
 
 
@@ -176,7 +179,8 @@ def ablation_rates(results: list[Result]) -> Shown:
     """Rates on simulated data and the recall on recorded ones, of variants of a method and of the detectors of a run."""
     ablation, *runs = results
     counted = [(it["variant"], it) for it in rows(ablation, "ablation.csv")]
-    counted += [(f"*{it['detector']}*", it) for run in runs for it in measured(run, "objects") if it["detector"] != "hierarchical"]
+    others = [it for run in runs for it in measured(run, "objects") if it["detector"] != "hierarchical"]
+    counted += [(f"*{it['detector']}*", it) for it in others]
     sums: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(lambda: [0, 0, 0]))
     for name, row in counted:
         if of_datasets([row]):
@@ -295,10 +299,11 @@ def fitness_summary(results: list[Result]) -> Shown:
     lines = []
     for reading in dict.fromkeys(it["reading"] for it in found):
         objects = [it for it in found if it["task"] == "objects" and it["reading"] == reading]
-        counts = [sum(bool(it["recommended_cell_size_m"]) for it in objects), sum(it["recommends_an_end"] == "true" for it in objects)]
+        recommends = sum(bool(it["recommended_cell_size_m"]) for it in objects)
+        at_end = sum(it["recommends_an_end"] == "true" for it in objects)
         configured = f"always {number(objects[0]['recommended_cell_size_m'], 2)} m"
         name = configured if reading == "as configured" else f"`{reading}`"
-        lines.append([name, *map(str, counts), *(it for task in TASKS for it in losses(found, task, reading))])
+        lines.append([name, str(recommends), str(at_end), *(it for task in TASKS for it in losses(found, task, reading))])
     heads = [it for task in TASKS for it in (f"{task}: mean lost", "most", "rank")]
     of_task = {(it["task"], it["dataset"]): int(it["no"]) for it in found}
     n_objects, n_vehicles = (sum(n for key, n in of_task.items() if key[0] == it) for it in TASKS)
@@ -317,7 +322,8 @@ def fitness_by_dataset(results: list[Result], task: str) -> Shown:
         # Data sets of one kind of street differ by their sensor.
         name = origin_in_words(row).replace(f"-{row['sensor']}", "")
         rate = percent(row["best_rate"]) + " recall" * (row["rate"] == "recall")
-        cells = lines.setdefault((row["dataset"], row["rate"]), [name, row["sensor"], row["no"], number(row["best_cell_size_m"]), rate])
+        first = [name, row["sensor"], row["no"], number(row["best_cell_size_m"]), rate]
+        cells = lines.setdefault((row["dataset"], row["rate"]), first)
         if row["reading"] == "knuth":
             cells += [number(row["recommended_cell_size_m"]), percent(row["loss"]), number(row["rank_correlation"], 2)]
         elif row["reading"] == "as configured":
@@ -331,7 +337,7 @@ def fitness_losses(results: list[Result], *names: str) -> Shown:
     """Mean and greatest loss of Knuth's rule and of the configured cell size, one column a command."""
     of_commands = [of_datasets(rows(result, "cell_fitness.csv")) for result in results]
     lines = []
-    for task, reading in ((task, reading) for task in TASKS for reading in ("knuth", "as configured")):
+    for task, reading in product(TASKS, ("knuth", "as configured")):
         lines.append([task, reading, *(", ".join(losses(it, task, reading)[:2]) for it in of_commands)])
     return Shown(table(["task", "reading", *names], lines, 2))
 
@@ -413,8 +419,8 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 
 
 SHOWN = [
-    file, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs, ablation_rates, rates_by_dataset,
-    gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary, fitness_by_dataset, fitness_losses,
-    realism_agreement, realism_worst, picture, viewer, report_page,
+    file, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs, ablation_rates,
+    rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary, fitness_by_dataset,
+    fitness_losses, realism_agreement, realism_worst, picture, viewer, report_page,
 ]  # fmt: skip
 SHOWS = {it.__name__.replace("_", "-"): it for it in SHOWN}

@@ -1,7 +1,7 @@
 """What decides the results of a block, as checksums by name, and so whether it is stale.
 
-What detectors find and how it is judged is told by the accepted run: `.ci/run` fails where the sources do anything else, so a
-change that leaves results alone makes no page stale. docs/decisions/program.md says why, and what no stamp sees.
+What detectors find and how it is judged is told by the accepted run: `.ci/run` fails where the sources do anything else, so
+a change that leaves results alone makes no page stale. docs/decisions/program.md says why, and what no stamp sees.
 """
 
 import hashlib
@@ -47,8 +47,9 @@ def takes_catalogue(command: str) -> bool:
 
 def said(file: Path) -> bytes:
     """What a file says: TOML without its comments and its layout."""
-    content = file.read_bytes()
-    return json.dumps(tomllib.loads(content.decode()), sort_keys=True, default=str).encode() if file.suffix == ".toml" else content
+    if file.suffix != ".toml":
+        return file.read_bytes()
+    return json.dumps(tomllib.loads(file.read_text()), sort_keys=True, default=str).encode()
 
 
 def sum_of(files: Iterable[Path]) -> str:
@@ -57,7 +58,7 @@ def sum_of(files: Iterable[Path]) -> str:
 
 
 def golden(root: Path) -> dict[str, str]:
-    """The scoring version and the checksum of the accepted results: all rows and numbers but times, and what it was a run of."""
+    """The scoring version, and of the accepted run rows, numbers but times, and what it was a run of."""
     run = root / ACCEPTED
     manifest, report = (json.loads((run / it).read_text()) for it in ("manifest.json", "report.json"))
     numbers = [it for part in ("rows", "overall") for it in report.get(part, []) if it["unit"] not in TIME_UNITS]
