@@ -101,6 +101,16 @@ class Pages(unittest.TestCase):
         self.assertEqual(not_shown(split(Path("a.md"), PAGE)), [])
         hidden = [it for _, it in not_shown(split(Path("a.md"), PAGE.replace("--pairs 3  ", "--pairs 4  ")))]
         self.assertEqual(hidden, ["scanbench gaps --pairs 3"])
+        loop = "cargo run --release -- gaps \\\n  --pairs 3    # few"
+        for shell, is_shown in [
+            ("for n in 2 3; do\n    scanbench gaps --pairs $n\ndone", True),
+            ("gaps() { scanbench gaps \"$@\"; }\ngaps --pairs 3", True),
+            ("scanbench gaps --pairs '3 3'", False),
+            ("touch hidden > hidden\nscanbench gaps", False),
+        ]:
+            page = PAGE.replace(loop, shell)
+            self.assertNotEqual(page, PAGE)
+            self.assertEqual(not_shown(split(Path("a.md"), page)) == [], is_shown, shell)
 
 
 class Stamps(unittest.TestCase):

@@ -1,4 +1,4 @@
-//! What a sweep, or a shard of a run, has done so far, in a file that grows with it and outlives whatever ends the program.
+//! What work has done so far, in a file that grows with it and outlives whatever ends the program.
 //!
 //! The first line says what it belongs to; every other one is a result. A line is written at once, so that a program that
 //! is ended in the middle loses what it was doing and nothing else.
@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
 use std::io::{self, BufRead as _, BufReader, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use serde::Serialize;
@@ -16,39 +17,22 @@ use serde_json::{Map, Value};
 /// Everything that decides the results, by name.
 pub type JournalIdentity = Map<String, Value>;
 
-/// What a journal is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JournalKind {
-    /// Of a run, or of a study that is one.
-    Run,
-    /// Of a sweep.
-    Sweep,
-    /// Of a shard.
-    Shard,
-}
-
-impl JournalKind {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Run => "run",
-            Self::Sweep => "sweep",
-            Self::Shard => "shard",
-        }
-    }
-}
+/// What a journal is of, such as `sweep`.
+pub type JournalKind = &'static str;
 
 /// An open journal, which no other program can open.
 #[derive(Debug)]
 pub struct Journal {
     file: Mutex<File>,
     path: PathBuf,
+    n_entries: AtomicUsize,
 }
 
 /// Why a journal cannot be worked with.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     /// It is that of another sweep, or of another run.
-    #[error("{path:?} belongs to another {}: {} differ; continue that {0} with its own options, choose another directory, or start again with --overwrite", kind.name(), differences.join(", "))]
+    #[error("{path:?} belongs to another {kind}: {} differ; continue that {kind} with its own options, choose another directory, or start again with --overwrite", differences.join(", "))]
     Another {
         /// What it is of.
         kind: JournalKind,
@@ -58,7 +42,7 @@ pub enum JournalError {
         differences: Vec<String>,
     },
     /// Its first line says nothing.
-    #[error("{path:?} is not the journal of a {}; remove it", kind.name())]
+    #[error("{path:?} is not the journal of a {kind}; remove it")]
     NoJournal {
         /// What it should be of.
         kind: JournalKind,
@@ -66,7 +50,7 @@ pub enum JournalError {
         path: PathBuf,
     },
     /// Another program has it open.
-    #[error("another {} is writing to {path:?}", kind.name())]
+    #[error("another {kind} is writing to {path:?}")]
     Locked {
         /// What it is of.
         kind: JournalKind,
@@ -135,11 +119,18 @@ impl Journal {
             _ => false,
         };
         if is_ours {
-            let n_bytes = each_sound_entry(&mut reader, on_entry).map_err(refused)?;
+            let mut n_entries = 0;
+            let mut on_entry = on_entry;
+            let counted = |entry| {
+                n_entries += 1;
+                on_entry(entry);
+            };
+            let n_bytes = each_sound_entry(&mut reader, counted).map_err(refused)?;
             file.set_len(head.len() as u64 + n_bytes).map_err(refused)?;
-            return Ok(Self { file: Mutex::new(file), path: path.to_owned() });
+            let n_entries = n_entries.into();
+            return Ok(Self { file: Mutex::new(file), path: path.to_owned(), n_entries });
         }
-        let journal = Self { file: Mutex::new(file), path: path.to_owned() };
+        let journal = Self { file: Mutex::new(file), path: path.to_owned(), n_entries: 0.into() };
         journal.restart(identity)?;
         Ok(journal)
     }
@@ -166,16 +157,14 @@ impl Journal {
     ///
     /// [`JournalError::Io`] if the disk does not take it.
     pub fn add(&self, entry: &impl Serialize) -> Result<(), JournalError> {
-        self.add_line(entry)
+        self.add_line(entry)?;
+        self.n_entries.fetch_add(1, Ordering::Relaxed);
+        Ok(())
     }
 
-    /// Removes the file: the results are elsewhere.
-    ///
-    /// # Errors
-    ///
-    /// [`JournalError::Io`] if the operating system refuses.
-    pub fn remove(self) -> Result<(), JournalError> {
-        std::fs::remove_file(&self.path).map_err(|source| self.refused(source))
+    /// How many results it holds.
+    pub fn n_entries(&self) -> usize {
+        self.n_entries.load(Ordering::Relaxed)
     }
 
     fn restart(&self, identity: &JournalIdentity) -> Result<(), JournalError> {
@@ -198,12 +187,32 @@ impl Journal {
     }
 }
 
-/// The names under which `head` and `identity` do not say the same; `None` if `head` says nothing.
+/// The names under which `head` and `identity` do not say the same, with dots between those of tables within tables; `None` if `head`
+/// says nothing.
 fn differences(head: &[u8], identity: &JournalIdentity) -> Option<Vec<String>> {
+    /// More of them say no more.
+    const MOST: usize = 6;
     let found: JournalIdentity = serde_json::from_slice(head).ok()?;
-    let names: BTreeSet<&String> = found.keys().chain(identity.keys()).collect();
-    let differ = names.into_iter().filter(|name| found.get(*name) != identity.get(*name));
-    Some(differ.map(|name| name.replace('_', " ")).collect())
+    let mut names = Vec::new();
+    add_differences("", (&found, identity), &mut names);
+    if names.len() > MOST {
+        names.truncate(MOST);
+        names.push("…".to_owned());
+    }
+    Some(names)
+}
+
+fn add_differences(table: &str, (one, other): (&JournalIdentity, &JournalIdentity), names: &mut Vec<String>) {
+    let keys: BTreeSet<&String> = one.keys().chain(other.keys()).collect();
+    for key in keys {
+        match (one.get(key), other.get(key)) {
+            (Some(Value::Object(one)), Some(Value::Object(other))) => {
+                add_differences(&format!("{table}{key}."), (one, other), names);
+            }
+            (one, other) if one != other => names.push(format!("{table}{key}")),
+            _ => {}
+        }
+    }
 }
 
 /// Hands the results up to the first damaged line to `on_entry`, and returns how many bytes they take.
@@ -228,9 +237,10 @@ mod tests {
     use super::*;
 
     fn identity(seed: u64) -> JournalIdentity {
-        let Value::Object(identity) = serde_json::json!({ "data_sets": [seed], "points": ["0.1"] }) else {
-            unreachable!("it is written so")
-        };
+        let walls = serde_json::json!({ "min_support": seed, "enabled": true });
+        let identity =
+            serde_json::json!({ "data_sets": [seed], "points": ["0.1"], "other": { "walls": walls } });
+        let Value::Object(identity) = identity else { unreachable!("it is written so") };
         identity
     }
 
@@ -245,7 +255,7 @@ mod tests {
 
     fn open_or(path: &Path, seed: u64, other: OtherJournal) -> Result<(Journal, Vec<String>), JournalError> {
         let mut entries = Vec::new();
-        let identity = (JournalKind::Sweep, &identity(seed));
+        let identity = ("sweep", &identity(seed));
         let journal = Journal::open(path, identity, other, |it| entries.push(it))?;
         Ok((journal, entries))
     }
@@ -264,8 +274,8 @@ mod tests {
         let mut again: Vec<String> = Vec::new();
         journal.each_entry(|it| again.push(it)).unwrap();
         assert_eq!(again, entries);
-        journal.remove().unwrap();
-        assert!(!path.exists());
+        journal.add(&entry(2)).unwrap();
+        assert_eq!(journal.n_entries(), 3);
     }
 
     #[test]
@@ -300,7 +310,7 @@ mod tests {
         assert!(matches!(locked, JournalError::Locked { .. }), "{locked}");
         drop(journal);
         let error = open(&path, 2).unwrap_err().to_string();
-        assert!(error.contains("another sweep: data sets differ;"), "{error}");
+        assert!(error.contains("another sweep: data_sets, other.walls.min_support differ;"), "{error}");
         assert_eq!(open(&path, 1).unwrap().1, [entry(0)]);
         let (_, entries) = open_or(&path, 2, OtherJournal::Discard).unwrap();
         assert!(entries.is_empty());

@@ -1,12 +1,20 @@
 //! What shards say of themselves, as far as all of one run, or of one study, have to say the same.
 
+use serde::Serialize;
+
 use crate::run_folder::detector_changes::detector_changes;
 use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, GitState, Manifest};
 use crate::run_folder::partial_manifest::PartialManifest;
 use crate::run_folder::shard_record::ShardRecord;
 
 /// A manifest of what may be made in parts.
-pub trait MadeInShards {
+pub trait MadeInShards: Serialize {
+    /// The content of `manifest.json`.
+    fn to_json(&self) -> String {
+        let text = serde_json::to_string_pretty(self).expect("a manifest has text keys only");
+        format!("{text}\n")
+    }
+
     /// Which part it is; `None` of a whole.
     fn shard(&self) -> Option<&ShardRecord>;
 

@@ -8,7 +8,7 @@ pub mod protocol_differences;
 pub mod standing;
 pub mod drift;
 pub mod changed_claims;
-mod suggestion;
+pub mod suggestion;
 pub mod rule_problems;
 pub mod tolerances;
 pub mod tolerances_file;

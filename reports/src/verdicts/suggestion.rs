@@ -3,17 +3,19 @@
 /// How alike two names have to be, from 0 to 1, for one to be a slip of the other.
 const LEAST_LIKENESS: f64 = 0.6;
 
+/// The name of `known` of which `name` may be a slip.
+pub fn closest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let likeness = |it: &&str| strsim::normalized_damerau_levenshtein(name, it);
+    known.max_by(|a, b| likeness(a).total_cmp(&likeness(b))).filter(|it| likeness(it) >= LEAST_LIKENESS)
+}
+
 /// `; did you mean …?` with the name of `known` that is most like `name`, or a list of them if none is.
 pub(super) fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a String>) -> String {
-    let known: Vec<&String> = known.collect();
-    let likeness = |it: &&&String| strsim::normalized_damerau_levenshtein(name, it);
-    match known.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))) {
-        Some(closest) if likeness(&closest) >= LEAST_LIKENESS => format!("; did you mean {closest:?}?"),
-        Some(_) => {
-            let known: Vec<&str> = known.iter().map(|it| it.as_str()).collect();
-            format!("; choose from {}", known.join(", "))
-        }
-        None => String::new(),
+    let known: Vec<&str> = known.map(String::as_str).collect();
+    match closest(name, known.iter().copied()) {
+        Some(closest) => format!("; did you mean {closest:?}?"),
+        None if known.is_empty() => String::new(),
+        None => format!("; choose from {}", known.join(", ")),
     }
 }
 

@@ -9,7 +9,6 @@ use reports::rows::partial_row::{PartialRow, SeenPart};
 use reports::vocabulary::partial_class::PartialClass;
 use scans::dataset::DatasetError;
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
-use scans::object_cloud::uncover::{UNCOVER_STEPS, UncoverFrom};
 
 use super::methods::{Method, MethodError, OURS, TrainedMethod, UnknownClass};
 use super::object_parts::{ObjectPart, PartsSeen, object_parts};
@@ -108,27 +107,22 @@ pub struct PartialExperiment<'a> {
     pub classes: &'a [PartialClass],
 }
 
-/// What came of it.
-#[derive(Debug)]
-pub struct PartialResults {
-    /// Rows in the order of training, method and part.
+/// What one method says of all parts of an object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnsweredObject {
+    /// The number of the method, counted through all that it may have learned from.
+    pub method_idx: usize,
+    /// Which object of its set.
+    pub object_idx: usize,
+    /// A row for each part.
     pub rows: Vec<PartialRow>,
-    /// What our method last learned, or had learned before; none if it did not take part.
-    pub model: Option<Arc<PartialModel>>,
 }
 
-impl PartialExperiment<'_> {
-    /// How many answers methods give.
-    pub fn n_answers(&self) -> usize {
-        let n_parts = match self.judged_parts {
-            PartsSeen::Whole => 1,
-            PartsSeen::Uncovered => UncoverFrom::ALL.len() * UNCOVER_STEPS.count(),
-            PartsSeen::Driven => UNCOVER_STEPS.count(),
-        };
-        n_parts * self.n_answered_objects()
-    }
+/// Objects that are read at once, by all threads.
+const N_READ_AT_ONCE: usize = 32;
 
-    /// How many pairs of a method and an object these are about.
+impl PartialExperiment<'_> {
+    /// How many pairs of a method and an object there are.
     pub fn n_answered_objects(&self) -> usize {
         let n_answering = match self.knowledge {
             Knowledge::Model { .. } => 1,
@@ -141,80 +135,56 @@ impl PartialExperiment<'_> {
         let of_classes = |it: &&usize| self.classes.contains(&objects.set.classes()[**it]);
         objects.object_indices.iter().filter(of_classes).copied().collect()
     }
-
-    fn parts_of(&self, objects: ObjectsOf<'_>, seen: PartsSeen) -> Result<Vec<ObjectPart>, DatasetError> {
-        object_parts(objects.set, &self.indices_of(objects), seen)
-    }
 }
 
-/// Has every method judge, after it has learned unless it knows already. `on_answer` is called for each answer.
+/// Has every method judge, after it has learned unless it knows already, and hands what it says of each object to `on_object` until
+/// that returns an error. Left out are pairs of a method and an object of which `is_done` says that they are done; a method that is not
+/// needed does not learn. Returns what our method last learned, or had learned before, if it took part or is `wanted`.
 ///
 /// The same objects give the same rows, with any number of threads.
 ///
 /// # Errors
 ///
-/// [`PartialExperimentError`] if an object cannot be read, or a method learns nothing.
+/// [`PartialExperimentError`] if an object cannot be read, or a method learns nothing, and what `on_object` returns.
 ///
 /// Paper: BG section 4.
-pub fn run(
-    experiment: &PartialExperiment<'_>,
-    on_answer: impl Fn() + Sync,
-) -> Result<PartialResults, PartialExperimentError> {
-    let shown = experiment.parts_of(experiment.judged, experiment.judged_parts)?;
-    let mut results = PartialResults { rows: Vec::new(), model: None };
-    experiment.each_method(
-        |_| true,
-        |_, judge| {
-            results.rows.extend(judge.rows(experiment, &shown, &on_answer));
-            if judge.method == OURS {
-                results.model = judge.trained.model().cloned();
-            }
-            Ok::<(), PartialExperimentError>(())
-        },
-    )?;
-    Ok(results)
-}
-
-/// What one method says of all parts of an object.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AnsweredObject {
-    /// The number of the method, counted through all that it may have learned from.
-    pub method_idx: usize,
-    /// Which object of its set.
-    pub object_idx: usize,
-    /// A row for each part.
-    pub rows: Vec<PartialRow>,
-}
-
-/// The same, one object after the other, which are handed to `on_object` until it returns an error. Left out are pairs of a method and
-/// an object of which `is_done` says that they are done; a method that is not needed does not learn.
-///
-/// Sorted by methods and then by objects, the rows are those of [`run`].
-///
-/// # Errors
-///
-/// As [`run`], and what `on_object` returns.
-pub fn run_by_object<E: From<PartialExperimentError>>(
+pub fn run<E: From<PartialExperimentError>>(
     experiment: &PartialExperiment<'_>,
     is_done: impl Fn(usize, usize) -> bool,
+    wanted: bool,
     mut on_object: impl FnMut(AnsweredObject) -> Result<(), E>,
-) -> Result<(), E> {
-    let object_indices = experiment.indices_of(experiment.judged);
-    let is_needed = |method_idx| object_indices.iter().any(|it| !is_done(method_idx, *it));
-    experiment.each_method(is_needed, |method_idx, judge| {
-        for &object_idx in object_indices.iter().filter(|it| !is_done(method_idx, **it)) {
-            let object = ObjectsOf { object_indices: &[object_idx], ..experiment.judged };
-            let shown = experiment.parts_of(object, experiment.judged_parts);
-            let shown = shown.map_err(PartialExperimentError::from)?;
-            let rows = judge.rows(experiment, &shown, &|| ());
-            on_object(AnsweredObject { method_idx, object_idx, rows })?;
+) -> Result<Option<Arc<PartialModel>>, E> {
+    let PartialExperiment { judged, judged_parts, .. } = *experiment;
+    let object_indices = experiment.indices_of(judged);
+    let ours = experiment.last_of_ours().filter(|_| wanted);
+    let is_needed =
+        |it: usize| ours == Some(it) || object_indices.iter().any(|object_idx| !is_done(it, *object_idx));
+    let judges = experiment.judges(is_needed)?;
+    for object_indices in object_indices.chunks(N_READ_AT_ONCE) {
+        let is_left = |it: &&Judge<'_>| object_indices.iter().any(|object_idx| !is_done(it.idx, *object_idx));
+        let judges: Vec<&Judge<'_>> = judges.iter().filter(is_left).collect();
+        if judges.is_empty() {
+            continue;
         }
-        Ok(())
-    })
+        let shown = object_parts(judged.set, object_indices, judged_parts);
+        let shown = shown.map_err(PartialExperimentError::from)?;
+        for judge in judges {
+            let mut rows = judge.rows(experiment, &shown).into_iter();
+            for parts in shown.chunk_by(|one, next| one.object_idx == next.object_idx) {
+                let rows: Vec<PartialRow> = rows.by_ref().take(parts.len()).collect();
+                let (method_idx, object_idx) = (judge.idx, parts[0].object_idx);
+                if !is_done(method_idx, object_idx) {
+                    on_object(AnsweredObject { method_idx, object_idx, rows })?;
+                }
+            }
+        }
+    }
+    Ok(judges.iter().rev().find(|it| it.method == OURS).and_then(|it| it.trained.model().cloned()))
 }
 
 /// A method that knows what it will ever know.
 struct Judge<'a> {
+    idx: usize,
     method: &'a str,
     trained_on: &'a str,
     trained: TrainedMethod,
@@ -222,49 +192,48 @@ struct Judge<'a> {
 
 impl Judge<'_> {
     /// What it says of the parts in `shown`.
-    fn rows(
-        &self,
-        experiment: &PartialExperiment<'_>,
-        shown: &[ObjectPart],
-        on_answer: &(impl Fn() + Sync),
-    ) -> Vec<PartialRow> {
+    fn rows(&self, experiment: &PartialExperiment<'_>, shown: &[ObjectPart]) -> Vec<PartialRow> {
         let may_be_none = experiment.classes.contains(&PartialClass::Other);
         let choice = if may_be_none { Choice::OrNoneOfThese } else { Choice::OfClasses };
         let data = &experiment.judged.set.description().id;
-        let answers = self.trained.answers(shown, choice, on_answer);
+        let answers = self.trained.answers(shown, choice);
         let by = (self.method, self.trained_on);
         shown.iter().zip(answers).map(|(part, it)| PartialRow::new(&seen_part(data, part), by, &it)).collect()
     }
 }
 
 impl PartialExperiment<'_> {
-    /// Hands every method that `is_needed`, by its number, to `on_method`, after it has learned.
-    fn each_method<E: From<PartialExperimentError>>(
-        &self,
-        is_needed: impl Fn(usize) -> bool,
-        mut on_method: impl FnMut(usize, &Judge<'_>) -> Result<(), E>,
-    ) -> Result<(), E> {
+    /// The number of our method with what it learns from last; `None` if it does not take part.
+    fn last_of_ours(&self) -> Option<usize> {
+        match self.knowledge {
+            Knowledge::Model { .. } => Some(0),
+            Knowledge::Learned { trained_on, methods, .. } => {
+                let place = methods.iter().position(|it| it.name == OURS)?;
+                Some((trained_on.len() - 1) * methods.len() + place)
+            }
+        }
+    }
+
+    /// Every method that `is_needed`, by its number, after it has learned.
+    fn judges(&self, is_needed: impl Fn(usize) -> bool) -> Result<Vec<Judge<'_>>, PartialExperimentError> {
         let (training, trained_on, methods) = match self.knowledge {
+            Knowledge::Model { .. } if !is_needed(0) => return Ok(Vec::new()),
             Knowledge::Model { model, trained_on } => {
-                if !is_needed(0) {
-                    return Ok(());
-                }
-                let trained =
-                    TrainedMethod::of_model(Arc::clone(model)).map_err(PartialExperimentError::from)?;
-                return on_method(0, &Judge { method: OURS, trained_on, trained });
+                let trained = TrainedMethod::of_model(Arc::clone(model))?;
+                return Ok(vec![Judge { idx: 0, method: OURS, trained_on, trained }]);
             }
             Knowledge::Learned { training, trained_on, methods } => (training, trained_on, methods),
         };
         let learned_from = &training.set.description().id;
+        let mut judges = Vec::new();
         for (turn, &trained_on) in trained_on.iter().enumerate() {
             let numbers = (turn * methods.len()..).zip(methods);
             let needed: Vec<(usize, &Method)> = numbers.filter(|(idx, _)| is_needed(*idx)).collect();
             if needed.is_empty() {
                 continue;
             }
-            let learned =
-                self.parts_of(training, trained_on.parts_seen()).map_err(PartialExperimentError::from)?;
-            for (method_idx, method) in needed {
+            let learned = object_parts(training.set, &self.indices_of(training), trained_on.parts_seen())?;
+            for (idx, method) in needed {
                 let made = provenance(learned_from, trained_on);
                 let trained =
                     method.learn(&learned, made).map_err(|source| PartialExperimentError::Method {
@@ -272,11 +241,10 @@ impl PartialExperiment<'_> {
                         dataset: learned_from.clone(),
                         source,
                     })?;
-                let judge = Judge { method: &method.name, trained_on: trained_on.name(), trained };
-                on_method(method_idx, &judge)?;
+                judges.push(Judge { idx, method: &method.name, trained_on: trained_on.name(), trained });
             }
         }
-        Ok(())
+        Ok(judges)
     }
 }
 
@@ -303,8 +271,6 @@ fn provenance(learned_from: &str, trained_on: TrainedOn) -> Provenance {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicUsize, Ordering};
-
     use super::*;
     use reports::partial_study::partial_curves::PartialCurve;
     use simulator::object_clouds::simulated_objects::{ObjectPart as Purpose, open_simulated_objects};
@@ -327,37 +293,33 @@ mod tests {
             judged_parts: PartsSeen::Uncovered,
             classes: &PartialClass::LEARNT,
         };
-        let rows_of = |n_threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-            let n_answers = AtomicUsize::new(0);
-            let count = || {
-                n_answers.fetch_add(1, Ordering::Relaxed);
-            };
-            let results = pool.install(|| run(&experiment, count).unwrap());
-            assert_eq!(
-                (results.rows.len(), n_answers.into_inner()),
-                (experiment.n_answers(), experiment.n_answers())
-            );
-            results.rows
-        };
-        let rows = rows_of(2);
-        assert_eq!(rows.len(), 4 * 6 * 20 * methods.len());
-        assert_eq!(rows, rows_of(1));
-        // Object by object, and gone on with in the middle.
-        let by_object = |is_done: &dyn Fn(usize, usize) -> bool| {
-            let mut found = Vec::new();
+        let answered = |is_done: &(dyn Fn(usize, usize) -> bool + Sync)| {
+            let mut found: Vec<AnsweredObject> = Vec::new();
             let keep = |it| {
                 found.push(it);
                 Ok::<(), PartialExperimentError>(())
             };
-            run_by_object(&experiment, is_done, keep).unwrap();
+            assert!(run(&experiment, is_done, true, keep).unwrap().is_some());
             found
         };
+        let rows_of = |mut found: Vec<AnsweredObject>| {
+            found.sort_by_key(|it| (it.method_idx, it.object_idx));
+            found.into_iter().flat_map(|it| it.rows).collect::<Vec<_>>()
+        };
+        let on_threads = |n_threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+            rows_of(pool.install(|| answered(&|_, _| false)))
+        };
+        let rows = on_threads(2);
+        assert_eq!(rows.len(), 20 * experiment.n_answered_objects());
+        assert_eq!(rows.len(), 4 * 6 * 20 * methods.len());
+        assert_eq!(rows, on_threads(1));
+        // Gone on with in the middle.
         let half = |method_idx: usize, object_idx: usize| method_idx == 1 || object_idx.is_multiple_of(3);
-        let mut found = by_object(&half);
-        found.extend(by_object(&|method_idx, object_idx| !half(method_idx, object_idx)));
-        found.sort_by_key(|it: &AnsweredObject| (it.method_idx, it.object_idx));
-        assert_eq!(rows, found.into_iter().flat_map(|it| it.rows).collect::<Vec<_>>());
+        let mut found = answered(&half);
+        found.extend(answered(&|method_idx, object_idx| !half(method_idx, object_idx)));
+        assert_eq!(rows, rows_of(found));
+        assert!(answered(&|_, _| true).is_empty());
         for curve in PartialCurve::all(&rows) {
             let recall = curve.steps.last().and_then(|it| it.mean_recall).unwrap();
             assert!(recall > if curve.method == OURS { 0.7 } else { 0.4 }, "{} {recall}", curve.method);

@@ -210,26 +210,22 @@ impl TrainedMethod {
         }
     }
 
-    /// What it says of every part, in their order. `on_answer` is called for each.
-    pub fn answers(&self, parts: &[ObjectPart], choice: Choice, on_answer: impl Fn() + Sync) -> Vec<Answer> {
-        let answered = |answer: Answer| {
-            on_answer();
-            answer
-        };
+    /// What it says of every part, in their order.
+    pub fn answers(&self, parts: &[ObjectPart], choice: Choice) -> Vec<Answer> {
         match &self.kind {
             TrainedKind::BagOfGraphs(model) => {
                 let new_classifier = || PartialClassifier::with_choice(Arc::clone(model), choice);
-                let of_part = |it: &mut _, part: &ObjectPart| answered(self.of_graphs(it, &part.cloud));
+                let of_part = |it: &mut _, part: &ObjectPart| self.of_graphs(it, &part.cloud);
                 parts.par_iter().map_init(new_classifier, of_part).collect()
             }
             TrainedKind::Extents(svm) => {
-                parts.par_iter().map(|it| answered(self.of_svm(svm, extent_values(&it.cloud)))).collect()
+                parts.par_iter().map(|it| self.of_svm(svm, extent_values(&it.cloud))).collect()
             }
             TrainedKind::Pca(svm) => {
-                parts.par_iter().map(|it| answered(self.of_svm(svm, pca_values(&it.cloud)))).collect()
+                parts.par_iter().map(|it| self.of_svm(svm, pca_values(&it.cloud))).collect()
             }
             TrainedKind::VehicleValues(svm) => {
-                parts.par_iter().map(|it| answered(self.of_svm(svm, vehicle_values(&it.cloud)))).collect()
+                parts.par_iter().map(|it| self.of_svm(svm, vehicle_values(&it.cloud))).collect()
             }
         }
     }

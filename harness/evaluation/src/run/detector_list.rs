@@ -1,5 +1,6 @@
 //! The detectors there are.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use baselines::kd_tree_detector::{kd_tree, kd_tree_same_walls};
@@ -13,6 +14,7 @@ use detector::classify::vehicle_model::VehicleModel;
 use detector::pipeline::paper_detector::paper;
 use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
 use detector::whole::box_model::BoxModel;
+use reports::verdicts::suggestion::closest;
 
 use crate::run::config::{DETECTOR_TABLE, RunConfig, TrainedModel, VehicleModels};
 use crate::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
@@ -157,12 +159,14 @@ pub enum ChosenDetector {
 #[derive(Debug, thiserror::Error)]
 pub enum DetectorListError {
     /// No detector is called so.
-    #[error("there is no detector {name:?}; detectors are {}", .known.join(", "))]
+    #[error("there is no detector {name:?}{}; detectors are {}; {}", or_was_meant(.name, .known), .known.join(", "), of_file(.file.as_deref()))]
     Unknown {
         /// The name.
         name: String,
         /// All that there are.
         known: Vec<&'static str>,
+        /// The file that was asked for others; `None` where there is none.
+        file: Option<PathBuf>,
     },
     /// What is to be done needs one of ours.
     #[error("{name:?} is not built in, and this verb works with built-in detectors alone: {}", built_in_names().join(", "))]
@@ -176,6 +180,18 @@ pub enum DetectorListError {
         /// The name.
         name: String,
     },
+}
+
+fn or_was_meant(name: &str, known: &[&'static str]) -> String {
+    let closest = closest(name, known.iter().copied());
+    closest.map_or_else(String::new, |it| format!(", did you mean {it:?}?"))
+}
+
+fn of_file(file: Option<&Path>) -> String {
+    match file {
+        Some(path) => format!("{} tells of no other", path.display()),
+        None => "no scanbench.toml tells of others: it is looked for in this folder and those above it".to_owned(),
+    }
 }
 
 impl ListedDetector {
@@ -266,7 +282,7 @@ pub fn detectors_named(
         let unknown = || {
             let foreign = config.foreign.iter().map(|it| it.name);
             let known = built_in_names().into_iter().chain(foreign).collect();
-            DetectorListError::Unknown { name: name.clone(), known }
+            DetectorListError::Unknown { name: name.clone(), known, file: config.file.clone() }
         };
         let found = built_in.or_else(foreign).ok_or_else(unknown)?;
         if chosen.iter().any(|it| it.name() == found.name()) {

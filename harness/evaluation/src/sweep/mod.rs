@@ -3,7 +3,6 @@
 pub mod swept_values;
 pub mod sweep_plan;
 pub mod programs;
-pub mod swept_protocols;
 pub mod scan_at_point;
 pub mod timed_scan;
 pub mod journal_entry;

@@ -10,12 +10,11 @@ use scans::dataset::{Dataset, DatasetError};
 
 use crate::journal::{Journal, JournalError};
 use crate::process::problem::DetectorFailure;
-use crate::protocols::chosen_protocols::ProtocolError;
+use crate::protocols::chosen_protocols::{ChosenProtocols, ProtocolError};
 use crate::sweep::journal_entry::JournalEntry;
 use crate::sweep::programs::Programs;
 use crate::sweep::scan_at_point::{LookedAt, ScanAtPoint, look_at_points};
 use crate::sweep::sweep_plan::SweepPlan;
-use crate::sweep::swept_protocols::SweptProtocols;
 
 /// A data set and the scans that are taken from it.
 #[derive(Clone)]
@@ -36,7 +35,7 @@ pub struct SweepPass<'a> {
     /// The scans.
     pub datasets: &'a [SweptDataset<'a>],
     /// What else it is evaluated by, if anything.
-    pub protocols: Option<&'a SweptProtocols>,
+    pub protocols: Option<&'a ChosenProtocols>,
     /// Where results are kept.
     pub journal: &'a Journal,
     /// Ends the sweep at the next point once it is set.
@@ -84,16 +83,15 @@ pub enum SweepError {
 }
 
 impl SweepPass<'_> {
-    /// Does what is missing in `results`, and returns all, in the order of data sets, scans and points.
+    /// Does all but the `done`, and leaves it in the journal.
     ///
     /// A scan is read once for all points that are missing, by one of `n_jobs` threads.
     ///
     /// # Errors
     ///
     /// [`SweepError`] if a scan cannot be read, a result cannot be kept, or the sweep is interrupted.
-    pub fn count(&self, results: Vec<ScanAtPoint>, n_jobs: usize) -> Result<Vec<ScanAtPoint>, SweepError> {
-        let done: BTreeSet<_> = results.iter().map(ScanAtPoint::key).collect();
-        let missing: Vec<MissingScan> = self.missing(&done);
+    pub fn count(&self, done: &BTreeSet<[usize; 3]>, n_jobs: usize) -> Result<(), SweepError> {
+        let missing: Vec<MissingScan> = self.missing(done);
         let n_left = AtomicUsize::new(missing.iter().map(|it| it.point_idxs.len()).sum());
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_jobs).build();
         let pool = pool.map_err(|source| SweepError::Threads { n_jobs, source })?;
@@ -103,15 +101,10 @@ impl SweepPass<'_> {
             let scan_idx = self.datasets[missing.dataset_idx].scan_indices[missing.scan_idx];
             self.look(missing, &times[missing.dataset_idx][scan_idx], &programs, &n_left)
         };
-        let added: Vec<Result<Vec<ScanAtPoint>, SweepError>> =
+        let looked: Vec<Result<(), SweepError>> =
             pool.install(|| missing.par_iter().with_max_len(1).map(look).collect());
-        let mut all: Vec<ScanAtPoint> = results.into_iter().map(|it| self.without_rows(it)).collect();
         // Collected before it is looked through for errors, so that the first in order is reported.
-        for of_scan in added {
-            all.extend(of_scan?);
-        }
-        all.sort_unstable_by_key(ScanAtPoint::key);
-        Ok(all)
+        looked.into_iter().collect()
     }
 
     /// Pairs of a scan and a point.
@@ -139,42 +132,38 @@ impl SweepPass<'_> {
         time: &ScanTime,
         programs: &Programs,
         n_left: &AtomicUsize,
-    ) -> Result<Vec<ScanAtPoint>, SweepError> {
+    ) -> Result<(), SweepError> {
         let &MissingScan { dataset_idx, scan_idx, ref point_idxs } = missing;
         let SweptDataset { dataset, scan_indices, .. } = self.datasets[dataset_idx];
         self.check_interrupted(n_left)?;
         let scan = dataset.read_scan(scan_indices[scan_idx])?;
         let official = match self.protocols {
-            Some(it) => Some(it.chosen.scan(dataset, (scan_indices[scan_idx], &scan))?),
+            Some(it) => Some(it.scan(dataset, (scan_indices[scan_idx], &scan))?),
             None => None,
         };
         let looked_at = LookedAt { scan: &scan, time_s: time.time_s, official: official.as_ref() };
-        let mut results = Vec::new();
         look_at_points(
             (self.plan, programs),
             dataset.description(),
             looked_at,
             point_idxs,
             |point_idx, detectors, official| {
-                let second = time.second.clone();
-                let result = ScanAtPoint { dataset_idx, scan_idx, second, point_idx, detectors, official };
-                self.journal.add(&JournalEntry::Quality(result.clone()))?;
-                results.push(self.without_rows(result));
+                let (sequence, second) = (scan.id.sequence.clone(), time.second.clone());
+                self.journal.add(&JournalEntry::Quality(ScanAtPoint {
+                    dataset_idx,
+                    scan_idx,
+                    scan: scan.id.index,
+                    sequence,
+                    second,
+                    point_idx,
+                    detectors,
+                    official,
+                }))?;
                 n_left.fetch_sub(1, Ordering::Relaxed);
                 (self.on_done)();
                 self.check_interrupted(n_left)
             },
-        )?;
-        Ok(results)
-    }
-
-    /// `result` without its rows, which are added to those of its point.
-    fn without_rows(&self, mut result: ScanAtPoint) -> ScanAtPoint {
-        let rows = std::mem::take(&mut result.official);
-        if let Some(protocols) = self.protocols {
-            protocols.add(result.point_idx, &rows);
-        }
-        result
+        )
     }
 
     fn check_interrupted(&self, n_left: &AtomicUsize) -> Result<(), SweepError> {
@@ -183,13 +172,6 @@ impl SweepPass<'_> {
             return Err(SweepError::Interrupted { n_left, n_results: self.n_results() });
         }
         Ok(())
-    }
-}
-
-impl ScanAtPoint {
-    /// The order of results: data set, scan, point.
-    pub fn key(&self) -> [usize; 3] {
-        [self.dataset_idx, self.scan_idx, self.point_idx]
     }
 }
 

@@ -28,6 +28,10 @@ pub struct ScanAtPoint {
     pub dataset_idx: usize,
     /// Place of the scan among those taken from the data set.
     pub scan_idx: usize,
+    /// Number of the scan within its drive.
+    pub scan: u32,
+    /// The drive.
+    pub sequence: String,
     /// The second of its drive that it was taken in.
     pub second: DriveSecond,
     /// Place of the point in the plan.
@@ -37,6 +41,13 @@ pub struct ScanAtPoint {
     /// The rows of protocols of others.
     #[serde(default, skip_serializing_if = "OfficialRows::is_empty")]
     pub official: OfficialRows,
+}
+
+impl ScanAtPoint {
+    /// The order of results: data set, scan, point.
+    pub fn key(&self) -> [usize; 3] {
+        [self.dataset_idx, self.scan_idx, self.point_idx]
+    }
 }
 
 /// A scan that is looked at.

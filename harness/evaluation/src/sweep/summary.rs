@@ -146,7 +146,7 @@ impl SweepTally<'_> {
         SweepScore {
             subject: self.subject(group, place),
             task: Task::ALL[task_idx],
-            n_scans: group.members.iter().map(|it| it.sums.n_scans).sum(),
+            n_scans: group.members.iter().map(|it| it.sums.scans.len() as u64).sum(),
             blocks: blocks_of(group),
             f_rate_within: counts.fo().and_then(|_| within(&Metric::FRate)),
             recall_within: within(&Metric::Recall),

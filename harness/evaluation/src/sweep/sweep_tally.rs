@@ -6,6 +6,9 @@ use std::collections::BTreeMap;
 
 use detector::grid::cell_fitness::{CellTally, FitnessReading};
 use reports::numbers::blocks::DriveSecond;
+use reports::protocols::protocol_tally::ProtocolTally;
+use reports::rows::official_rows::OfficialRows;
+use reports::rows::scan_name::ScanName;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::sweep_entry::SweepEntry;
 use reports::vocabulary::task::Task;
@@ -20,12 +23,14 @@ pub struct SweepTally<'a> {
     pub(super) entry: &'a SweepEntry,
     pub(super) datasets: Vec<DatasetSums>,
     pub(super) times: Vec<TimedScan>,
+    // Of each point, the rows of protocols of others.
+    pub(super) protocols: Vec<ProtocolTally>,
 }
 
 /// Sums over scans of a data set.
 #[derive(Debug, Clone, Default)]
 pub(super) struct DatasetSums {
-    pub(super) n_scans: u64,
+    pub(super) scans: Vec<(ScanName, DriveSecond)>,
     // Of each second, detector by detector and of each point by point.
     pub(super) of_seconds: BTreeMap<DriveSecond, Vec<PointSums>>,
 }
@@ -52,14 +57,19 @@ impl<'a> SweepTally<'a> {
     pub fn of(manifest: &'a Manifest) -> Option<Self> {
         let entry = manifest.sweep.as_ref()?;
         let datasets = vec![DatasetSums::default(); manifest.datasets.len()];
-        Some(Self { manifest, entry, datasets, times: Vec::new() })
+        let protocols = vec![ProtocolTally::default(); entry.points.len()];
+        Some(Self { manifest, entry, datasets, times: Vec::new(), protocols })
     }
 
     /// Adds a scan at a point. Scans come in the order of the sweep, and each with its points in theirs.
     pub fn add(&mut self, scan: &ScanAtPoint) {
         let (n_detectors, n_points) = (self.manifest.detectors.len(), self.entry.points.len());
         let dataset = &mut self.datasets[scan.dataset_idx];
-        dataset.n_scans += u64::from(scan.point_idx == 0);
+        if scan.point_idx == 0 {
+            let id = self.manifest.datasets[scan.dataset_idx].id.clone();
+            let name = ScanName { dataset: id, sequence: scan.sequence.clone(), scan: scan.scan };
+            dataset.scans.push((name, scan.second.clone()));
+        }
         let nothing = || vec![PointSums::default(); n_detectors * n_points];
         if !dataset.of_seconds.contains_key(&scan.second) {
             dataset.of_seconds.insert(scan.second.clone(), nothing());
@@ -70,7 +80,21 @@ impl<'a> SweepTally<'a> {
         }
     }
 
-    /// Adds a scan that was timed.
+    /// Adds the rows of a scan under protocols of others at a point of the sweep. Scans may come in any order.
+    pub fn add_official(&mut self, point_idx: usize, rows: &OfficialRows) {
+        self.protocols[point_idx].add(rows);
+    }
+
+    /// Makes sure that the rows under protocols of others fit together.
+    ///
+    /// # Errors
+    ///
+    /// A sentence that says in which scan they do not, and how.
+    pub fn check_official(&self) -> Result<(), String> {
+        self.protocols.iter().try_for_each(ProtocolTally::check)
+    }
+
+    /// Adds a scan that was timed. Scans come in the order of the sweep.
     pub fn add_times(&mut self, scan: TimedScan) {
         self.times.push(scan);
     }

@@ -15,3 +15,10 @@ pub struct TimedScan {
     /// For each point and then for each detector, in nanoseconds.
     pub times_ns: Vec<Vec<Vec<u64>>>,
 }
+
+impl TimedScan {
+    /// The order of results: data set, scan.
+    pub fn key(&self) -> (usize, usize) {
+        (self.dataset_idx, self.scan_idx)
+    }
+}

@@ -16,27 +16,21 @@ use crate::sweep::timed_scan::TimedScan;
 pub const DETECTIONS_PER_SCAN: usize = 3;
 
 impl SweepPass<'_> {
-    /// Times `n_scans` scans of each data set, spread over it, that are in its part and missing in `results`, and returns all.
+    /// Times `n_scans` scans of each data set, spread over it, that are in its part, but for the `done`, and leaves it in the journal.
     ///
     /// Of every other scan the points come in the opposite order, so that a disturbance of the machine meets all of them.
     ///
     /// # Errors
     ///
     /// [`SweepError`] if a scan cannot be read, a result cannot be kept, or the sweep is interrupted.
-    pub fn time(&self, results: Vec<TimedScan>, n_scans: usize) -> Result<Vec<TimedScan>, SweepError> {
-        let scans = self.timed_scans(n_scans);
-        let done: BTreeSet<_> = results.iter().map(|it| (it.dataset_idx, it.scan_idx)).collect();
-        let mut all = results;
+    pub fn time(&self, done: &BTreeSet<(usize, usize)>, n_scans: usize) -> Result<(), SweepError> {
         let programs = Programs::default();
-        for &(place, (dataset_idx, scan_idx)) in &scans {
-            if !done.contains(&(dataset_idx, scan_idx)) {
-                let timed = self.time_scan((dataset_idx, scan_idx), place, &programs)?;
-                self.journal.add(&JournalEntry::Times(timed.clone()))?;
-                all.push(timed);
+        for (place, scan) in self.timed_scans(n_scans) {
+            if !done.contains(&scan) {
+                self.journal.add(&JournalEntry::Times(self.time_scan(scan, place, &programs)?))?;
             }
         }
-        all.sort_unstable_by_key(|it| (it.dataset_idx, it.scan_idx));
-        Ok(all)
+        Ok(())
     }
 
     /// The scans that are timed, data set and scan, each with its place among those of the whole sweep.

@@ -25,6 +25,9 @@ pub struct SubmittedArgs {
     /// Number of shards
     #[arg(long, value_name = "N", default_value = "8", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SHARDS)), help_heading = ENGINE)]
     pub shards: u32,
+    /// Shards that run at once [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = ENGINE)]
+    pub at_once: Option<u32>,
     /// A run, a sweep or another study, as after `scanbench`, without -o and --shard
     #[arg(last = true, required = true, value_name = "COMMAND …")]
     pub command: Vec<String>,
@@ -37,18 +40,21 @@ pub struct SlurmArgs {
     /// What is run as shards, and where.
     #[command(flatten)]
     pub submitted: SubmittedArgs,
-    /// Time limit of a shard, as `sbatch --time` has it
+    /// Time limit of a shard, and of the merge, as `sbatch --time` has it
     #[arg(long, value_name = "TIME", value_parser = plain_word, help_heading = ENGINE)]
     pub time: Option<String>,
     /// Partition of all jobs
     #[arg(long, value_name = "NAME", value_parser = plain_word, help_heading = ENGINE)]
     pub partition: Option<String>,
-    /// Memory of a shard, as `sbatch --mem` has it
+    /// Memory of a shard, and of the merge, as `sbatch --mem` has it
     #[arg(long, value_name = "SIZE", value_parser = plain_word, help_heading = ENGINE)]
     pub memory: Option<String>,
     /// Submit at once, with `sbatch`
     #[arg(long, help_heading = ENGINE)]
     pub now: bool,
+    /// Do not try the command here first: its data are only on the nodes
+    #[arg(long, help_heading = ENGINE)]
+    pub untried: bool,
 }
 
 /// Arguments of `scanbench submit kubernetes`.
@@ -64,7 +70,7 @@ pub struct KubernetesArgs {
     /// Claim of a volume that all pods can write to; it is their working directory
     #[arg(long, value_name = "NAME", value_parser = plain_word, help_heading = ENGINE)]
     pub claim: String,
-    /// Memory of a shard
+    /// Memory of a shard, and of the merge: requested, and the limit
     #[arg(long, value_name = "SIZE", default_value = "2Gi", value_parser = plain_word, help_heading = ENGINE)]
     pub memory: String,
 }
@@ -90,7 +96,8 @@ FOLDER has to be on a disk that all nodes share. It gets shards.sh, an array of 
 a shard; merge.sh, which waits until all have succeeded; and submit.sh, which hands both
 to sbatch. Shards are in FOLDER/shards, the merged run is FOLDER/run, what they print is
 in FOLDER/logs. To do again what failed: bash FOLDER/submit.sh. It leaves shards alone
-that are done. Data and configuration are read from the current directory.";
+that are done. Data and configuration are read from the current directory. Before anything
+is written, data sets and detectors are opened here, so that a wrong name is heard now.";
 
 const KUBERNETES_EXAMPLES: &str = "\
 Example:
@@ -100,7 +107,8 @@ const KUBERNETES_DETAILS: &str = "\
 FOLDER gets shards.yaml, an indexed job; merge.yaml; and submit.sh, which applies the
 first with kubectl, waits until all shards have succeeded, and applies the second. Paths
 of the run are those in the volume of the claim; -o names FOLDER here, and a folder of
-the same name in the volume gets the shards and the merged run, as shards and run.";
+the same name in the volume gets the shards and the merged run, as shards and run. Jobs are
+removed a week after they have ended.";
 
 #[cfg(test)]
 mod tests {

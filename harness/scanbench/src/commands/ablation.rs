@@ -1,15 +1,11 @@
 //! `scanbench ablation`.
 
-use std::num::NonZeroUsize;
 use std::path::Path;
 
 use evaluation::run::ablation::{TASK, variants};
-use evaluation::run::config::RunConfig;
-use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::plots::study_plots::ablation_plot;
-use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::ablation_score::AblationRow;
@@ -22,16 +18,14 @@ use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::judged_streets::advise_on_judged;
 use crate::commands::named_blocks::with_named_blocks;
-use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::open_datasets::open_datasets;
 use crate::commands::paper_files::{write_figure, write_table};
-use crate::commands::progress::RunProgress;
-use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::shards::executor::{WatchedStudy, execute};
+use crate::commands::scan_study::ScanStudy;
 use crate::commands::shards::place::Place;
+use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::commands::watched_run::WatchedRun;
 
 /// The method whose parts are left out.
 const METHOD: &str = "hierarchical";
@@ -42,61 +36,33 @@ const ABLATION_CSV: &str = "ablation.csv";
 /// table; or makes a shard of that.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let place = Place::claim(Study::Ablation, arguments.shard.shard, &arguments.output)?;
-    let mut ablation = Ablation::open(arguments, place.started)?;
-    let Some(made) = execute(&mut ablation, place)? else { return Ok(()) };
-    let tables = write_ablation(&made.directory, &made.run)?;
+    let mut ablation = open_ablation(arguments, place.started)?;
+    let Some((made, _)) = execute_watched(&mut ablation, place)? else { return Ok(()) };
+    let tables = write_ablation(&made.directory, &made.whole)?;
     print_ablation(&tables, &made.finish()?.0)
 }
 
 /// Who takes part, and on which scans.
-struct Ablation<'a> {
-    arguments: &'a AblationArgs,
-    config: RunConfig,
-    datasets: Vec<OpenedDataset>,
-    variants: Vec<Entrant>,
-    started: Timestamp,
-}
-
-impl<'a> Ablation<'a> {
-    fn open(arguments: &'a AblationArgs, started: Timestamp) -> Result<Self, Failure> {
-        let (listed, mut config) = built_in_methods(&arguments.config, &[METHOD.to_owned()])?;
-        choose_criterion(&mut config, &arguments.matching);
-        let datasets = open_datasets(&arguments.data, &config.classes)?;
-        let datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
-        let datasets = look_first_at_all(datasets, &mut config);
-        advise_on_judged(&datasets)?;
-        let variants = variants(listed[0], &config, arguments.models.as_deref())?;
-        refuse_unread_models(variants.iter().map(|it| (&it.chosen, &it.config)))?;
-        Ok(Self { arguments, config, datasets, variants, started })
-    }
-}
-
-impl WatchedStudy for Ablation<'_> {
-    fn datasets(&self) -> &[OpenedDataset] {
-        &self.datasets
-    }
-
-    fn datasets_mut(&mut self) -> &mut [OpenedDataset] {
-        &mut self.datasets
-    }
-
-    fn manifest(&self) -> Manifest {
-        run_manifest(RunSettings {
-            selection: self.arguments.data.scans.as_deref(),
-            n_warmup: self.arguments.timing.warmup,
-            n_repeats: NonZeroUsize::MIN,
-            config: &self.config,
-            detectors: self.variants.iter().map(detector_entry).collect(),
-            datasets: &self.datasets,
-            protocols: &[],
-            started: self.started,
-        })
-    }
-
-    fn watched<'b>(&'b self, progress: &'b RunProgress) -> WatchedRun<'b> {
-        let timing = (self.arguments.timing.warmup, self.arguments.timing.n_jobs());
-        WatchedRun::of_study(&self.variants, &self.datasets, timing, progress)
-    }
+pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<ScanStudy<'_>, Failure> {
+    let (listed, mut config) = built_in_methods(&arguments.config, &[METHOD.to_owned()])?;
+    choose_criterion(&mut config, &arguments.matching);
+    let datasets = open_datasets(&arguments.data, &config.classes)?;
+    let datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
+    let datasets = look_first_at_all(datasets, &mut config);
+    advise_on_judged(&datasets)?;
+    let entrants = variants(listed[0], &config, arguments.models.as_deref())?;
+    refuse_unread_models(entrants.iter().map(|it| (&it.chosen, &it.config)))?;
+    Ok(ScanStudy {
+        config,
+        entrants,
+        datasets,
+        selection: arguments.data.scans.as_deref(),
+        n_warmup: arguments.timing.warmup,
+        n_jobs: arguments.timing.n_jobs(),
+        started,
+        put_up: None,
+        pairs: None,
+    })
 }
 
 /// Writes the files that only an ablation has into `directory`, and returns its tables.

@@ -1,18 +1,15 @@
 //! `scanbench gaps`.
 
 use std::cell::RefCell;
-use std::path::Path;
 
 use evaluation::metrics::pair_separation::SEPARATED;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::gap_experiment::{GAPS_DM, PairTally, RANGES_M, StagedPairs};
 use evaluation::run::gap_picture::gap_picture;
-use evaluation::run::sink::Sinks;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::gap_curve::{GapBin, gap_curves};
 use reports::plots::gap_plot::gap_plot;
 use reports::plots::plan_plot::plan_plot;
-use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::gap_row::GapRow;
@@ -22,16 +19,14 @@ use simulator::object_pair::{PairKind, PairLayout};
 use simulator::simulated_street::sensor_named;
 
 use crate::cli::GapsArgs;
-use crate::commands::experiment::Experiment;
 use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::paper_files::write_figure;
-use crate::commands::progress::RunProgress;
-use crate::commands::shards::executor::{WatchedStudy, execute};
+use crate::commands::scan_study::{PutUp, ScanStudy};
 use crate::commands::shards::place::Place;
+use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::commands::watched_run::WatchedRun;
 
 /// The ablation, the method, its rival.
 const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
@@ -40,21 +35,16 @@ const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
 pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     let sensor = sensor_named(&arguments.sensor)?;
     let place = Place::claim(Study::Gaps, None, &arguments.output)?;
-    let asked = Experiment::begin((&arguments.detectors, &DETECTORS), place.started)?;
-    let pairs = StagedPairs::new(&arguments.sensor, sensor, arguments.pairs, asked.seed);
-    let mut study = Gaps {
-        arguments,
-        datasets: [OpenedDataset::whole(Box::new(pairs.clone()))],
-        entrants: asked.entrants(),
-        tally: RefCell::new(PairTally::new(pairs.stagings(), asked.config.matching)),
-        asked,
-        pairs: &pairs,
-    };
-    let Some(made) = execute(&mut study, place)? else { return Ok(()) };
-    let bins = study.tally.borrow().bins();
+    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, place.started)?;
+    let pairs = StagedPairs::new(&arguments.sensor, sensor, arguments.pairs, arguments.detectors.seed);
+    let tally = RefCell::new(PairTally::new(pairs.stagings(), study.config.matching));
+    study.datasets = vec![OpenedDataset::whole(Box::new(pairs.clone()))];
+    study.put_up = Some(PutUp { drawn: "pairs", seed: arguments.detectors.seed, scenes: scenes(arguments, &pairs) });
+    study.pairs = Some(&tally);
+    let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
+    let bins = tally.borrow().bins();
     write_curves(&made.directory, &bins)?;
-    let named = |name: &str| study.entrants.iter().find(|it| it.name == name);
-    if let Some((simple, hierarchical)) = named("simple-grid").zip(named("hierarchical")) {
+    if let Some((simple, hierarchical)) = study.entrant("simple-grid").zip(study.entrant("hierarchical")) {
         write_picture(&made.directory, &pairs, arguments.pairs, [simple, hierarchical])?;
     }
     let finished = made.finish()?.0;
@@ -65,51 +55,17 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     printed
 }
 
-/// Who looks at which pairs.
-struct Gaps<'a> {
-    arguments: &'a GapsArgs,
-    asked: Experiment,
-    pairs: &'a StagedPairs,
-    datasets: [OpenedDataset; 1],
-    entrants: Vec<Entrant>,
-    tally: RefCell<PairTally<'a>>,
-}
-
-impl WatchedStudy for Gaps<'_> {
-    fn datasets(&self) -> &[OpenedDataset] {
-        &self.datasets
-    }
-
-    fn datasets_mut(&mut self) -> &mut [OpenedDataset] {
-        &mut self.datasets
-    }
-
-    /// That of a run, with what was put up.
-    fn manifest(&self) -> Manifest {
-        let experiment = serde_json::json!({
-            "sensor": self.pairs.sensor(),
-            "n_pairs": self.arguments.pairs,
-            "pairs": PairKind::ALL.map(PairKind::name),
-            "layouts": PairLayout::ALL.map(PairLayout::name),
-            "ranges_m": RANGES_M,
-            "gaps_dm": GAPS_DM.collect::<Vec<_>>(),
-            "separated": SEPARATED,
-        });
-        self.asked.manifest("pairs", experiment, &self.datasets)
-    }
-
-    fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a> {
-        WatchedRun::of_study(&self.entrants, &self.datasets, Experiment::timing(), progress)
-    }
-
-    fn sinks<'a>(&'a self, _: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {
-        Ok(vec![Box::new(&self.tally)])
-    }
-
-    /// Clusters of pairs are in no row.
-    fn sees_all(&self) -> bool {
-        true
-    }
+/// What is put up.
+fn scenes(arguments: &GapsArgs, pairs: &StagedPairs) -> serde_json::Value {
+    serde_json::json!({
+        "sensor": pairs.sensor(),
+        "n_pairs": arguments.pairs,
+        "pairs": PairKind::ALL.map(PairKind::name),
+        "layouts": PairLayout::ALL.map(PairLayout::name),
+        "ranges_m": RANGES_M,
+        "gaps_dm": GAPS_DM.collect::<Vec<_>>(),
+        "separated": SEPARATED,
+    })
 }
 
 fn write_curves(directory: &RunDirectory, bins: &[GapBin]) -> Result<(), Failure> {

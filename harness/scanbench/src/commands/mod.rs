@@ -29,6 +29,7 @@ pub mod scan_agreement;
 pub mod sinks;
 pub mod watched_run;
 pub mod shards;
+pub mod scan_study;
 pub mod run;
 pub mod ablation;
 pub mod result_file;
@@ -39,7 +40,6 @@ pub mod selftest;
 pub mod serve;
 pub mod params;
 
-pub mod experiment;
 pub mod gaps;
 pub mod boxes;
 pub mod robustness;

@@ -6,6 +6,7 @@ use evaluation::run::config::{RunConfig, TrainedModel};
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::robustness::{CONDITIONS, Condition};
+use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::condition_scores::ConditionScores;
 use reports::plots::study_plots::robustness_plot;
@@ -18,19 +19,16 @@ use reports::vocabulary::study::Study;
 use simulator::StreetKind;
 
 use crate::cli::RobustnessArgs;
-use crate::commands::experiment::Experiment;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::paper_files::{write_figure, write_table};
-use crate::commands::progress::RunProgress;
-use crate::commands::run_manifest::detector_entry;
-use crate::commands::shards::executor::{WatchedStudy, execute};
+use crate::commands::scan_study::{PutUp, ScanStudy};
 use crate::commands::shards::place::Place;
+use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::commands::watched_run::WatchedRun;
 
 /// The method, its strongest rival, and the papers' baselines.
 const DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "kd-tree", "pca", "simple-grid"];
@@ -48,59 +46,34 @@ const DRAWN: &str = "streets";
 /// and prints the table; or makes a shard of that.
 pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let place = Place::claim(Study::Robustness, arguments.shard.shard, &arguments.output)?;
-    let asked = Experiment::begin((&arguments.detectors, &DETECTORS), place.started)?;
-    let mut robustness = Robustness::open(arguments, asked)?;
-    let Some(made) = execute(&mut robustness, place)? else { return Ok(()) };
-    let scores = write_robustness(&made.directory, &made.run)?;
+    let mut study = open_robustness(arguments, place.started)?;
+    let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
+    let scores = write_robustness(&made.directory, &made.whole)?;
     let (finished, run) = made.finish()?;
     print_robustness(&scores, &run.manifest, &finished)
 }
 
-/// Who takes part, and under which conditions.
-struct Robustness<'a> {
-    arguments: &'a RobustnessArgs,
-    asked: Experiment,
-    datasets: Vec<OpenedDataset>,
-    entrants: Vec<Entrant>,
-}
-
-impl<'a> Robustness<'a> {
-    fn open(arguments: &'a RobustnessArgs, mut asked: Experiment) -> Result<Self, Failure> {
-        let datasets =
-            CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(asked.seed, arguments.scans)?)));
-        let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
-        let datasets = look_first_at_all(datasets, &mut asked.config);
-        let mut entrants = asked.entrants();
-        if let Some(directory) = &arguments.other_training {
-            let place = entrants.iter().position(|it| it.name == METHOD).map_or(0, |it| it + 1);
-            entrants.insert(place, with_other_training(directory, &asked.config)?);
-        }
-        Ok(Self { arguments, asked, datasets, entrants })
+/// Who takes part, also with other trees if that is asked for, and the streets of each condition.
+pub fn open_robustness(arguments: &RobustnessArgs, started: Timestamp) -> Result<ScanStudy<'_>, Failure> {
+    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, started)?;
+    let (seed, n_scans) = (arguments.detectors.seed, arguments.scans);
+    let datasets = CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(seed, n_scans)?)));
+    let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
+    study.datasets = look_first_at_all(datasets, &mut study.config);
+    // With what the first look has found.
+    for entrant in &mut study.entrants {
+        entrant.config = study.config.clone();
     }
-}
-
-impl WatchedStudy for Robustness<'_> {
-    fn datasets(&self) -> &[OpenedDataset] {
-        &self.datasets
+    if let Some(directory) = &arguments.other_training {
+        let place = study.entrants.iter().position(|it| it.name == METHOD).map_or(0, |it| it + 1);
+        study.entrants.insert(place, with_other_training(directory, &study.config)?);
     }
-
-    fn datasets_mut(&mut self) -> &mut [OpenedDataset] {
-        &mut self.datasets
-    }
-
-    /// That of a run, with the drives of each condition.
-    fn manifest(&self) -> Manifest {
-        let conditions = CONDITIONS.iter().map(|it| {
-            let drives = it.drives(self.asked.seed, self.arguments.scans);
-            serde_json::json!({ "group": it.group, "condition": it.name, "dataset": it.id(), "drives": drives })
-        });
-        let manifest = self.asked.manifest(DRAWN, conditions.collect::<Vec<_>>().into(), &self.datasets);
-        Manifest { detectors: self.entrants.iter().map(detector_entry).collect(), ..manifest }
-    }
-
-    fn watched<'b>(&'b self, progress: &'b RunProgress) -> WatchedRun<'b> {
-        WatchedRun::of_study(&self.entrants, &self.datasets, Experiment::timing(), progress)
-    }
+    let conditions = CONDITIONS.iter().map(|it| {
+        let drives = it.drives(seed, n_scans);
+        serde_json::json!({ "group": it.group, "condition": it.name, "dataset": it.id(), "drives": drives })
+    });
+    study.put_up = Some(PutUp { drawn: DRAWN, seed, scenes: conditions.collect::<Vec<_>>().into() });
+    Ok(study)
 }
 
 /// The method with the trees in `directory`.

@@ -113,7 +113,9 @@ fn a_sweep_ends_soon_and_keeps_what_is_done() {
     );
     assert!(time < SOON && ended.exit_code == Some(130), "{time:?}, {ended:#?}");
     assert!(
-        ended.stderr.contains("Results are kept: to continue, give the same command with -o out"),
+        ended
+            .stderr
+            .contains("is kept in out.unfinished: to go on with the others, give the same command again"),
         "{ended:#?}"
     );
     assert_eq!(workplace.top_names(), ["dense", "out.unfinished"]);

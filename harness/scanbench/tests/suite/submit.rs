@@ -101,7 +101,7 @@ fn nothing_is_merged_where_a_shard_fails() {
 #[test]
 fn where_slurm_takes_nothing_the_scripts_stay() {
     let workplace = Workplace::new();
-    let mut command = workplace.command(&["submit", "slurm", "--now", "-o", "jobs", "--", "run", "street"]);
+    let mut command = workplace.command(&["submit", "slurm", "--now", "-o", "jobs", "--", "run", "street-narrow"]);
     // bash, and no sbatch.
     std::fs::create_dir(workplace.path("programs")).unwrap();
     for program in ["bash", "dirname", "mkdir"] {
@@ -129,6 +129,11 @@ fn a_wrong_submission_writes_nothing() {
         ("slurm -o jobs", "required arguments were not provided"),
         ("slurm -o taken -- run street", "cannot write"),
         ("slurm -o / -- run street", "does not end in a name"),
+        ("slurm -o jobs -- run /nope", "there is no data set \"/nope\""),
+        ("slurm -o jobs -- sweep street-narrow -P nope=1:2:1", "unknown parameter nope"),
+        ("slurm -o jobs -- run street-narrow -d foo", "there is no detector \"foo\""),
+        ("slurm -o jobs -- partial /nope", "/nope"),
+        ("slurm -o jobs --at-once 0 -- run street", "0 is not in"),
         ("kubernetes -o jobs -- run street", "--image <IMAGE>"),
         ("kubernetes -o jobs --image a b --claim c -- run street", "unexpected argument 'b'"),
     ] {
@@ -161,6 +166,8 @@ fn pods_get_the_words_of_the_run_and_the_number_of_shards() {
     for line in [
         "  name: fleet-1-shards\n",
         "  completionMode: Indexed\n  completions: 2\n  parallelism: 2\n",
+        "      automountServiceAccountToken: false\n",
+        "            limits:\n              memory: \"2Gi\"\n",
         "          image: \"a/b:1\"\n",
         "$$(printf shard-%01d-of-2 $$((JOB_COMPLETION_INDEX + 1)))\n",
         "exec scanbench run --shard \"$$((JOB_COMPLETION_INDEX + 1))/2\" \"$$@\"\n",

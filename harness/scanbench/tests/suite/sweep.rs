@@ -135,7 +135,7 @@ fn wait_for_lines(journal: &Path, n_lines: usize) {
 fn start_long(workplace: &Workplace, data: &[&str], n_lines: usize) -> Child {
     let child =
         workplace.start(&with(data, &with(&CELLS, &["--jobs", "1", "--timed-scans", "1", "-o", "out"])));
-    wait_for_lines(&workplace.path("out.unfinished"), n_lines);
+    wait_for_lines(&workplace.path("out.unfinished/journal"), n_lines);
     child
 }
 
@@ -180,7 +180,9 @@ fn ctrl_c_keeps_what_is_done_and_says_so() {
     let ended = Ended::from(child.wait_with_output().expect("it ends"));
     assert_eq!(ended.exit_code, Some(130), "{ended:?}");
     assert!(
-        ended.stderr.contains("Results are kept: to continue, give the same command with -o out"),
+        ended
+            .stderr
+            .contains("What is done of the 8 scans is kept in out.unfinished: to go on with the others"),
         "{}",
         ended.stderr
     );
@@ -197,7 +199,7 @@ fn going_on_with_something_else_is_refused() {
     let mut child = start_long(&workplace, &LONG, 3);
     child.kill().expect("it runs");
     child.wait().expect("it ends");
-    let journal = workplace.read("out.unfinished");
+    let journal = workplace.read("out.unfinished/journal");
     let common = ["--timed-scans", "1", "-o", "out"];
     let refused = |more: &[&str], difference: &str| {
         let ended = workplace.run(&with(&with(&LONG, &common), more));
@@ -205,14 +207,15 @@ fn going_on_with_something_else_is_refused() {
         let says = format!("belongs to another sweep: {difference} differ;");
         assert!(ended.stderr.contains(&says), "{more:?}: {}", ended.stderr);
     };
-    refused(&["-P", "cell_size_m=0.4:0.8:0.4"], "points");
-    refused(&with(&CELLS, &["--seed", "2"]), "data sets");
-    refused(&with(&CELLS, &["--scans", "0..4"]), "data sets");
-    refused(&with(&CELLS, &["-P", "walls.min_support=0.7"]), "other parameters");
+    refused(&["-P", "cell_size_m=0.4:0.8:0.4"], "sweep.points, sweep.swept");
+    refused(&with(&CELLS, &["--seed", "2"]), "datasets, seeds.street-narrow");
+    refused(&with(&CELLS, &["--scans", "0..4"]), "datasets, shard.parts");
+    let support = "config.hierarchical.walls.min_support, detectors";
+    refused(&with(&CELLS, &["-P", "walls.min_support=0.7"]), support);
     refused(&with(&CELLS, &["-d", "simple-grid"]), "detectors");
     refused(&with(&CELLS, &["--protocol", "argoverse2"]), "protocols");
-    refused(&with(&CELLS, &["--criterion", "centre"]), "matching criterion, other parameters");
-    assert_eq!(workplace.read("out.unfinished"), journal);
+    refused(&with(&CELLS, &["--criterion", "centre"]), "config.matching.criterion, matching_criterion");
+    assert_eq!(workplace.read("out.unfinished/journal"), journal);
     // Unless what is there is to go.
     let ended = workplace.succeed(&[
         "sweep",

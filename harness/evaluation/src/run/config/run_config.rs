@@ -1,7 +1,7 @@
 //! The parameters of everything that takes part in a run.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use baselines::params::{BaselineParams, PARAMS_TOML};
@@ -42,6 +42,8 @@ pub struct RunConfig {
     pub classes: ClassTable,
     /// Detectors that are not built in, as the file tells of them.
     pub foreign: Vec<ForeignDetector>,
+    /// The file; `None` if there is none.
+    pub file: Option<PathBuf>,
     /// The sensor whose scans are looked at, once that is known.
     pub sensor: Option<String>,
     /// By id, the density curves of data sets whose sensor none is shipped for, learned from their scans.
@@ -78,7 +80,7 @@ impl RunConfig {
             path: path.to_owned(),
             byte_offset: error.utf8_error().valid_up_to(),
         })?;
-        Self::resolve(&text, path)
+        Ok(Self { file: Some(path.to_owned()), ..Self::resolve(&text, path)? })
     }
 
     /// The shipped parameters with vehicles told by their size; no model is looked at, so that those that come with the
@@ -148,8 +150,8 @@ impl RunConfig {
         options.apply(&mut resolved)?;
         let config = self.changed_to(resolved).map_err(|problem| options.value_error(problem))?;
         let (classes, foreign) = (self.classes.clone(), self.foreign.clone());
-        let (sensor, own_curves) = (self.sensor.clone(), self.own_curves.clone());
-        Ok(Self { classes, foreign, sensor, own_curves, ..config })
+        let (file, sensor, own_curves) = (self.file.clone(), self.sensor.clone(), self.own_curves.clone());
+        Ok(Self { classes, foreign, file, sensor, own_curves, ..config })
     }
 
     /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
@@ -231,6 +233,7 @@ impl RunConfig {
                 .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
             vehicle_models,
             classes: ClassTable::default(),
+            file: None,
             sensor: None,
             own_curves: BTreeMap::new(),
             foreign: Vec::new(),

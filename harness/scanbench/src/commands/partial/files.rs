@@ -5,15 +5,13 @@ use std::collections::BTreeMap;
 use evaluation::partial::methods::OURS;
 use jiff::Timestamp;
 use reports::files::archive::SCHEMA;
-use reports::files::csv_rows::{read_rows, to_csv_bytes};
-use reports::pages::partial_page::PartialPage;
 use reports::partial_study::partial_curves::PartialCurve;
 use reports::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
 use reports::rows::partial_row::PartialRow;
 use reports::run_folder::partial_manifest::{
     ModelEntry, ObjectSetEntry, PartialManifest, PartialSet, PartialSettings, SHIPPED,
 };
-use reports::run_folder::run_directory::{PARTIAL_CSV, RunDirectory};
+use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::partial_table::PartialTable;
@@ -26,7 +24,7 @@ use crate::commands::failure::Failure;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::partial::sets::{Compared, Known, trained_on};
 use crate::commands::provenance::{command_line, git_state, rfc3339_utc, rustc_version};
-use crate::commands::standard_streams::{print_diagnostic, print_result, terminal};
+use crate::commands::standard_streams::terminal;
 
 /// How the result came about.
 pub fn manifest(
@@ -87,25 +85,8 @@ fn entry(set: &dyn ObjectCloudSet) -> ObjectSetEntry {
     }
 }
 
-/// Writes all files that are made of `rows` into `directory`, and prints the table.
-pub fn end_partial(
-    directory: RunDirectory,
-    manifest: &PartialManifest,
-    rows: &[PartialRow],
-) -> Result<(), Failure> {
-    directory.write_file(PARTIAL_CSV, &to_csv_bytes(rows)?)?;
-    // As they are written, with as many decimals: whoever has the file comes to the same numbers.
-    let rows: Vec<PartialRow> = read_rows(&directory.path_of(PARTIAL_CSV))?;
-    let table = write_files(&directory, manifest, &rows)?;
-    PartialPage::of(directory.folder(), OURS)?.write(directory.folder())?;
-    let finished = directory.finish()?;
-    let printed = print_result(table);
-    print_diagnostic(format_args!("Partial: {}", finished.display()));
-    printed
-}
-
-/// Writes tables and figures, and returns the table as it is printed.
-fn write_files(
+/// Writes tables and figures of `rows` into `directory`, and returns the table as it is printed.
+pub fn write_files(
     directory: &RunDirectory,
     manifest: &PartialManifest,
     rows: &[PartialRow],

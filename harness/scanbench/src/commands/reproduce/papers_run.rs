@@ -1,11 +1,8 @@
 //! The run that the claims of the papers are judged by, and what is written of it.
 
-use std::num::NonZeroUsize;
-
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
-use jiff::Timestamp;
 use reports::files::archive::{ArchiveError, SCHEMA};
 use reports::pages::reproduction_page::ReproductionPage;
 use reports::plots::study_plots::settings_plot;
@@ -13,7 +10,6 @@ use reports::reproduction::claim::Paper;
 use reports::reproduction::judged_claim::JudgedClaim;
 use reports::reproduction::lead::LeadsOf;
 use reports::reproduction::sensitivity::Sensitivity;
-use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{REPRODUCTION_JSON, RunDirectory};
 use reports::tables::formats::format::Format as _;
 use reports::tables::sheet::Tabular;
@@ -29,16 +25,14 @@ use crate::cli::{PaperName, ReproduceArgs};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::open_datasets::open_datasets;
 use crate::commands::paper_files::{write_figure, write_table};
-use crate::commands::progress::RunProgress;
 use crate::commands::reproducible_command::reproducible_command;
-use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::shards::executor::{WatchedStudy, execute};
+use crate::commands::scan_study::ScanStudy;
 use crate::commands::shards::place::Place;
+use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::{print_diagnostic, print_result, terminal};
-use crate::commands::watched_run::WatchedRun;
 
 /// The method with a part switched off, by what the claims call it.
 const VARIANTS: [(&str, &str); 3] = [
@@ -59,16 +53,25 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     let mut config = RunConfig::load(None)?.overridden(&boxes, &[])?;
     let place = Place::claim(Study::Reproduce, None, &arguments.output)?;
     let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
-    let (entrants, started) = (entrants(&config)?, place.started);
-    let mut study = PapersRun { arguments, config, datasets, entrants, started };
-    let Some(made) = execute(&mut study, place)? else { return Ok(()) };
-    let PapersRun { config, mut datasets, .. } = study;
+    let mut study = ScanStudy {
+        entrants: entrants(&config)?,
+        config,
+        datasets,
+        selection: arguments.data.scans.as_deref(),
+        n_warmup: arguments.timing.warmup,
+        n_jobs: arguments.timing.n_jobs(),
+        started: place.started,
+        put_up: None,
+        pairs: None,
+    };
+    let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
+    let ScanStudy { config, mut datasets, .. } = study;
     // The judge looks at scans, too, also at those that were done before.
     for it in &mut datasets {
         it.part = 0..it.scan_indices.len();
     }
     let settings = SettingsStudy::run(arguments, &config, interruption_flag())?;
-    let WholeRun { tally, numbers, .. } = &made.run;
+    let WholeRun { tally, numbers, .. } = &made.whole;
     let leads = LeadsOf::new(tally);
     let rates = RateTables { tally, leads: &leads };
     let of_run = (tally, &leads, &numbers.report);
@@ -90,43 +93,6 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     ));
     print_diagnostic(format_args!("Page: {}", finished.join("reproduction.html").display()));
     printed
-}
-
-/// Who takes part, and on which scans.
-struct PapersRun<'a> {
-    arguments: &'a ReproduceArgs,
-    config: RunConfig,
-    datasets: Vec<OpenedDataset>,
-    entrants: Vec<Entrant>,
-    started: Timestamp,
-}
-
-impl WatchedStudy for PapersRun<'_> {
-    fn datasets(&self) -> &[OpenedDataset] {
-        &self.datasets
-    }
-
-    fn datasets_mut(&mut self) -> &mut [OpenedDataset] {
-        &mut self.datasets
-    }
-
-    fn manifest(&self) -> Manifest {
-        run_manifest(RunSettings {
-            selection: self.arguments.data.scans.as_deref(),
-            n_warmup: self.arguments.timing.warmup,
-            n_repeats: NonZeroUsize::MIN,
-            config: &self.config,
-            detectors: self.entrants.iter().map(detector_entry).collect(),
-            datasets: &self.datasets,
-            protocols: &[],
-            started: self.started,
-        })
-    }
-
-    fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a> {
-        let timing = (self.arguments.timing.warmup, self.arguments.timing.n_jobs());
-        WatchedRun::of_study(&self.entrants, &self.datasets, timing, progress)
-    }
 }
 
 fn papers(name: PaperName) -> &'static [Paper] {

@@ -20,8 +20,8 @@ use crate::commands::progress::RunProgress;
 use crate::commands::recorder::{Recorder, serve_until_interrupted};
 use crate::commands::run::ending::print_ending;
 use crate::commands::run::setup::{ChosenRun, OpenedRun};
-use crate::commands::shards::executor::{WatchedStudy, execute};
 use crate::commands::shards::place::Place;
+use crate::commands::shards::watched_study::{WatchedStudy, execute_watched};
 use crate::commands::sinks::detection_files::DetectionFiles;
 use crate::commands::sinks::mcap_results::McapResults;
 use crate::commands::watched_run::WatchedRun;
@@ -35,8 +35,7 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let place = Place::claim(Study::Run, arguments.shard.shard, &arguments.output)?;
     let started = place.started;
     let mut study = RunStudy { arguments, opened: chosen.open(arguments)?, started };
-    let Some(mut made) = execute(&mut study, place)? else { return Ok(()) };
-    let served = made.served.take();
+    let Some((made, served)) = execute_watched(&mut study, place)? else { return Ok(()) };
     let (finished, run) = made.finish()?;
     print_ending(&run, &finished)?;
     if let Some(served) = served {

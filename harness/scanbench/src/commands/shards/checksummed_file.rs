@@ -15,21 +15,6 @@ pub fn write_checksummed(folder: &Path, name: &str, content: &[u8]) -> Result<Sh
     Ok(ShardFile { name: name.to_owned(), n_bytes: content.len() as u64, sha256: sha256(content) })
 }
 
-/// Writes `values` to the file `name` in `folder`, each as a line of JSON.
-pub fn write_lines<Value: Serialize>(
-    folder: &Path,
-    name: &'static str,
-    values: &[Value],
-) -> Result<ShardFile, ArchiveError> {
-    let mut file = ChecksummedFile::begin(folder, name)?;
-    for value in values {
-        let mut line = serde_json::to_vec(value).expect("it holds numbers and text alone");
-        line.push(b'\n');
-        file.write(&line)?;
-    }
-    file.finish()
-}
-
 /// A file that grows, and its checksum with it.
 pub struct ChecksummedFile {
     /// Where it will be.
@@ -54,6 +39,13 @@ impl ChecksummedFile {
         self.n_bytes += bytes.len() as u64;
         let path = || self.path.clone();
         self.file.write_all(bytes).map_err(|source| ArchiveError::Write { path: path(), source })
+    }
+
+    /// Adds `value` as a line of JSON.
+    pub fn write_json(&mut self, value: &impl Serialize) -> Result<(), ArchiveError> {
+        let mut line = serde_json::to_vec(value).expect("it holds numbers and text alone");
+        line.push(b'\n');
+        self.write(&line)
     }
 
     /// Completes it, and says what it is.

@@ -1,145 +1,151 @@
-//! Makes a run, or a study that is one: all in one piece, or a shard.
+//! Does work that can be shared out: all in one piece, or a shard.
 //!
-//! Every scan is kept as soon as it is judged, and all numbers are made of what was kept. All in one piece is the only shard, put together
+//! What is done is kept as soon as it is, and all results are made of what was kept. All in one piece is the only shard, put together
 //! with no other. What was ended goes on when it is asked for again.
 
-use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
-use evaluation::run::scan_recorder::Served;
-use evaluation::run::sink::Sinks;
-use reports::files::archive::ArchiveError;
-use reports::run_folder::manifest::Manifest;
+use evaluation::journal::Journal;
+use reports::run_folder::made_in_shards::MadeInShards;
 use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::shard_record::{ShardRecord, ShardRecording};
-use reports::vocabulary::protocol::Protocol;
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::run_folder::shard_record::ShardRecord;
 use reports::vocabulary::shard::Shard;
 use reports::vocabulary::study::Study;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::place::Place;
 use super::shard_directory::ShardDirectory;
-use super::shard_entry::{ShardEntry, ShardProgress};
-use super::shard_files::write_shard_files;
-use super::shard_journal::ShardJournal;
-use super::share_of_work::take_share;
+use super::share_of_work::ShareOfWork;
 use super::unfinished_work::{Remains, UnfinishedWork, identity_of};
 use super::whole_manifest::Pieces;
-use super::whole_run::WholeRun;
 use crate::commands::failure::Failure;
-use crate::commands::open_datasets::{OpenedDataset, ids_of};
-use crate::commands::progress::RunProgress;
-use crate::commands::provenance::machine;
-use crate::commands::recorder::Recorder;
-use crate::commands::sinks::rerun_recording::RerunRecording;
-use crate::commands::sinks::terminal::Terminal;
 use crate::commands::standard_streams::print_diagnostic;
-use crate::commands::watched_run::WatchedRun;
 
-/// What goes over data sets scan by scan and is made of the rows of a run.
-pub trait WatchedStudy {
-    /// The data sets.
-    fn datasets(&self) -> &[OpenedDataset];
+/// What all shards come to, with its files.
+pub trait WholeResult: Sized {
+    /// How it came about, and each of its shards.
+    type Manifest: MadeInShards;
 
-    /// The same, to be cut.
-    fn datasets_mut(&mut self) -> &mut [OpenedDataset];
+    /// Makes that of `shards`, whose manifests are `manifests`, both in order, in `directory`.
+    fn write(
+        study: Study,
+        shards: (&[ShardDirectory<'_>], &[&Self::Manifest]),
+        place: (&RunDirectory, Pieces),
+    ) -> Result<Self, Failure>;
+}
 
-    /// How it comes about.
-    fn manifest(&self) -> Manifest;
+/// How a result says that it comes about.
+pub type ManifestOf<W> = <<W as SharedWork>::Whole as WholeResult>::Manifest;
 
-    /// What decides rows beside all that the manifest says; nothing of studies.
+/// What is done part by part, with a line in the journal for each, and put together of shards.
+pub trait SharedWork {
+    /// A line of the journal.
+    type Entry: DeserializeOwned;
+    /// What comes of it.
+    type Whole: WholeResult;
+
+    /// Leaves the part of `shard` to be done.
+    fn take_share(&mut self, shard: Shard) -> ShareOfWork;
+
+    /// How it comes about; with `shard`, of a shard.
+    fn manifest(&self, shard: Option<ShardRecord>) -> ManifestOf<Self>;
+
+    /// What decides the result beside all that the manifest says.
     fn rules(&self) -> Value {
         Value::Null
     }
 
-    /// How it goes over the data sets.
-    fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a>;
+    /// What a directory without a name is called after.
+    fn ids(&self) -> String;
 
-    /// Begins the recording `file`, which is called `name`, of every so many scans; `None` if none is wanted, as of studies.
-    fn begin_recording(&self, _name: &str, _file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
-        Ok(None)
-    }
+    /// What there is to do, such as `60 scans`.
+    fn extent(&self) -> String;
 
-    /// What else watches all scans, and may leave files in `folder` that belong to the result.
-    fn sinks<'a>(&'a self, _folder: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {
-        Ok(Vec::new())
-    }
-
-    /// Whether one of these has to see all scans at once. Then nothing is kept to go on with.
+    /// Whether nothing is kept to go on with, because all has to be seen at once.
     fn sees_all(&self) -> bool {
         false
     }
+
+    /// Takes in what was done before.
+    fn add_done(&mut self, entry: Self::Entry);
+
+    /// How much was done before, such as `7 of 60 scans`; `None` if nothing was.
+    fn done(&self) -> Option<String>;
+
+    /// Does what is left; `part` says which shard it is.
+    fn go_on(&mut self, unfinished: &UnfinishedWork, part: Option<Shard>) -> Result<(), Failure>;
+
+    /// What is said of work in one piece that `failure` has ended, and what is left of it.
+    fn ended_by(&mut self, failure: Failure, unfinished: UnfinishedWork, _: ShardRecord) -> Failure {
+        if unfinished.is_begun() { unfinished.ended_by(failure) } else { unfinished.discarded_by(failure) }
+    }
+
+    /// Writes what `journal` holds into `folder` as the files of a shard, and says in `record` which these are.
+    fn write_files(
+        &mut self,
+        journal: &Journal,
+        folder: &Path,
+        record: ShardRecord,
+    ) -> Result<ManifestOf<Self>, Failure>;
+
+    /// Has `directory` take what else lies beside the journal and belongs to the result.
+    fn carry_over(
+        &self,
+        _: &Remains,
+        _manifest: &ManifestOf<Self>,
+        _directory: &RunDirectory,
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
 }
 
-/// A result in one piece, to which a study adds files of its own.
-pub struct Made {
+/// A result in one piece, to which a verb may add files of its own.
+pub struct Made<Whole> {
     // Invariant: before the directory, which removes the folders that were made for both.
     remains: Remains,
     /// Its directory.
     pub directory: RunDirectory,
-    /// Its numbers, which are written.
-    pub run: WholeRun,
-    /// What still serves its recording.
-    pub served: Option<Box<dyn Served>>,
+    /// What it came to.
+    pub whole: Whole,
 }
 
-impl Made {
-    /// Gives the directory its name, and returns where it is, with the numbers.
-    pub fn finish(self) -> Result<(PathBuf, WholeRun), Failure> {
+impl<Whole> Made<Whole> {
+    /// Gives the directory its name, and returns where it is, with what it came to.
+    pub fn finish(self) -> Result<(PathBuf, Whole), Failure> {
         let finished = self.directory.finish()?;
         self.remains.clear();
-        Ok((finished, self.run))
+        Ok((finished, self.whole))
     }
 }
 
-/// Makes `study` in `place`: a shard is left there for `merge`, and all in one piece is handed back.
-pub fn execute(study: &mut impl WatchedStudy, mut place: Place) -> Result<Option<Made>, Failure> {
-    place.is_kept &= !study.sees_all();
-    let (part, kind, is_kept) = (place.shard, place.study, place.is_kept);
-    let share = take_share(study.datasets_mut(), part.unwrap_or(Shard::ONLY));
-    let manifest = Manifest { shard: Some(place.record(share)), ..study.manifest() };
-    let n_scans: usize = study.datasets().iter().map(|it| it.part.len()).sum();
-    let mut progress = ShardProgress::default();
-    let identity = identity_of(&manifest, study.rules());
-    let (ids, extent) = (ids_of(study.datasets()), format!("{n_scans} scans"));
-    let unfinished = UnfinishedWork::open(place, &ids, (&identity, extent), |it| progress.add(&it))?;
-    if progress.n_scans > 0 {
-        unfinished.tell_of_continuing(progress.n_scans, &format!("{n_scans} scans"));
+/// Does `work` in `place`: a shard is left there for `merge`, and all in one piece is handed back.
+pub fn execute<W: SharedWork>(work: &mut W, mut place: Place) -> Result<Option<Made<W::Whole>>, Failure> {
+    place.is_kept &= !work.sees_all();
+    let (part, study, is_kept) = (place.shard, place.study, place.is_kept);
+    let share = work.take_share(part.unwrap_or(Shard::ONLY));
+    let record = place.record(share);
+    let identity = identity_of(&work.manifest(Some(record.clone())), work.rules());
+    let (ids, extent) = (work.ids(), work.extent());
+    let unfinished = UnfinishedWork::open(place, &ids, (&identity, extent), |it| work.add_done(it))?;
+    if let Some(done) = work.done() {
+        unfinished.tell_of_continuing(&done);
     }
-    unfinished.journal.add(&ShardEntry::Began { cpu_model: machine().cpu_model })?;
-    leave_out_what_is_done(study.datasets_mut(), &progress);
-    let n_starts = if progress.n_scans > 0 { progress.n_starts } else { 0 };
-    let pass = Pass { unfinished: &unfinished, n_starts, has_all: part.is_none() };
-    let end = Cell::new(None);
-    let passed = pass.make(study, &manifest.protocols, &end);
-    let has_scans = progress.n_scans > 0 || end.get().is_some();
-    let record = manifest.shard.expect("it was just put there");
-    let served = match passed {
-        Ok(served) => served,
-        Err(failure) if part.is_some() => return Err(unfinished.ended_by(failure)),
-        Err(failure) => {
-            let is_kept = is_kept && has_scans;
-            return Err(ended_in_one_piece(unfinished, failure, (study, record, [is_kept, has_scans])));
-        }
-    };
-    // Programs of others have introduced themselves by now.
-    let manifest = study.manifest();
-    if part.is_some() {
-        let finished = unfinished.finish(|folder, journal, directory| {
-            let (mut manifest, mut record) = (manifest, record);
-            write_shard_files(journal, directory.folder(), (&mut manifest, &mut record))?;
-            for recording in &record.recordings {
-                keep(&folder.join(&recording.file), &directory.path_of(&recording.file))?;
-            }
-            manifest.shard = Some(record);
-            Ok(manifest.to_json())
+    if let Err(failure) = work.go_on(&unfinished, part) {
+        return Err(match part {
+            Some(_) => unfinished.ended_by(failure),
+            None => work.ended_by(failure, unfinished, record),
         });
-        return finished.map(|()| None);
+    }
+    if part.is_some() {
+        leave_shard(work, unfinished, record)?;
+        return Ok(None);
     }
     let (claimed, remains) = unfinished.into_parts();
     let directory = RunDirectory::begin(claimed)?;
-    match put_in_one_piece(kind, (manifest, record), &remains, &directory) {
-        Ok(run) => Ok(Some(Made { remains, directory, run, served })),
+    match put_in_one_piece(work, (study, record), &remains, &directory) {
+        Ok(whole) => Ok(Some(Made { remains, directory, whole })),
         Err(failure) => {
             if !is_kept || matches!(failure, Failure::NothingEvaluated(_)) {
                 remains.clear();
@@ -149,117 +155,34 @@ pub fn execute(study: &mut impl WatchedStudy, mut place: Place) -> Result<Option
     }
 }
 
-/// All numbers of what was kept in `remains`, written into `directory`.
-fn put_in_one_piece(
-    study: Study,
-    (mut manifest, mut record): (Manifest, ShardRecord),
+/// Makes the directory of a shard. What was kept until then is not needed any more.
+fn leave_shard<W: SharedWork>(
+    work: &mut W,
+    unfinished: UnfinishedWork,
+    record: ShardRecord,
+) -> Result<(), Failure> {
+    let words = unfinished.part_in_words();
+    let (claimed, remains) = unfinished.into_parts();
+    let directory = RunDirectory::begin(claimed)?;
+    let manifest = work.write_files(&remains.journal, directory.folder(), record)?;
+    work.carry_over(&remains, &manifest, &directory)?;
+    directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
+    let finished = directory.finish()?;
+    remains.clear();
+    print_diagnostic(format_args!("{words}, {}", finished.display()));
+    Ok(())
+}
+
+/// The result of what was kept in `remains`, written into `directory`.
+fn put_in_one_piece<W: SharedWork>(
+    work: &mut W,
+    (study, record): (Study, ShardRecord),
     remains: &Remains,
     directory: &RunDirectory,
-) -> Result<WholeRun, Failure> {
-    write_shard_files(&remains.journal, &remains.folder, (&mut manifest, &mut record))?;
-    for file in std::fs::read_dir(&remains.folder).into_iter().flatten().flatten() {
-        let (path, name) = (file.path(), file.file_name().to_string_lossy().into_owned());
-        // Only what sees all scans is written as MCAP. In a folder that is kept it would be that of a run before.
-        let is_mcap = remains.is_passing() && path.extension().is_some_and(|it| it == "mcap");
-        if is_mcap || record.recordings.iter().any(|it| it.file == name) {
-            keep(&path, &directory.path_of(&name))?;
-        }
-    }
-    manifest.shard = Some(record.clone());
-    let shards = [ShardDirectory { folder: remains.folder.clone(), record: &record }];
-    WholeRun::write(study, (&shards, &[&manifest]), (directory, Pieces::One))
-}
-
-/// What is left of a result in one piece that `failure` has ended, of which there may be scans.
-fn ended_in_one_piece(
-    unfinished: UnfinishedWork,
-    failure: Failure,
-    (study, mut record, [is_kept, has_scans]): (&impl WatchedStudy, ShardRecord, [bool; 2]),
-) -> Failure {
-    match failure {
-        // The disk is full, or somebody needs the machine: the same command goes on.
-        Failure::Interrupted(_) | Failure::Internal(_) if is_kept => unfinished.ended_by(failure),
-        // Whoever mends a detector starts again.
-        Failure::Detector(_) if has_scans => {
-            let rows = (&mut study.manifest(), &mut record);
-            let left = write_shard_files(&unfinished.journal, &unfinished.folder, rows);
-            match left.and_then(|()| unfinished.leave_files()) {
-                Ok(folder) => {
-                    print_diagnostic(format_args!(
-                        "Rows of the scans before the failure: {}",
-                        folder.display()
-                    ));
-                    failure
-                }
-                Err(failure) => failure,
-            }
-        }
-        failure => {
-            unfinished.discard();
-            failure
-        }
-    }
-}
-
-/// Begins each data set behind the last scan that was judged.
-fn leave_out_what_is_done(datasets: &mut [OpenedDataset], progress: &ShardProgress) {
-    for (dataset_idx, place) in &progress.next_places {
-        let part = &mut datasets[*dataset_idx].part;
-        part.start = (*place).clamp(part.start, part.end);
-    }
-}
-
-/// The way over the scans that are left.
-struct Pass<'a> {
-    unfinished: &'a UnfinishedWork,
-    n_starts: usize,
-    has_all: bool,
-}
-
-impl Pass<'_> {
-    /// Goes it, and tells `end` the number behind that of the last scan.
-    fn make(
-        &self,
-        study: &impl WatchedStudy,
-        protocols: &[Protocol],
-        end: &Cell<Option<u64>>,
-    ) -> Result<Option<Box<dyn Served>>, Failure> {
-        let mut served = None;
-        let Some(first) = first_number(study.datasets()) else { return Ok(served) };
-        let UnfinishedWork { folder, journal, claimed, .. } = self.unfinished;
-        let progress = RunProgress::new();
-        let file = match self.n_starts {
-            0 => "run.rrd".to_owned(),
-            n => format!("run-{}.rrd", n + 1),
-        };
-        let name = claimed.target().file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let recorder = study.begin_recording(&name, folder.join(&file))?;
-        let every = recorder.as_ref().map(|(_, every)| *every);
-        let mut sinks = if self.has_all { study.sinks(folder)? } else { Vec::new() };
-        sinks.push(Box::new(recorder.map(|(it, _)| RerunRecording::new(it, &progress, &mut served))));
-        sinks.push(Box::new(ShardJournal::new(journal, (study.datasets(), protocols), end)));
-        sinks.push(Box::new(Terminal::new(&progress)));
-        let ended = study.watched(&progress).run(sinks);
-        let is_complete = matches!(ended, Ok(()) | Err(Failure::Interrupted(_) | Failure::Detector(_)));
-        if let Some((end, every)) = end.get().zip(every).filter(|_| is_complete) {
-            journal.add(&ShardEntry::Recorded(ShardRecording { file, first, end, every }))?;
-        }
-        ended.map(|()| served)
-    }
-}
-
-/// The number of the first scan that is left, among all scans of the run; `None` if none is.
-fn first_number(datasets: &[OpenedDataset]) -> Option<u64> {
-    let mut n_before = 0;
-    datasets.iter().find_map(|it| {
-        let first = (!it.part.is_empty()).then_some(n_before + it.part.start as u64);
-        n_before += it.scan_indices.len() as u64;
-        first
-    })
-}
-
-/// Gives a file a second name; where there are none, a second file.
-fn keep(file: &Path, name: &Path) -> Result<(), ArchiveError> {
-    let copied = std::fs::hard_link(file, name).or_else(|_| std::fs::copy(file, name).map(|_| ()));
-    copied.map_err(|source| ArchiveError::Write { path: name.to_owned(), source })
+) -> Result<W::Whole, Failure> {
+    let manifest = work.write_files(&remains.journal, &remains.folder, record)?;
+    work.carry_over(remains, &manifest, directory)?;
+    let record = manifest.shard().expect("its files were just written into it");
+    let shards = [ShardDirectory { folder: remains.folder.clone(), record }];
+    W::Whole::write(study, (&shards, &[&manifest]), (directory, Pieces::One))
 }

@@ -23,8 +23,10 @@ pub struct Place {
     pub overwrites: bool,
     /// When it was begun.
     pub started: Timestamp,
-    /// Whether what is done is kept until there is a result: only where somebody knows the place, and can give the command again.
+    /// Whether what is done is kept until there is a result: where somebody knows the place, and of sweeps, which take long.
     pub is_kept: bool,
+    /// Whether the directory was named.
+    pub is_named: bool,
     // The directory that was named, of a shard that within the folder of all.
     named: Option<ClaimedTarget>,
 }
@@ -36,8 +38,9 @@ impl Place {
             Some(shard) => Some(claim_for_shard(shard, output)?),
             None => claim_named(output)?,
         };
-        let (overwrites, is_kept) = (output.overwrite, named.is_some());
-        Ok(Self { study, shard, overwrites, started: Timestamp::now(), is_kept, named })
+        let (overwrites, is_named) = (output.overwrite, named.is_some());
+        let is_kept = is_named || study == Study::Sweep;
+        Ok(Self { study, shard, overwrites, started: Timestamp::now(), is_kept, is_named, named })
     }
 
     /// The directory: the one that was named, or else a new one that is called after the data sets `ids`.

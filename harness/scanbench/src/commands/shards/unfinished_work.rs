@@ -4,12 +4,13 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use evaluation::journal::{Journal, JournalIdentity, JournalKind, OtherJournal};
+use evaluation::journal::{Journal, JournalIdentity, OtherJournal};
+use evaluation::run::config::DETECTOR_TABLE;
 use reports::files::archive::ArchiveError;
 use reports::files::hidden_folder::HiddenFolder;
-use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::run_target::{ClaimedTarget, MANIFEST_JSON};
+use reports::run_folder::run_target::ClaimedTarget;
 use reports::vocabulary::shard::Shard;
+use reports::vocabulary::study::Study;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -26,20 +27,36 @@ const GRACE: Duration = Duration::from_secs(25);
 const JOURNAL: &str = "journal";
 
 /// Endings of the other files that are left there.
-const ENDINGS: [&str; 4] = ["csv", "json", "rrd", "mcap"];
+const ENDINGS: [&str; 5] = ["csv", "json", "jsonl", "rrd", "mcap"];
 
 /// What decides the rows of a result: its `manifest`, without what may differ when it is continued, and `rules` that this lacks.
 pub fn identity_of(manifest: &impl Serialize, rules: Value) -> JournalIdentity {
     let mut value = serde_json::to_value(manifest).expect("a manifest has text keys only");
     let identity = value.as_object_mut().expect("a manifest is an object");
-    for passing in ["created", "argv", "machine"] {
+    // What other programs found is read when all is done.
+    for passing in ["created", "argv", "machine", "peers"] {
         identity.remove(passing);
     }
     if let Some(shard) = identity.get_mut("shard").and_then(Value::as_object_mut) {
         shard.remove("created");
     }
+    leave_out_idle_detectors(identity);
     identity.insert("rules".to_owned(), rules);
     std::mem::take(identity)
+}
+
+/// Takes the parameters of detectors of others that do not take part out of a manifest.
+fn leave_out_idle_detectors(manifest: &mut JournalIdentity) {
+    let names = |it: &Value| it["name"].as_str().map(str::to_owned);
+    let taking_part: Vec<String> =
+        manifest.get("detectors").and_then(Value::as_array).into_iter().flatten().filter_map(names).collect();
+    let Some(config) = manifest.get_mut("config").and_then(Value::as_object_mut) else { return };
+    if let Some(of_others) = config.get_mut(DETECTOR_TABLE).and_then(Value::as_object_mut) {
+        of_others.retain(|name, _| taking_part.contains(name));
+        if of_others.is_empty() {
+            config.remove(DETECTOR_TABLE);
+        }
+    }
 }
 
 /// A result in the making: a shard, or all in one piece.
@@ -55,6 +72,7 @@ pub struct UnfinishedWork {
     // What it has, such as `60 scans`, and which part it is, such as `shard 3/8`.
     extent: String,
     shard: Option<Shard>,
+    is_named: bool,
 }
 
 impl UnfinishedWork {
@@ -79,7 +97,11 @@ impl UnfinishedWork {
         };
         let folder = passing.as_ref().map_or(&*kept, HiddenFolder::path).to_owned();
         let other = if place.overwrites { OtherJournal::Discard } else { OtherJournal::Refuse };
-        let kind = if place.shard.is_some() { JournalKind::Shard } else { JournalKind::Run };
+        let kind = match (place.shard, place.study) {
+            (Some(_), _) => "shard",
+            (None, Study::Sweep) => "sweep",
+            (None, _) => "run",
+        };
         let had_journal = folder.join(JOURNAL).is_file();
         let journal = Journal::open(&folder.join(JOURNAL), (kind, identity), other, on_entry);
         if journal.is_err() && !had_journal {
@@ -87,7 +109,8 @@ impl UnfinishedWork {
             let _ = std::fs::remove_file(folder.join(JOURNAL)).and_then(|()| std::fs::remove_dir(&folder));
         }
         let journal = journal?;
-        let unfinished = Self { passing, folder, journal, claimed, extent, shard: place.shard };
+        let Place { shard, is_named, .. } = place;
+        let unfinished = Self { passing, folder, journal, claimed, extent, shard, is_named };
         if place.is_kept {
             set_last_words(unfinished.how_to_go_on());
         }
@@ -97,9 +120,9 @@ impl UnfinishedWork {
         Ok(unfinished)
     }
 
-    /// Says how much was done before.
-    pub fn tell_of_continuing(&self, n_done: usize, of: &str) {
-        print_diagnostic(format_args!("Continuing with {n_done} of {of} from {}", self.folder.display()));
+    /// Says how much was done before, such as `7 of 60 scans`.
+    pub fn tell_of_continuing(&self, done: &str) {
+        print_diagnostic(format_args!("Continuing with {done} from {}", self.folder.display()));
     }
 
     /// `failure`, after it was said how the work can go on. Of work in a directory that nobody has named nothing is left.
@@ -112,28 +135,26 @@ impl UnfinishedWork {
 
     fn how_to_go_on(&self) -> String {
         let of_shard = self.shard.map_or_else(String::new, |it| format!(" of shard {it}"));
+        let again = if self.is_named {
+            "again".to_owned()
+        } else {
+            format!("with -o {}", self.claimed.target().display())
+        };
         format!(
-            "What is done of the {}{of_shard} is kept in {}: to go on with the others, give the same command again",
+            "What is done of the {}{of_shard} is kept in {}: to go on with the others, give the same command {again}",
             self.extent,
             self.folder.display()
         )
     }
 
-    /// Makes the directory of a shard: `fill` writes its files and returns its manifest. What was kept until then is not needed any
-    /// more.
-    pub fn finish(
-        self,
-        fill: impl FnOnce(&Path, &Journal, &RunDirectory) -> Result<String, Failure>,
-    ) -> Result<(), Failure> {
-        let (shard, extent) = (self.shard.unwrap_or(Shard::ONLY), self.extent.clone());
-        let (claimed, remains) = self.into_parts();
-        let directory = RunDirectory::begin(claimed)?;
-        let manifest = fill(&remains.folder, &remains.journal, &directory)?;
-        directory.write_file(MANIFEST_JSON, manifest.as_bytes())?;
-        let finished = directory.finish()?;
-        remains.clear();
-        print_diagnostic(format_args!("Shard {shard}: {extent}, {}", finished.display()));
-        Ok(())
+    /// Which part it is and what that has, such as `Shard 3/8: 60 scans`.
+    pub fn part_in_words(&self) -> String {
+        format!("Shard {}: {}", self.shard.unwrap_or(Shard::ONLY), self.extent)
+    }
+
+    /// Whether there is anything to go on with.
+    pub fn is_begun(&self) -> bool {
+        self.journal.n_entries() > 0
     }
 
     /// The place of the result, and what is to be removed once that is there.
@@ -142,12 +163,13 @@ impl UnfinishedWork {
         (claimed, Remains { folder, journal, passing })
     }
 
-    /// Removes all of it: there is nothing to go on with.
-    pub fn discard(self) {
+    /// `failure`, after all of it was removed: there is nothing to go on with.
+    pub fn discarded_by(self, failure: Failure) -> Failure {
         let (claimed, remains) = self.into_parts();
         remains.clear();
         // Removes the folders that were made for it.
         drop(claimed);
+        failure
     }
 
     /// Leaves its files beside the directory, but nothing to go on with, and returns where they are.

@@ -13,6 +13,7 @@ use reports::worst::places::{ObjectName, WorstPlaces};
 use reports::worst::points::{Patch, WorstPoints};
 use reports::worst::recorded::{RecordedPlace, Recordings};
 
+use super::executor::WholeResult;
 use super::rows_of_shards::merge_rows;
 use super::shard_directory::ShardDirectory;
 use super::whole_manifest::{Pieces, merged_manifest, path_from};
@@ -37,10 +38,11 @@ pub struct WholeRun {
     pub agreement: Vec<AgreementRow>,
 }
 
-impl WholeRun {
-    /// Puts the rows of `shards` one after the other, whose manifests are `manifests`, both in order, and writes these and all numbers
-    /// that are made of them into `directory`.
-    pub fn write(
+impl WholeResult for WholeRun {
+    type Manifest = Manifest;
+
+    /// Puts the rows of `shards` one after the other, and writes these and all numbers that are made of them.
+    fn write(
         study: Study,
         (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
         (directory, pieces): (&RunDirectory, Pieces),

@@ -27,8 +27,10 @@ pub fn submit_kubernetes(arguments: &KubernetesArgs) -> Result<(), Failure> {
     let of_shard = yaml_list(&command.after_shard(&shards));
     let merge = yaml_list(&merge_words(&shards, submitted.shards, &run));
     let pattern = shard_pattern(submitted.shards);
+    let at_once = submitted.at_once.unwrap_or(submitted.shards).to_string();
     let own = [
         ("n_shards", n_shards.as_str()),
+        ("at_once", &at_once),
         ("shards", &shards),
         ("shard", &pattern),
         ("verb", command.verb()),

@@ -2,6 +2,7 @@
 
 pub mod template;
 pub mod sharded_command;
+pub mod tried_command;
 pub mod job_folder;
 pub mod slurm;
 pub mod kubernetes;

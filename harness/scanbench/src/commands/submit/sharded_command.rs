@@ -43,16 +43,23 @@ impl ShardedCommand {
         }
         let command = Self { verb: verb.clone(), arguments: arguments.to_vec() };
         // Some options do not go with shards.
-        let first = ["scanbench", verb, "--shard", "1/1"].map(str::to_owned);
-        Cli::try_parse_from(first.into_iter().chain(command.after_shard("shards"))).map_err(|error| {
-            Usage(format!("the command after -- has no shards\n{}", error.to_string().trim_end()))
-        })?;
+        command.as_parsed()?;
         Ok(command)
     }
 
     /// The verb: the first word after `scanbench`.
     pub fn verb(&self) -> &str {
         &self.verb
+    }
+
+    /// The command as a task gives it that makes the only shard.
+    pub fn as_parsed(&self) -> Result<Command, Usage> {
+        let first = ["scanbench", &self.verb, "--shard", "1/1"].map(str::to_owned);
+        let parsed = Cli::try_parse_from(first.into_iter().chain(self.after_shard("shards")));
+        let parsed = parsed.map_err(|error| {
+            Usage(format!("the command after -- has no shards\n{}", error.to_string().trim_end()))
+        })?;
+        Ok(parsed.command)
     }
 
     /// The words after the verb and `--shard I/N` by which a task makes its shard in `folder`.

@@ -6,6 +6,7 @@ use std::process::Command;
 use reports::run_folder::command_line::shell_word;
 
 use crate::cli::SlurmArgs;
+use crate::commands::empty_folder::refuse_occupied;
 use crate::commands::failure::Failure;
 use crate::commands::standard_streams::print_result;
 use crate::commands::submit::job_folder::{
@@ -13,6 +14,7 @@ use crate::commands::submit::job_folder::{
 };
 use crate::commands::submit::sharded_command::ShardedCommand;
 use crate::commands::submit::template::filled;
+use crate::commands::submit::tried_command::try_here;
 
 const SHARDS_SH: &str = include_str!("slurm/shards.sh");
 const MERGE_SH: &str = include_str!("slurm/merge.sh");
@@ -24,8 +26,13 @@ pub fn submit_slurm(arguments: &SlurmArgs) -> Result<(), Failure> {
     let command = ShardedCommand::read(&submitted.command)?;
     let program = std::env::current_exe()
         .map_err(|error| Failure::internal("cannot tell where this program is", error))?;
+    let name = job_name(&submitted.output)?;
+    refuse_occupied(&submitted.output)?;
+    if !arguments.untried {
+        try_here(&command)?;
+    }
     let place = Place {
-        name: job_name(&submitted.output)?,
+        name,
         folder: absolute_text(&submitted.output)?,
         workplace: absolute_text(Path::new("."))?,
         program: absolute_text(&program)?,
@@ -59,14 +66,10 @@ struct Place {
 impl Place {
     fn shards_sh(&self, arguments: &SlurmArgs, command: &ShardedCommand) -> String {
         let n_shards = arguments.submitted.shards;
-        let limit = |option: &str, value: Option<&String>| {
-            value.map(|it| format!("#SBATCH --{option}={it}\n")).unwrap_or_default()
+        let tasks = match arguments.submitted.at_once {
+            Some(n) => format!("{n_shards}%{n}"),
+            None => n_shards.to_string(),
         };
-        let limits = [
-            limit("time", arguments.time.as_ref()),
-            limit("mem", arguments.memory.as_ref()),
-            partition(arguments),
-        ];
         let shards = format!("{}/{SHARDS}", self.folder);
         let words: Vec<String> = command.after_shard(&shards).iter().map(|it| shell_word(it)).collect();
         filled(
@@ -74,7 +77,8 @@ impl Place {
             &[
                 ("name", &self.name),
                 ("n_shards", &n_shards.to_string()),
-                ("limits", &limits.concat()),
+                ("tasks", &tasks),
+                ("limits", &limits(arguments)),
                 ("workplace", &shell_word(&self.workplace)),
                 ("shards", &shell_word(&shards)),
                 ("shard", &shard_pattern(n_shards)),
@@ -92,7 +96,7 @@ impl Place {
             &[
                 ("name", &self.name),
                 ("n_shards", &arguments.submitted.shards.to_string()),
-                ("limits", &partition(arguments)),
+                ("limits", &limits(arguments)),
                 ("workplace", &shell_word(&self.workplace)),
                 ("program", &shell_word(&self.program)),
                 ("shards", &below(SHARDS)),
@@ -102,8 +106,12 @@ impl Place {
     }
 }
 
-fn partition(arguments: &SlurmArgs) -> String {
-    arguments.partition.as_ref().map(|it| format!("#SBATCH --partition={it}\n")).unwrap_or_default()
+/// What every job may use.
+fn limits(arguments: &SlurmArgs) -> String {
+    let SlurmArgs { time, memory, partition, .. } = arguments;
+    let options = [("time", time), ("mem", memory), ("partition", partition)];
+    let lines = options.iter().filter_map(|(option, value)| Some(format!("#SBATCH --{option}={}\n", value.as_ref()?)));
+    lines.collect()
 }
 
 fn submit(submit_sh: &Path) -> Result<(), Failure> {

@@ -1,11 +1,11 @@
 //! What `scanbench sweep --protocol` leaves behind.
 
-use evaluation::run::detector_list::ChosenDetector;
-use evaluation::sweep::protocol_numbers::SweptOfficially;
+use evaluation::sweep::sweep_tally::SweepTally;
 use reports::files::archive::ArchiveError;
 use reports::numbers::sweep_score::SweepScores;
 use reports::plots::swept_protocol_plot::swept_protocol_plot;
 use reports::protocols::swept_numbers::SweptNumbers;
+use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{RunDirectory, SWEEP_PROTOCOLS_CSV, SWEEP_PROTOCOLS_JSON};
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::swept_protocol_table::SweptProtocolTable;
@@ -19,14 +19,15 @@ use crate::commands::standard_streams::{print_diagnostic, terminal};
 /// Makes the numbers of a sweep under its protocols and writes them into `directory` in all their forms. Returns the table that is printed.
 pub fn write_swept_protocols(
     directory: &RunDirectory,
-    sweep: &SweptOfficially<'_>,
+    (manifest, tally): (&Manifest, &SweepTally<'_>),
     scores: &SweepScores,
 ) -> Result<String, ArchiveError> {
-    let bar = progress_over_results(sweep.plan.points.len(), 0, "protocols");
-    let swept = sweep.numbers(scores, || bar.inc(1));
+    let n_points = manifest.sweep.as_ref().map_or(0, |it| it.points.len());
+    let bar = progress_over_results(n_points, 0, "protocols");
+    let swept = tally.protocol_numbers(scores, || bar.inc(1));
     bar.finish_and_clear();
-    if sweep.protocols.chosen.ask_for_ground() {
-        warn_of_no_ground(sweep, &swept);
+    if manifest.protocols.contains(&Protocol::Ground) {
+        warn_of_no_ground(manifest, &swept);
     }
     let not_written = |source| ArchiveError::Csv { path: directory.path_of(SWEEP_PROTOCOLS_CSV), source };
     directory.write_file(SWEEP_PROTOCOLS_CSV, &swept.to_csv().map_err(not_written)?)?;
@@ -41,10 +42,10 @@ pub fn write_swept_protocols(
     Ok(format!("\n{}", terminal().text(&table)))
 }
 
-fn warn_of_no_ground(sweep: &SweptOfficially<'_>, swept: &SweptNumbers) {
-    for detector in sweep.plan.detectors.iter().map(ChosenDetector::name) {
+fn warn_of_no_ground(manifest: &Manifest, swept: &SweptNumbers) {
+    for detector in manifest.detectors.iter().map(|it| &it.name) {
         let mut of_ground = swept.numbers.iter().filter(|it| it.number.protocol == Protocol::Ground);
-        if of_ground.all(|it| it.number.detector != detector) {
+        if of_ground.all(|it| it.number.detector != *detector) {
             print_diagnostic(warning_of_no_ground(detector));
         }
     }

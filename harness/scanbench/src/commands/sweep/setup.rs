@@ -1,16 +1,14 @@
 //! What a sweep takes, whole or in parts: points, detectors, data sets.
 
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
-use std::sync::atomic::AtomicBool;
 
 use evaluation::journal::Journal;
+use evaluation::protocols::chosen_protocols::ChosenProtocols;
 use evaluation::sweep::journal_entry::JournalEntry;
 use evaluation::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
-use evaluation::sweep::scan_at_point::ScanAtPoint;
 use evaluation::sweep::sweep_plan::SweepPlan;
-use evaluation::sweep::swept_protocols::SweptProtocols;
 use evaluation::sweep::swept_values::SweptValues;
-use evaluation::sweep::timed_scan::TimedScan;
 use evaluation::sweep::timing_pass::DETECTIONS_PER_SCAN;
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
@@ -23,6 +21,7 @@ use crate::commands::config::{
 };
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
+use crate::commands::interruption::interruption_flag;
 use crate::commands::judged_streets::advise_on_judged;
 use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
@@ -37,32 +36,31 @@ pub struct Sweep<'a> {
     /// Points and detectors.
     pub plan: SweepPlan,
     /// What else it is evaluated by, if anything.
-    pub protocols: Option<SweptProtocols>,
+    pub protocols: Option<ChosenProtocols>,
     /// The scans.
     pub datasets: Vec<OpenedDataset>,
+    /// What was done before.
+    pub done: SweepDone,
+    /// When it was begun.
+    pub started: Timestamp,
 }
 
 /// What a sweep has done.
 #[derive(Debug, Default)]
-pub struct SweepResults {
-    /// Scans at points.
-    pub counted: Vec<ScanAtPoint>,
-    /// Scans that were timed.
-    pub timed: Vec<TimedScan>,
+pub struct SweepDone {
+    /// Scans at points, by their keys.
+    pub counted: BTreeSet<[usize; 3]>,
+    /// Scans that were timed, by theirs.
+    pub timed: BTreeSet<(usize, usize)>,
 }
 
-impl SweepResults {
+impl SweepDone {
     /// Takes in what is in a journal.
-    pub fn add(&mut self, entry: JournalEntry) {
+    pub fn add(&mut self, entry: &JournalEntry) {
         match entry {
-            JournalEntry::Quality(it) => self.counted.push(it),
-            JournalEntry::Times(it) => self.timed.push(it),
-        }
-    }
-
-    /// How many there are.
-    pub fn n(&self) -> usize {
-        self.counted.len() + self.timed.len()
+            JournalEntry::Quality(it) => self.counted.insert(it.key()),
+            JournalEntry::Times(it) => self.timed.insert(it.key()),
+        };
     }
 }
 
@@ -80,7 +78,7 @@ pub fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
 
 impl<'a> Sweep<'a> {
     /// Opens the data sets for `plan`.
-    pub fn open(arguments: &'a SweepArgs, mut plan: SweepPlan) -> Result<Self, Failure> {
+    pub fn open(arguments: &'a SweepArgs, mut plan: SweepPlan, started: Timestamp) -> Result<Self, Failure> {
         let policy = arguments.damage.policy();
         let datasets = open_datasets_past_damage(&arguments.data, policy, &plan.base.classes)?;
         let mut datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
@@ -93,14 +91,14 @@ impl<'a> Sweep<'a> {
         for point in &mut plan.points {
             point.config.own_curves.clone_from(&plan.base.own_curves);
         }
-        let protocols = SweptProtocols::of(&arguments.protocol.protocols, plan.points.len());
+        let protocols = ChosenProtocols::of(&arguments.protocol.protocols);
         for opened in &datasets {
             warn_of_unknown_sensor(&plan.base, opened.dataset.description());
             if let Some(protocols) = &protocols {
-                protocols.chosen.check(&*opened.dataset)?;
+                protocols.check(&*opened.dataset)?;
             }
         }
-        Ok(Self { arguments, plan, protocols, datasets })
+        Ok(Self { arguments, plan, protocols, datasets, done: SweepDone::default(), started })
     }
 
     /// The data sets, as a sweep goes over them.
@@ -112,14 +110,14 @@ impl<'a> Sweep<'a> {
         swept
     }
 
-    /// Does what is missing in `done`, and keeps it in `journal`; all results are in the order of the sweep.
-    pub fn run(
-        &self,
-        journal: &Journal,
-        done: SweepResults,
-        interrupted: &AtomicBool,
-    ) -> Result<SweepResults, SweepError> {
-        let SweepResults { counted, timed } = done;
+    /// How many results there are to come: scans at points.
+    pub fn n_results(&self) -> usize {
+        self.datasets.iter().map(|it| it.part.len()).sum::<usize>() * self.plan.points.len()
+    }
+
+    /// Does what is not done, and keeps it in `journal`.
+    pub fn run(&self, journal: &Journal) -> Result<(), SweepError> {
+        let SweepDone { counted, timed } = &self.done;
         let datasets = self.swept_datasets();
         let processor = machine().cpu_model;
         let no_bar = || ();
@@ -128,22 +126,22 @@ impl<'a> Sweep<'a> {
             datasets: &datasets,
             protocols: self.protocols.as_ref(),
             journal,
-            interrupted,
+            interrupted: interruption_flag(),
             on_done: &no_bar,
             processor: &processor,
         };
-        let bar = progress_over_results(pass.n_results(), counted.len(), "counting");
+        let bar = progress_over_results(self.n_results(), counted.len(), "counting");
         let on_done = || bar.inc(1);
-        let counted = SweepPass { on_done: &on_done, ..pass }.count(counted, self.n_jobs())?;
+        SweepPass { on_done: &on_done, ..pass }.count(counted, self.n_jobs())?;
         bar.finish_and_clear();
         let n_timed = self.arguments.timed_scans as usize;
         let per_scan = self.plan.points.len() * self.plan.detectors.len();
         let n_timings = pass.timed_scans(n_timed).len() * per_scan;
         let bar = progress_over_results(n_timings, timed.len() * per_scan, "timing");
         let on_done = || bar.inc(1);
-        let timed = SweepPass { on_done: &on_done, ..pass }.time(timed, n_timed)?;
+        SweepPass { on_done: &on_done, ..pass }.time(timed, n_timed)?;
         bar.finish_and_clear();
-        Ok(SweepResults { counted, timed })
+        Ok(())
     }
 
     fn n_jobs(&self) -> usize {
@@ -151,8 +149,8 @@ impl<'a> Sweep<'a> {
         self.arguments.jobs.map_or_else(n_cores, usize::from)
     }
 
-    /// How it comes about, begun at `started`.
-    pub fn manifest(&self, started: Timestamp) -> Manifest {
+    /// How it comes about.
+    pub fn manifest(&self) -> Manifest {
         let mut manifest = run_manifest(RunSettings {
             selection: self.arguments.data.scans.as_deref(),
             n_warmup: 1,
@@ -161,7 +159,7 @@ impl<'a> Sweep<'a> {
             detectors: detector_entries(&self.plan.detectors, &self.plan.base),
             datasets: &self.datasets,
             protocols: &self.arguments.protocol.protocols,
-            started,
+            started: self.started,
         });
         // Which scans have been read depends on where the sweep was taken up.
         manifest.datasets.iter_mut().for_each(|it| it.n_points_left_out = 0);

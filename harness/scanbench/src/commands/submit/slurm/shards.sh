@@ -1,7 +1,7 @@
 #!/bin/bash
 # Each task of the array makes one shard. Written by `scanbench submit slurm`; submit.sh hands it to Slurm.
 #SBATCH --job-name={{name}}
-#SBATCH --array=1-{{n_shards}}
+#SBATCH --array=1-{{tasks}}
 #SBATCH --output=logs/shard-%a.txt
 #SBATCH --open-mode=append
 #SBATCH --ntasks=1

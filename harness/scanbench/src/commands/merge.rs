@@ -1,8 +1,5 @@
 //! `scanbench merge`: shards become what they are parts of.
 
-pub mod sweep;
-pub mod partial;
-
 use std::path::{Path, PathBuf};
 
 use reports::files::archive::ArchiveError;
@@ -18,59 +15,77 @@ use reports::vocabulary::study::Study;
 use crate::cli::{MergeArgs, OutputArgs};
 use crate::commands::ablation::{print_ablation, write_ablation};
 use crate::commands::failure::{Failure, Usage};
-use crate::commands::merge::partial::merge_partial;
-use crate::commands::merge::sweep::merge_sweep;
+use crate::commands::partial::print_partial;
+use crate::commands::partial::whole_partial::WholePartial;
 use crate::commands::robustness::{print_robustness, write_robustness};
 use crate::commands::run::ending::print_ending;
+use crate::commands::shards::executor::WholeResult;
 use crate::commands::shards::place::Place;
 use crate::commands::shards::shard_directory::ShardDirectory;
 use crate::commands::shards::whole_manifest::Pieces;
 use crate::commands::shards::whole_run::WholeRun;
+use crate::commands::sweep::print_sweep;
+use crate::commands::sweep::whole_sweep::WholeSweep;
 
 /// Puts shards together: their rows one after the other, and all numbers made of these as those of the whole are.
 pub fn merge(arguments: &MergeArgs) -> Result<(), Failure> {
     let folders = folders(&arguments.shards);
+    let output = &arguments.output;
     if folders.iter().all(|it| PartialArchive::is_partial(it)) {
-        let shards = open_shards(&folders, PartialManifest::read)?;
-        let order = check_shards(&shards)?;
-        let manifests: Vec<&PartialManifest> = order.iter().map(|&idx| &shards[idx].manifest).collect();
-        let claimed = claim(Study::Partial, manifests[0], &arguments.output)?;
-        return merge_partial(&ShardDirectory::in_order(&shards, &order), &manifests, claimed);
+        let merged = put_together::<WholePartial>(&open_shards(&folders, PartialManifest::read)?, output)?;
+        return print_partial(merged.whole, &merged.directory.finish()?);
     }
     if let Some(partial) = folders.iter().find(|it| PartialArchive::is_partial(it)) {
         let words = format!("{} is of `partial`, and others are not", partial.display());
         return Err(Failure::NotComparable(words.into()));
     }
     let shards = open_shards(&folders, Manifest::read)?;
-    let order = check_shards(&shards)?;
-    let directories = ShardDirectory::in_order(&shards, &order);
-    let manifests: Vec<&Manifest> = order.iter().map(|&idx| &shards[idx].manifest).collect();
-    let study = directories.first().map_or(Study::Run, |it| it.record.study);
-    let claimed = claim(study, manifests[0], &arguments.output)?;
-    match study {
-        Study::Sweep => merge_sweep(&directories, &manifests, claimed),
-        _ => merge_run(study, (&directories, &manifests), claimed),
+    match study_of(&shards) {
+        Study::Sweep => {
+            let merged = put_together::<WholeSweep>(&shards, output)?;
+            print_sweep(merged.whole, &merged.directory.finish()?)
+        }
+        _ => merge_run(put_together::<WholeRun>(&shards, output)?),
     }
 }
 
-/// Makes all numbers of the rows of `shards`, and then those of `study`.
-fn merge_run(
+/// What shards came to, in a directory that has no name yet.
+struct Merged<Whole> {
     study: Study,
-    shards: (&[ShardDirectory<'_>], &[&Manifest]),
-    claimed: ClaimedTarget,
-) -> Result<(), Failure> {
-    let directory = RunDirectory::begin(claimed)?;
-    let run = WholeRun::write(study, shards, (&directory, Pieces::Shards))?;
+    directory: RunDirectory,
+    whole: Whole,
+}
+
+/// The study that the first of `shards` is of.
+fn study_of<M: MadeInShards>(shards: &[NamedShard<M>]) -> Study {
+    shards.first().and_then(|it| Some(it.manifest.shard()?.study)).unwrap_or(Study::Run)
+}
+
+fn put_together<Whole: WholeResult>(
+    shards: &[NamedShard<Whole::Manifest>],
+    output: &OutputArgs,
+) -> Result<Merged<Whole>, Failure> {
+    let order = check_shards(shards)?;
+    let directories = ShardDirectory::in_order(shards, &order);
+    let manifests: Vec<&Whole::Manifest> = order.iter().map(|&idx| &shards[idx].manifest).collect();
+    let study = study_of(shards);
+    let directory = RunDirectory::begin(claim(study, manifests[0], output)?)?;
+    let whole = Whole::write(study, (&directories, &manifests), (&directory, Pieces::Shards))?;
+    Ok(Merged { study, directory, whole })
+}
+
+/// Makes of the numbers of a run those of its study.
+fn merge_run(Merged { study, directory, whole }: Merged<WholeRun>) -> Result<(), Failure> {
     match study {
         Study::Ablation => {
-            let tables = write_ablation(&directory, &run)?;
+            let tables = write_ablation(&directory, &whole)?;
             print_ablation(&tables, &directory.finish()?)
         }
         Study::Robustness => {
-            let scores = write_robustness(&directory, &run)?;
-            print_robustness(&scores, &run.manifest, &directory.finish()?)
+            let scores = write_robustness(&directory, &whole)?;
+            print_robustness(&scores, &whole.manifest, &directory.finish()?)
         }
-        _ => print_ending(&run, &directory.finish()?),
+        _ => print_ending(&whole, &directory.finish()?),
     }
 }
 

@@ -1,0 +1,275 @@
+//! How the objects of `scanbench partial` are shared out, and judged one after the other.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use detector::partial::partial_model::PartialModel;
+use evaluation::journal::Journal;
+use evaluation::partial::experiment::run;
+use reports::files::csv_rows::{csv_head, each_row_of, to_csv_lines};
+use reports::numbers::blocks::DriveSecond;
+use reports::numbers::shard_cut::{ScanToCut, scans_of_shard};
+use reports::rows::partial_row::PartialRow;
+use reports::run_folder::partial_manifest::PartialManifest;
+use reports::run_folder::run_directory::{PARTIAL_CSV, PARTIAL_RRD, RunDirectory};
+use reports::run_folder::shard_record::{ShardPart, ShardRecord, WorkMeasure};
+use reports::vocabulary::shard::Shard;
+use scans::dataset::checksum::sha256;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::cli::PartialArgs;
+use crate::commands::failure::{Failure, Usage};
+use crate::commands::interruption::interruption_flag;
+use crate::commands::partial::experiment::{peer_rows, with_experiment};
+use crate::commands::partial::files::manifest;
+use crate::commands::partial::growths::first_growths;
+use crate::commands::partial::sets::{Compared, Known, open_all};
+use crate::commands::partial::whole_partial::WholePartial;
+use crate::commands::progress::progress_over_results;
+use crate::commands::recorder::{record_growths, records_growths};
+use crate::commands::shards::checksummed_file::write_checksummed;
+use crate::commands::shards::executor::SharedWork;
+use crate::commands::shards::place::Place;
+use crate::commands::shards::share_of_work::ShareOfWork;
+use crate::commands::shards::unfinished_work::{Remains, UnfinishedWork};
+
+/// Sets of objects, and what is to be done with them.
+pub struct SharedObjects<'a> {
+    arguments: &'a PartialArgs,
+    sets: Vec<Compared>,
+    manifest: PartialManifest,
+    // Of each set, the objects that are to be judged, as a range of places among all.
+    ranges: Vec<Range<usize>>,
+    // Pairs of a method and an object that are judged, of each set.
+    done: Vec<BTreeSet<(usize, usize)>>,
+    // What our method has learned for each set, where objects are recorded as they grow.
+    models: Vec<Option<Arc<PartialModel>>>,
+}
+
+/// What one method said of an object: an entry of the journal. Their order is that of rows.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectEntry {
+    set_idx: usize,
+    method_idx: usize,
+    object_idx: usize,
+    // Lines of `partial.csv`.
+    lines: String,
+}
+
+/// Somebody asked for an end.
+#[derive(Debug, thiserror::Error)]
+#[error("interrupted after object {object_idx} of {set:?}")]
+struct Interrupted {
+    object_idx: usize,
+    set: String,
+}
+
+impl<'a> SharedObjects<'a> {
+    /// Opens the sets that `arguments` name, to be judged in `place`.
+    pub fn open(arguments: &'a PartialArgs, place: &Place) -> Result<Self, Failure> {
+        let sets = open_all(arguments)?;
+        if place.shard.is_some() {
+            refuse_same_names(&sets)?;
+        }
+        let manifest = manifest(arguments, &sets, place.started)?;
+        let done = vec![BTreeSet::new(); sets.len()];
+        Ok(Self { arguments, sets, manifest, ranges: Vec::new(), done, models: Vec::new() })
+    }
+
+    fn n_objects(&self) -> usize {
+        self.ranges.iter().map(Range::len).sum()
+    }
+
+    /// Adds what is missing of set `set_idx` to `journal`, and returns what our method learned where that is `wanted`.
+    fn judge(
+        &self,
+        set_idx: usize,
+        journal: &Journal,
+        wanted: bool,
+    ) -> Result<Option<Arc<PartialModel>>, Failure> {
+        let (set, done) = (&self.sets[set_idx], &self.done[set_idx]);
+        let mut object_indices = set.judged_indices();
+        object_indices.retain(|it| self.ranges[set_idx].contains(it));
+        let name = &set.judged.description().id;
+        with_experiment(set, &object_indices, self.arguments, |experiment| {
+            let progress = progress_over_results(experiment.n_answered_objects(), done.len(), name);
+            let is_done = |method_idx, object_idx| done.contains(&(method_idx, object_idx));
+            let ended = run(experiment, is_done, wanted, |it| {
+                let lines = lines_of(&it.rows)?;
+                let (method_idx, object_idx) = (it.method_idx, it.object_idx);
+                journal.add(&ObjectEntry { set_idx, method_idx, object_idx, lines })?;
+                progress.inc(1);
+                if interruption_flag().load(Ordering::Relaxed) {
+                    return Err(Failure::Interrupted(Interrupted { object_idx, set: name.clone() }.into()));
+                }
+                Ok(())
+            });
+            progress.finish_and_clear();
+            ended
+        })
+    }
+}
+
+impl SharedWork for SharedObjects<'_> {
+    type Entry = ObjectEntry;
+    type Whole = WholePartial;
+
+    fn take_share(&mut self, shard: Shard) -> ShareOfWork {
+        self.ranges = objects_of_shard(&self.sets, shard);
+        ShareOfWork { cut_by: WorkMeasure::Objects, parts: parts(&self.sets, &self.ranges) }
+    }
+
+    fn manifest(&self, shard: Option<ShardRecord>) -> PartialManifest {
+        PartialManifest { shard, ..self.manifest.clone() }
+    }
+
+    fn rules(&self) -> Value {
+        json!({ "model": checksum_of_model(&self.sets) })
+    }
+
+    fn ids(&self) -> String {
+        "objects".to_owned()
+    }
+
+    fn extent(&self) -> String {
+        format!("{} objects", self.n_objects())
+    }
+
+    fn add_done(&mut self, entry: ObjectEntry) {
+        if let Some(of_set) = self.done.get_mut(entry.set_idx) {
+            of_set.insert((entry.method_idx, entry.object_idx));
+        }
+    }
+
+    fn done(&self) -> Option<String> {
+        let n_done: usize = self.done.iter().map(BTreeSet::len).sum();
+        (n_done > 0).then(|| format!("{n_done} of all objects of all methods"))
+    }
+
+    fn go_on(&mut self, unfinished: &UnfinishedWork, part: Option<Shard>) -> Result<(), Failure> {
+        let wanted = part.is_none() && records_growths(self.arguments);
+        for set_idx in 0..self.sets.len() {
+            let model = self.judge(set_idx, &unfinished.journal, wanted)?;
+            self.models.push(model.filter(|_| wanted));
+        }
+        Ok(())
+    }
+
+    fn write_files(
+        &mut self,
+        journal: &Journal,
+        folder: &Path,
+        mut record: ShardRecord,
+    ) -> Result<PartialManifest, Failure> {
+        let mut done: Vec<ObjectEntry> = Vec::new();
+        journal.each_entry(|it| done.push(it))?;
+        done.sort();
+        let head = String::from_utf8_lossy(&csv_head::<PartialRow>()).into_owned();
+        let mut text: String = std::iter::once(head).chain(done.into_iter().map(|it| it.lines)).collect();
+        let mut rows: Vec<PartialRow> = Vec::new();
+        each_row_of(text.as_bytes(), &folder.join(PARTIAL_CSV), |row| rows.push(row))?;
+        if !rows.is_empty() || record.count > 1 {
+            text.push_str(&lines_of(&peer_rows(self.arguments, &rows)?)?);
+        }
+        record.files = vec![write_checksummed(folder, PARTIAL_CSV, text.as_bytes())?];
+        Ok(SharedWork::manifest(self, Some(record)))
+    }
+
+    fn carry_over(
+        &self,
+        _: &Remains,
+        manifest: &PartialManifest,
+        directory: &RunDirectory,
+    ) -> Result<(), Failure> {
+        let mut growths = Vec::new();
+        for (set, model) in self.sets.iter().zip(&self.models) {
+            if let Some(model) = model {
+                growths.extend(first_growths(self.arguments, set, model)?);
+            }
+        }
+        if growths.is_empty() {
+            return Ok(());
+        }
+        record_growths(&directory.path_of(PARTIAL_RRD), &manifest.title(), &growths)
+    }
+}
+
+/// That of the model that classifies the objects of all `sets`; `None` if that is learned anew. Of what was read, not of a file that may
+/// have changed since.
+fn checksum_of_model(sets: &[Compared]) -> Option<String> {
+    sets.iter().find_map(|it| match &it.known {
+        Known::Model(model) => Some(sha256(model.to_bytes())),
+        Known::Objects { .. } => None,
+    })
+}
+
+/// Rows of sets are told apart by their names when they are put together.
+fn refuse_same_names(sets: &[Compared]) -> Result<(), Usage> {
+    let mut names = BTreeSet::new();
+    match sets.iter().map(|it| &it.judged.description().id).find(|it| !names.insert(*it)) {
+        Some(twice) => {
+            Err(Usage(format!("two sets of objects are called {twice:?}, which shards cannot have")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Of each set, a range of places among all its objects. Each object is drawn by itself where intervals are estimated.
+fn objects_of_shard(sets: &[Compared], shard: Shard) -> Vec<Range<usize>> {
+    let object = |idx: usize| ScanToCut { second: DriveSecond::of(&idx.to_string(), 0.0), work: 1 };
+    let objects = |it: &Compared| (0..it.judged.classes().len()).map(object).collect();
+    scans_of_shard(&sets.iter().map(objects).collect::<Vec<_>>(), shard)
+}
+
+fn parts(sets: &[Compared], ranges: &[Range<usize>]) -> Vec<ShardPart> {
+    let part = |(set, range): (&Compared, &Range<usize>)| {
+        let classes: Vec<&str> = set.judged.classes().iter().map(|it| it.name()).collect();
+        let selected = sha256(classes.join("\n").as_str());
+        ShardPart { first: range.start as u64, end: range.end as u64, selected, n_labels: 0 }
+    };
+    sets.iter().zip(ranges).map(part).collect()
+}
+
+fn lines_of(rows: &[PartialRow]) -> Result<String, Failure> {
+    Ok(String::from_utf8_lossy(&to_csv_lines(rows)?).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use detector::partial::partial_model::PartialModel;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: PartialArgs,
+    }
+
+    /// What is said of `model`, whose file is gone once it was read.
+    fn checksum_of(model: &PartialModel) -> Option<String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("partial.model");
+        std::fs::write(&path, model.to_bytes()).unwrap();
+        let objects = ["partial", "objects-vlp-16", "--per-class", "1", "--model"];
+        let line = Line::parse_from(objects.into_iter().chain(path.to_str()));
+        let sets = open_all(&line.arguments).unwrap();
+        drop(folder);
+        checksum_of_model(&sets)
+    }
+
+    #[test]
+    fn a_model_is_known_though_its_file_is_gone() {
+        let shipped = PartialModel::clone(&PartialModel::shipped());
+        assert!(checksum_of(&shipped).is_some());
+        let mut other = shipped.clone();
+        other.made.command = "another".to_owned();
+        assert_ne!(checksum_of(&shipped), checksum_of(&other));
+    }
+}

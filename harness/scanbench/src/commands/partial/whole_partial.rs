@@ -1,0 +1,79 @@
+//! What all objects of `scanbench partial` come to, of the rows of shards.
+
+use std::path::Path;
+
+use evaluation::partial::methods::OURS;
+use reports::files::csv_rows::{each_row_of, read_rows, to_csv_bytes};
+use reports::pages::partial_page::PartialPage;
+use reports::rows::partial_row::PartialRow;
+use reports::run_folder::command_line::command_of_whole_run;
+use reports::run_folder::partial_manifest::PartialManifest;
+use reports::run_folder::run_directory::{PARTIAL_CSV, RunDirectory};
+use reports::vocabulary::study::Study;
+
+use crate::commands::failure::{Failure, NothingEvaluated};
+use crate::commands::partial::files::write_files;
+use crate::commands::shards::executor::WholeResult;
+use crate::commands::shards::shard_directory::ShardDirectory;
+use crate::commands::shards::whole_manifest::Pieces;
+
+/// A result of which all files are written.
+pub struct WholePartial {
+    /// The table that is printed.
+    pub printed: String,
+}
+
+impl WholeResult for WholePartial {
+    type Manifest = PartialManifest;
+
+    fn write(
+        _: Study,
+        (shards, manifests): (&[ShardDirectory<'_>], &[&PartialManifest]),
+        (directory, pieces): (&RunDirectory, Pieces),
+    ) -> Result<Self, Failure> {
+        let manifest = whole_manifest(manifests, (directory.target(), pieces));
+        let mut rows: Vec<PartialRow> = Vec::new();
+        for shard in shards {
+            let mut file = shard.open(PARTIAL_CSV)?;
+            let path = file.path.clone();
+            let read = each_row_of(&mut file, &path, |row| rows.push(row));
+            read.map_err(|error| Failure::damaged_run(&shard.folder, error))?;
+            file.check(shard)?;
+        }
+        if rows.is_empty() {
+            return Err(
+                NothingEvaluated { reason: "no object is of a class that is judged".to_owned() }.into()
+            );
+        }
+        let rows = if pieces == Pieces::One { rows } else { in_order_of_whole(rows) };
+        directory.write_file(PARTIAL_CSV, &to_csv_bytes(&rows)?)?;
+        // As they are written, with as many decimals: whoever has the file comes to the same numbers.
+        let rows: Vec<PartialRow> = read_rows(&directory.path_of(PARTIAL_CSV))?;
+        let printed = write_files(directory, &manifest, &rows)?;
+        PartialPage::of(directory.folder(), OURS)?.write(directory.folder())?;
+        Ok(Self { printed })
+    }
+}
+
+/// Set by set, and of each what one method said of all objects after what another did. Shards have the sets and the methods in the
+/// same order.
+fn in_order_of_whole(rows: Vec<PartialRow>) -> Vec<PartialRow> {
+    let mut groups: Vec<Vec<PartialRow>> = Vec::new();
+    for row in rows {
+        match groups.iter_mut().find(|it| it.first().is_some_and(|it| it.is_of_same_answers(&row))) {
+            Some(group) => group.push(row),
+            None => groups.push(vec![row]),
+        }
+    }
+    groups.into_iter().flatten().collect()
+}
+
+fn whole_manifest(shards: &[&PartialManifest], (target, pieces): (&Path, Pieces)) -> PartialManifest {
+    let mut whole = PartialManifest { shard: None, ..shards[0].clone() };
+    if pieces == Pieces::Shards {
+        whole.created = shards.iter().map(|it| it.created.clone()).min().unwrap_or_default();
+        whole.argv = command_of_whole_run(&whole.argv, &target.display().to_string());
+        whole.shards = shards.iter().filter_map(|it| it.shard.clone()).collect();
+    }
+    whole
+}

@@ -1,0 +1,123 @@
+//! Studies of what some detectors make of some scans, each looked at once.
+
+use std::cell::RefCell;
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use evaluation::run::config::RunConfig;
+use evaluation::run::entrant::Entrant;
+use evaluation::run::gap_experiment::PairTally;
+use evaluation::run::sink::Sinks;
+use jiff::Timestamp;
+use reports::run_folder::manifest::Manifest;
+use serde_json::Value;
+
+use crate::cli::ExperimentArgs;
+use crate::commands::config::chosen_detectors;
+use crate::commands::failure::Failure;
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::progress::RunProgress;
+use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
+use crate::commands::shards::watched_study::WatchedStudy;
+use crate::commands::watched_run::WatchedRun;
+
+/// Who looks at which scans.
+pub struct ScanStudy<'a> {
+    /// Parameters of detectors and matching.
+    pub config: RunConfig,
+    /// Who takes part.
+    pub entrants: Vec<Entrant>,
+    /// The data sets.
+    pub datasets: Vec<OpenedDataset>,
+    /// Which scans of the data sets were chosen, as the command line writes it; `None` for all.
+    pub selection: Option<&'a str>,
+    /// Detections of the first scan of each data set that are thrown away.
+    pub n_warmup: u16,
+    /// Scans that are read at once.
+    pub n_jobs: usize,
+    /// When it was begun.
+    pub started: Timestamp,
+    /// What was put up for it, if anything.
+    pub put_up: Option<PutUp>,
+    /// What looks at clusters, of which no row speaks.
+    pub pairs: Option<&'a RefCell<PairTally<'a>>>,
+}
+
+/// Scenes that were put up for a study.
+pub struct PutUp {
+    /// What is drawn, such as `streets`.
+    pub drawn: &'static str,
+    /// From which seed.
+    pub seed: u64,
+    /// What there is.
+    pub scenes: Value,
+}
+
+impl ScanStudy<'_> {
+    /// One over simulated scans that are still to be put up, of the detectors that `arguments` name, or else of `detectors`.
+    pub fn of_simulated_scans(
+        arguments: &ExperimentArgs,
+        detectors: &[&str],
+        started: Timestamp,
+    ) -> Result<Self, Failure> {
+        let unnamed: Vec<String> = detectors.iter().map(|&it| it.to_owned()).collect();
+        let names = if arguments.detectors.is_empty() { &unnamed } else { &arguments.detectors };
+        let (chosen, config) = chosen_detectors(&arguments.config, names)?;
+        Ok(Self {
+            entrants: chosen.into_iter().map(|it| Entrant::of(it, &config)).collect(),
+            config,
+            datasets: Vec::new(),
+            selection: None,
+            n_warmup: 1,
+            n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
+            started,
+            put_up: None,
+            pairs: None,
+        })
+    }
+
+    /// The one that takes part as `name`.
+    pub fn entrant(&self, name: &str) -> Option<&Entrant> {
+        self.entrants.iter().find(|it| it.name == name)
+    }
+}
+
+impl WatchedStudy for ScanStudy<'_> {
+    fn datasets(&self) -> &[OpenedDataset] {
+        &self.datasets
+    }
+
+    fn datasets_mut(&mut self) -> &mut [OpenedDataset] {
+        &mut self.datasets
+    }
+
+    fn manifest(&self) -> Manifest {
+        let mut manifest = run_manifest(RunSettings {
+            selection: self.selection,
+            n_warmup: self.n_warmup,
+            n_repeats: NonZeroUsize::MIN,
+            config: &self.config,
+            detectors: self.entrants.iter().map(detector_entry).collect(),
+            datasets: &self.datasets,
+            protocols: &[],
+            started: self.started,
+        });
+        if let Some(PutUp { drawn, seed, scenes }) = &self.put_up {
+            manifest.seeds.insert((*drawn).to_owned(), *seed);
+            manifest.experiment = Some(scenes.clone());
+        }
+        manifest
+    }
+
+    fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a> {
+        WatchedRun::of_study(&self.entrants, &self.datasets, (self.n_warmup, self.n_jobs), progress)
+    }
+
+    fn sinks<'a>(&'a self, _: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {
+        Ok(vec![Box::new(self.pairs)])
+    }
+
+    fn sees_all(&self) -> bool {
+        self.pairs.is_some()
+    }
+}

@@ -1,0 +1,246 @@
+//! Studies that go over data sets scan by scan, and are made of the rows of a run.
+
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+
+use evaluation::journal::Journal;
+use evaluation::run::config::VehicleModels;
+use evaluation::run::scan_recorder::Served;
+use evaluation::run::sink::Sinks;
+use reports::files::archive::ArchiveError;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::shard_record::{ShardRecord, ShardRecording};
+use reports::vocabulary::shard::Shard;
+use serde_json::{Value, json};
+
+use super::executor::{Made, SharedWork, execute};
+use super::place::Place;
+use super::shard_entry::{ShardEntry, ShardProgress};
+use super::shard_files::write_shard_files;
+use super::shard_journal::ShardJournal;
+use super::share_of_work::{ShareOfWork, take_share};
+use super::unfinished_work::{Remains, UnfinishedWork};
+use super::whole_run::WholeRun;
+use crate::commands::failure::Failure;
+use crate::commands::open_datasets::{OpenedDataset, ids_of};
+use crate::commands::progress::RunProgress;
+use crate::commands::provenance::machine;
+use crate::commands::recorder::Recorder;
+use crate::commands::sinks::rerun_recording::RerunRecording;
+use crate::commands::sinks::terminal::Terminal;
+use crate::commands::standard_streams::print_diagnostic;
+use crate::commands::watched_run::WatchedRun;
+
+/// What goes over data sets scan by scan and is made of the rows of a run.
+pub trait WatchedStudy {
+    /// The data sets.
+    fn datasets(&self) -> &[OpenedDataset];
+
+    /// The same, to be cut.
+    fn datasets_mut(&mut self) -> &mut [OpenedDataset];
+
+    /// How it comes about.
+    fn manifest(&self) -> Manifest;
+
+    /// What decides rows beside all that the manifest says; nothing of studies.
+    fn rules(&self) -> Value {
+        Value::Null
+    }
+
+    /// How it goes over the data sets.
+    fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a>;
+
+    /// Begins the recording `file`, which is called `name`, of every so many scans; `None` if none is wanted, as of studies.
+    fn begin_recording(&self, _name: &str, _file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
+        Ok(None)
+    }
+
+    /// What else watches all scans, and may leave files in `folder` that belong to the result.
+    fn sinks<'a>(&'a self, _folder: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {
+        Ok(Vec::new())
+    }
+
+    /// Whether one of these has to see all scans at once. Then nothing is kept to go on with.
+    fn sees_all(&self) -> bool {
+        false
+    }
+}
+
+/// A run in one piece, or a study that is one, with what still serves its recording.
+pub type MadeRun = (Made<WholeRun>, Option<Box<dyn Served>>);
+
+/// Makes `study` in `place`: a shard is left there for `merge`, and all in one piece is handed back.
+pub fn execute_watched(study: &mut impl WatchedStudy, place: Place) -> Result<Option<MadeRun>, Failure> {
+    let mut work = Watched { study, progress: ShardProgress::default(), end: Cell::new(None), served: None };
+    let made = execute(&mut work, place)?;
+    Ok(made.map(|it| (it, work.served)))
+}
+
+/// A study, and how far it is.
+struct Watched<'a, S> {
+    study: &'a mut S,
+    progress: ShardProgress,
+    // The number behind that of the last scan that was judged now.
+    end: Cell<Option<u64>>,
+    served: Option<Box<dyn Served>>,
+}
+
+impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
+    type Entry = ShardEntry;
+    type Whole = WholeRun;
+
+    fn take_share(&mut self, shard: Shard) -> ShareOfWork {
+        take_share(self.study.datasets_mut(), shard)
+    }
+
+    fn manifest(&self, shard: Option<ShardRecord>) -> Manifest {
+        Manifest { shard, ..self.study.manifest() }
+    }
+
+    fn rules(&self) -> Value {
+        let progress = RunProgress::new();
+        let entrants = self.study.watched(&progress).entrants;
+        let models = entrants.iter().filter_map(|it| it.config.vehicle_models.as_ref());
+        json!({
+            "of_study": self.study.rules(),
+            // Beyond the names of their directories.
+            "vehicle_models": models.map(VehicleModels::identity).collect::<Vec<_>>(),
+        })
+    }
+
+    fn ids(&self) -> String {
+        ids_of(self.study.datasets())
+    }
+
+    fn extent(&self) -> String {
+        format!("{} scans", self.n_scans())
+    }
+
+    fn sees_all(&self) -> bool {
+        self.study.sees_all()
+    }
+
+    fn add_done(&mut self, entry: ShardEntry) {
+        self.progress.add(&entry);
+    }
+
+    fn done(&self) -> Option<String> {
+        let n_done = self.progress.n_scans;
+        (n_done > 0).then(|| format!("{n_done} of {} scans", self.n_scans()))
+    }
+
+    fn go_on(&mut self, unfinished: &UnfinishedWork, part: Option<Shard>) -> Result<(), Failure> {
+        unfinished.journal.add(&ShardEntry::Began { cpu_model: machine().cpu_model })?;
+        leave_out_what_is_done(self.study.datasets_mut(), &self.progress);
+        self.served = self.pass(unfinished, part.is_none())?;
+        Ok(())
+    }
+
+    fn ended_by(&mut self, failure: Failure, unfinished: UnfinishedWork, record: ShardRecord) -> Failure {
+        let has_scans = self.progress.n_scans > 0 || self.end.get().is_some();
+        match failure {
+            // The disk is full, or somebody needs the machine: the same command goes on.
+            Failure::Interrupted(_) | Failure::Internal(_) if has_scans => unfinished.ended_by(failure),
+            // Whoever mends a detector starts again.
+            Failure::Detector(_) if has_scans => self.leave_rows(unfinished, record).err().unwrap_or(failure),
+            failure => unfinished.discarded_by(failure),
+        }
+    }
+
+    fn write_files(
+        &mut self,
+        journal: &Journal,
+        folder: &Path,
+        mut record: ShardRecord,
+    ) -> Result<Manifest, Failure> {
+        // Programs of others have introduced themselves by now.
+        let mut manifest = self.study.manifest();
+        write_shard_files(journal, folder, (&mut manifest, &mut record))?;
+        manifest.shard = Some(record);
+        Ok(manifest)
+    }
+
+    fn carry_over(
+        &self,
+        remains: &Remains,
+        manifest: &Manifest,
+        directory: &RunDirectory,
+    ) -> Result<(), Failure> {
+        let recordings = manifest.shard.iter().flat_map(|it| &it.recordings);
+        let recordings: Vec<&str> = recordings.map(|it| it.file.as_str()).collect();
+        for file in std::fs::read_dir(&remains.folder).into_iter().flatten().flatten() {
+            let (path, name) = (file.path(), file.file_name().to_string_lossy().into_owned());
+            // Only what sees all scans is written as MCAP. In a folder that is kept it would be that of a run before.
+            let is_mcap = remains.is_passing() && path.extension().is_some_and(|it| it == "mcap");
+            if is_mcap || recordings.contains(&name.as_str()) {
+                keep(&path, &directory.path_of(&name))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<S: WatchedStudy> Watched<'_, S> {
+    fn n_scans(&self) -> usize {
+        self.study.datasets().iter().map(|it| it.part.len()).sum()
+    }
+
+    /// Goes over the scans that are left; `has_all` says whether these are all.
+    fn pass(&self, unfinished: &UnfinishedWork, has_all: bool) -> Result<Option<Box<dyn Served>>, Failure> {
+        let (study, mut served) = (&*self.study, None);
+        let Some(first) = first_number(study.datasets()) else { return Ok(served) };
+        let UnfinishedWork { folder, journal, claimed, .. } = unfinished;
+        let progress = RunProgress::new();
+        let file = match self.progress.n_starts {
+            n if n > 0 && self.progress.n_scans > 0 => format!("run-{}.rrd", n + 1),
+            _ => "run.rrd".to_owned(),
+        };
+        let name = claimed.target().file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let recorder = study.begin_recording(&name, folder.join(&file))?;
+        let every = recorder.as_ref().map(|(_, every)| *every);
+        let protocols = study.manifest().protocols;
+        let mut sinks = if has_all { study.sinks(folder)? } else { Vec::new() };
+        sinks.push(Box::new(recorder.map(|(it, _)| RerunRecording::new(it, &progress, &mut served))));
+        sinks.push(Box::new(ShardJournal::new(journal, (study.datasets(), &protocols), &self.end)));
+        sinks.push(Box::new(Terminal::new(&progress)));
+        let ended = study.watched(&progress).run(sinks);
+        let is_complete = matches!(ended, Ok(()) | Err(Failure::Interrupted(_) | Failure::Detector(_)));
+        if let Some((end, every)) = self.end.get().zip(every).filter(|_| is_complete) {
+            journal.add(&ShardEntry::Recorded(ShardRecording { file, first, end, every }))?;
+        }
+        ended.map(|()| served)
+    }
+
+    /// Leaves the rows of the scans before a failure, but nothing to go on with.
+    fn leave_rows(&mut self, unfinished: UnfinishedWork, record: ShardRecord) -> Result<(), Failure> {
+        self.write_files(&unfinished.journal, &unfinished.folder, record)?;
+        let folder = unfinished.leave_files()?;
+        print_diagnostic(format_args!("Rows of the scans before the failure: {}", folder.display()));
+        Ok(())
+    }
+}
+
+/// Begins each data set behind the last scan that was judged.
+fn leave_out_what_is_done(datasets: &mut [OpenedDataset], progress: &ShardProgress) {
+    for (dataset_idx, place) in &progress.next_places {
+        let part = &mut datasets[*dataset_idx].part;
+        part.start = (*place).clamp(part.start, part.end);
+    }
+}
+
+/// The number of the first scan that is left, among all scans of the run; `None` if none is.
+fn first_number(datasets: &[OpenedDataset]) -> Option<u64> {
+    let mut n_before = 0;
+    datasets.iter().find_map(|it| {
+        let first = (!it.part.is_empty()).then_some(n_before + it.part.start as u64);
+        n_before += it.scan_indices.len() as u64;
+        first
+    })
+}
+
+/// Gives a file a second name; where there are none, a second file.
+fn keep(file: &Path, name: &Path) -> Result<(), ArchiveError> {
+    let copied = std::fs::hard_link(file, name).or_else(|_| std::fs::copy(file, name).map(|_| ()));
+    copied.map_err(|source| ArchiveError::Write { path: name.to_owned(), source })
+}

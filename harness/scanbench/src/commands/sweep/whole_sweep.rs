@@ -1,0 +1,163 @@
+//! A sweep made of the results of its shards.
+
+use evaluation::metrics::counts::Counts;
+use evaluation::sweep::scan_at_point::ScanAtPoint;
+use evaluation::sweep::sweep_tally::SweepTally;
+use evaluation::sweep::timed_scan::TimedScan;
+use reports::numbers::sweep_score::SweepScores;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::{RunDirectory, SWEPT_SCANS_JSONL, TIMED_SCANS_JSONL};
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::run_folder::sweep_entry::SweepEntry;
+use reports::vocabulary::study::Study;
+use reports::vocabulary::task::Task;
+
+use crate::commands::failure::Failure;
+use crate::commands::progress::progress_over_results;
+use crate::commands::shards::executor::WholeResult;
+use crate::commands::shards::shard_directory::ShardDirectory;
+use crate::commands::shards::whole_manifest::{Pieces, merged_manifest};
+use crate::commands::sweep::files::{refuse_nothing, write_sweep, write_times_of_unlike};
+use crate::commands::sweep::protocol_files::write_swept_protocols;
+
+/// A sweep of which all is counted, and written.
+pub struct WholeSweep {
+    /// Its numbers.
+    pub scores: SweepScores,
+    /// What is printed.
+    pub printed: String,
+}
+
+impl WholeResult for WholeSweep {
+    type Manifest = Manifest;
+
+    fn write(
+        _: Study,
+        (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
+        (directory, pieces): (&RunDirectory, Pieces),
+    ) -> Result<Self, Failure> {
+        let mut manifest = merged_manifest(manifests, (directory.target(), pieces));
+        let no_sweep = || shards[0].damaged("its manifest does not say what was swept".to_owned());
+        let mut tally = SweepTally::of(&manifest).ok_or_else(no_sweep)?;
+        let progress = progress_over_results(shards.len(), 0, "shards");
+        for shard in shards {
+            add_shard(&mut tally, shard, &manifest)?;
+            progress.inc(1);
+        }
+        progress.finish_and_clear();
+        let scores = tally.summary();
+        refuse_nothing(&scores)?;
+        let mut printed = write_sweep(directory, &scores)?;
+        if !manifest.protocols.is_empty() {
+            printed.push_str(&write_swept_protocols(directory, (&manifest, &tally), &scores)?);
+        }
+        let unlike = tally.times_of_processors();
+        write_times_of_unlike(directory, &scores, &unlike)?;
+        if pieces == Pieces::One && unlike.is_empty() {
+            manifest.shards.clear();
+        }
+        directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
+        Ok(Self { scores, printed })
+    }
+}
+
+/// Adds the results of `shard` to those of the sweep of `manifest`.
+fn add_shard(
+    tally: &mut SweepTally<'_>,
+    shard: &ShardDirectory<'_>,
+    manifest: &Manifest,
+) -> Result<(), Failure> {
+    let Some(entry) = &manifest.sweep else { return Ok(()) };
+    let expected = Expected { shard, entry, n_detectors: manifest.detectors.len() };
+    let mut scans: Vec<ScanAtPoint> = Vec::new();
+    shard.each_line(SWEPT_SCANS_JSONL, |mut scan: ScanAtPoint| {
+        expected.check(&scan)?;
+        // All rows of a sweep take more memory than there may be.
+        tally.add_official(scan.point_idx, &std::mem::take(&mut scan.official));
+        scans.push(scan);
+        Ok(())
+    })?;
+    tally.check_official().map_err(|problem| shard.damaged(problem))?;
+    // Threads leave them in any order.
+    scans.sort_unstable_by_key(ScanAtPoint::key);
+    if let Some((key, found)) = expected.first_difference(scans.iter().map(ScanAtPoint::key)) {
+        let in_words = |it: [usize; 3]| format!("data set {}, scan {}, point {}", it[0], it[1], it[2]);
+        let [key, found] = [key, found].map(|it| it.map_or_else(|| "nothing".to_owned(), in_words));
+        return Err(shard.damaged(format!("{SWEPT_SCANS_JSONL} has {found} where {key} is expected")));
+    }
+    scans.iter().for_each(|it| tally.add(it));
+    let mut timed: Vec<TimedScan> = Vec::new();
+    shard.each_line(TIMED_SCANS_JSONL, |scan: TimedScan| {
+        expected.check_times(&scan, timed.last())?;
+        timed.push(scan);
+        Ok(())
+    })?;
+    timed.into_iter().for_each(|it| tally.add_times(it));
+    Ok(())
+}
+
+/// What a shard has to have.
+struct Expected<'a> {
+    shard: &'a ShardDirectory<'a>,
+    entry: &'a SweepEntry,
+    n_detectors: usize,
+}
+
+impl Expected<'_> {
+    /// Its results, in order.
+    fn keys(&self) -> impl Iterator<Item = [usize; 3]> + use<'_> {
+        let parts = self.shard.record.parts.iter().enumerate();
+        parts.flat_map(move |(dataset_idx, part)| {
+            let places = (part.first..part.end).map(|it| it as usize);
+            places.flat_map(move |scan_idx| {
+                (0..self.entry.points.len()).map(move |point_idx| [dataset_idx, scan_idx, point_idx])
+            })
+        })
+    }
+
+    /// The first result that is expected and not there, or there and not expected.
+    fn first_difference(
+        &self,
+        mut found: impl Iterator<Item = [usize; 3]>,
+    ) -> Option<(Option<[usize; 3]>, Option<[usize; 3]>)> {
+        let differs = |key| {
+            let found = found.next();
+            (found != Some(key)).then_some((Some(key), found))
+        };
+        { self.keys() }.find_map(differs).or_else(|| Some((None, Some(found.next()?))))
+    }
+
+    fn check(&self, scan: &ScanAtPoint) -> Result<(), String> {
+        if scan.point_idx >= self.entry.points.len() {
+            return Err(format!("there is no point {}", scan.point_idx));
+        }
+        let n_tasks = scan.detectors.iter().find(|it| it.counts.len() != Task::ALL.len());
+        if scan.detectors.len() != self.n_detectors || n_tasks.is_some() {
+            return Err(format!(
+                "it has other than {} detectors or {} tasks",
+                self.n_detectors,
+                Task::ALL.len()
+            ));
+        }
+        let is_sound = |it: &Counts| it.n_matched <= it.n_annotations;
+        if scan.detectors.iter().all(|it| it.counts.iter().all(is_sound)) {
+            Ok(())
+        } else {
+            Err("more annotations are matched than there are".to_owned())
+        }
+    }
+
+    fn check_times(&self, scan: &TimedScan, last: Option<&TimedScan>) -> Result<(), String> {
+        let (dataset_idx, scan_idx) = scan.key();
+        let part = self.shard.record.parts.get(dataset_idx);
+        let is_ours = part.is_some_and(|it| (it.first..it.end).contains(&(scan_idx as u64)));
+        if !is_ours || last.is_some_and(|it| it.key() >= scan.key()) {
+            return Err(format!(
+                "data set {dataset_idx}, scan {scan_idx} is not in order, or of another shard"
+            ));
+        }
+        let has_all = scan.times_ns.len() == self.entry.points.len()
+            && scan.times_ns.iter().all(|it| it.len() == self.n_detectors);
+        if has_all { Ok(()) } else { Err("not all detectors were timed at all points".to_owned()) }
+    }
+}
