@@ -190,7 +190,9 @@ fn or_was_meant(name: &str, known: &[&'static str]) -> String {
 fn of_file(file: Option<&Path>) -> String {
     match file {
         Some(path) => format!("{} tells of no other", path.display()),
-        None => "no scanbench.toml tells of others: it is looked for in this folder and those above it".to_owned(),
+        None => {
+            "no scanbench.toml tells of others: it is looked for in this folder and those above it".to_owned()
+        }
     }
 }
 

@@ -39,7 +39,8 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     let pairs = StagedPairs::new(&arguments.sensor, sensor, arguments.pairs, arguments.detectors.seed);
     let tally = RefCell::new(PairTally::new(pairs.stagings(), study.config.matching));
     study.datasets = vec![OpenedDataset::whole(Box::new(pairs.clone()))];
-    study.put_up = Some(PutUp { drawn: "pairs", seed: arguments.detectors.seed, scenes: scenes(arguments, &pairs) });
+    study.put_up =
+        Some(PutUp { drawn: "pairs", seed: arguments.detectors.seed, scenes: scenes(arguments, &pairs) });
     study.pairs = Some(&tally);
     let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
     let bins = tally.borrow().bins();

@@ -101,7 +101,8 @@ fn nothing_is_merged_where_a_shard_fails() {
 #[test]
 fn where_slurm_takes_nothing_the_scripts_stay() {
     let workplace = Workplace::new();
-    let mut command = workplace.command(&["submit", "slurm", "--now", "-o", "jobs", "--", "run", "street-narrow"]);
+    let mut command =
+        workplace.command(&["submit", "slurm", "--now", "-o", "jobs", "--", "run", "street-narrow"]);
     // bash, and no sbatch.
     std::fs::create_dir(workplace.path("programs")).unwrap();
     for program in ["bash", "dirname", "mkdir"] {

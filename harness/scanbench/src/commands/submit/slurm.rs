@@ -110,7 +110,9 @@ impl Place {
 fn limits(arguments: &SlurmArgs) -> String {
     let SlurmArgs { time, memory, partition, .. } = arguments;
     let options = [("time", time), ("mem", memory), ("partition", partition)];
-    let lines = options.iter().filter_map(|(option, value)| Some(format!("#SBATCH --{option}={}\n", value.as_ref()?)));
+    let lines = options
+        .iter()
+        .filter_map(|(option, value)| Some(format!("#SBATCH --{option}={}\n", value.as_ref()?)));
     lines.collect()
 }
 
