@@ -2,7 +2,7 @@
 #
 #     docker build -t scanbench .
 #
-# .ci/container builds it, and runs a shard in it.
+# `.ci/cluster container` builds it, and runs a shard in it.
 
 FROM rust:1.95-slim-bookworm AS build
 # git tells which commit the program was built from, which manifests of runs say.

@@ -4,6 +4,7 @@ Every step is taken from its file, with the environment that the server would gi
 actions and wheels, is not: an upload only has to find its files.
 """
 
+import json
 import os
 import re
 import shutil
@@ -11,6 +12,7 @@ import subprocess
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
+from xml.etree import ElementTree
 
 import yaml
 
@@ -106,6 +108,28 @@ def check_verdict(job: Job, workspace: Path, code: int, headline: str) -> None:
     [folder] = job.uploaded
     for name in ("run/report.html", "run/run.rrd", "verdict/gate.json", "verdict/junit.xml", "gate.txt"):
         assert (workspace / folder / name).is_file(), f"{name} is not uploaded"
+    check_services(workspace / folder / "verdict")
+
+
+def check_services(directory: Path) -> None:
+    """The files of a verdict as others read them: JUnit, github-action-benchmark, Bencher."""
+    verdict, entries, benchmarks = (
+        json.loads((directory / f"{it}.json").read_text()) for it in ("gate", "custom-smaller-is-better", "bencher")
+    )
+    findings = [it["finding"] for it in verdict["metrics"] + verdict["speeds"]]
+    n_drift = len(verdict["drift"])
+    n_allowed = n_drift if verdict["drift_rule"] == "warn" else 0
+    junit = ElementTree.parse(directory / "junit.xml").getroot()
+    n_skipped = findings.count("inconclusive") + n_allowed + bool(verdict["speed_not_compared"])
+    assert len(junit.findall(".//skipped")) == n_skipped, n_skipped
+    n_failed = findings.count("regression") + n_drift - n_allowed
+    assert len(junit.findall(".//failure")) == int(junit.attrib["failures"]) == n_failed, n_failed
+    assert len(junit.findall(".//testcase[@name][@classname]")) == int(junit.attrib["tests"]) > 0
+    assert len({it["name"] for it in entries}) == len(entries) > 0, entries
+    for it in entries:
+        assert it["value"] >= 0 and it["unit"] and set(it) <= {"name", "unit", "value", "range", "extra"}, it
+    for it in (measure for measures in benchmarks.values() for measure in measures.values()):
+        assert it.get("lower_value", it["value"]) <= it["value"] <= it.get("upper_value", it["value"]), it
 
 
 def check_action(server: Server) -> None:

@@ -7,12 +7,11 @@ import shlex
 import shutil
 import subprocess
 import tempfile
-import time
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
-from fingerprint import fingerprint, is_real, words_of
-from page import checksum
+from stamp import checksum, is_recorded, words_of
 
 # Wide enough that no table is folded.
 COLUMNS = "200"
@@ -26,8 +25,7 @@ TINY = {
     "gaps": {"--pairs": "1"},
     "robustness": {"--scans": "1"},
     "reproduce": {"--scans": "0..2", "--settings": "2"},
-    "train": {"--simulated-scans": "36", "--scans": "0..36:2", "--vehicles": "60"},
-    "realism": {"--simulated-scans": "4", "--against-scans": "0..4"},
+    "data": {"--simulated-scans": "4", "--against-scans": "0..4"},
     "compare": {},
 }
 
@@ -43,36 +41,35 @@ class Result:
     command: str
     directory: Path
     printed: str
-    seconds: float
 
 
 class Runner:
     """Runs commands of a checkout with its program, or finds what they left behind the last time."""
 
-    def __init__(self, root: Path, kept: Path, *, tiny: bool, fresh: bool):
-        self.root, self.kept, self.tiny = root, kept, tiny
-        self.program = Path(os.environ["CARGO_TARGET_DIR"]) / "release" / "scanbench"
+    def __init__(self, root: Path, *, tiny: bool):
+        self.root, self.tiny = root, tiny
+        target = Path(os.environ["CARGO_TARGET_DIR"])
+        self.program, self.kept = target / "release" / "scanbench", target / "docs"
         self.data = os.environ.get("SCANBENCH_TEST_DATA")
-        self.done: set[Path] = set()
-        self.fresh = fresh
 
     def has_data_for(self, commands: list[str]) -> bool:
-        return bool(self.data) or not any(is_real(it) for command in commands for it in words_of(command))
+        return bool(self.data) or not any(is_recorded(it) for command in commands for it in words_of(command))
 
-    def build(self):
-        subprocess.run(["cargo", "build", "--release", "--quiet", "--bin", "scanbench"], cwd=self.root, check=True)
+    @cached_property
+    def of_program(self) -> str:
+        return checksum(self.program.read_bytes())
 
     def check_accepted(self):
         """Refuses to go on if the program does anything else than the accepted run, by which blocks are stamped."""
         tolerances = (self.root / "reports/golden/tolerances.toml").read_text()
         with tempfile.TemporaryDirectory() as scratch:
             # Whatever the load of the machine.
-            quality = Path(scratch, "quality.toml")
+            quality, run = Path(scratch, "quality.toml"), Path(scratch, "run")
             quality.write_text(re.sub(r"^\[speed\].*", "", tolerances, flags=re.MULTILINE | re.DOTALL))
-            environment = os.environ | {"GOLDEN_REPEATS": "1"}
-            run, verdict = Path(scratch, "run"), Path(scratch, "verdict")
-            subprocess.run([self.root / ".ci/golden", run], check=True, env=environment, capture_output=True)
-            arguments = [self.program, "gate", run, "-b", self.root / "reports/golden", "-t", quality, "-o", verdict]
+            golden = ["bash", "-c", 'source .ci/preamble && GOLDEN_REPEATS=1 accepted_run "$1"', "golden", run]
+            subprocess.run(golden, cwd=self.root, check=True, capture_output=True)
+            accepted, verdict = self.root / "reports/golden", Path(scratch, "verdict")
+            arguments = [self.program, "gate", run, "-b", accepted, "-t", quality, "-o", verdict]
             ended = subprocess.run(arguments, cwd=self.root, capture_output=True, text=True, check=False)
         if ended.returncode != 0:
             said = (ended.stdout.splitlines() or ended.stderr.splitlines() or [""])[0]
@@ -90,20 +87,17 @@ class Runner:
             words = tiny(words)
         # Of this very program, whatever is shown of it, now or in another block.
         files = [(self.root / it).read_text() for it in words if it.endswith(".toml") and (self.root / it).is_file()]
-        place = self.kept / checksum(json.dumps([words, files, fingerprint(self.root, "program"), self.tiny]).encode())
+        place = self.kept / checksum(json.dumps([words, files, self.of_program]).encode())
         if output:
             outputs[output] = place / "out"
-        if self.fresh and place not in self.done:
-            shutil.rmtree(place, ignore_errors=True)
-        if not (place / "seconds").is_file():
+        # Written last, so that what was interrupted is run again.
+        if not (place / "command.txt").is_file():
             self.start(command, words, place)
-        self.done.add(place)
-        seconds = float((place / "seconds").read_text())
-        return Result(command, place / "out", (place / "printed.txt").read_text(), seconds)
+        return Result(command, place / "out", (place / "printed.txt").read_text())
 
     def located(self, word: str, outputs: dict[str, Path]) -> str:
         """A word with the directory of an earlier command, or the folder of recorded data, in the place of its name."""
-        if is_real(word):
+        if is_recorded(word):
             return str(Path(self.data or "") / word.removeprefix("~/"))
         name, equals, value = word.rpartition("=")
         if value not in outputs:
@@ -115,21 +109,15 @@ class Runner:
         print(f"  $ {command}", flush=True)
         shutil.rmtree(place, ignore_errors=True)
         place.mkdir(parents=True)
-        arguments = [str(self.program), *words]
-        if words[0] != "compare":
-            arguments += ["-o", str(place / "out")]
-        environment = os.environ | {"COLUMNS": COLUMNS}
-        begun = time.monotonic()
+        output = [] if words[0] == "compare" else ["-o", place / "out"]
         with (place / "printed.txt").open("w") as printed, (place / "said.txt").open("w") as said:
+            environment = os.environ | {"COLUMNS": COLUMNS}
+            arguments = [self.program, *words, *output]
             ended = subprocess.run(arguments, cwd=self.root, env=environment, stdout=printed, stderr=said, check=False)
-        seconds = time.monotonic() - begun
         if ended.returncode != 0:
             last = (place / "said.txt").read_text().strip().splitlines()[-3:]
             raise CommandError(f"{command}: exit code {ended.returncode}: {' '.join(last)}")
         (place / "command.txt").write_text(shlex.join(words) + "\n")
-        # Last, so that what was interrupted is run again.
-        (place / "seconds").write_text(f"{seconds:.1f}\n")
-        print(f"    {seconds:.0f} s", flush=True)
 
 
 def taken_out(words: list[str], option: str) -> tuple[list[str], str | None]:
@@ -141,14 +129,9 @@ def taken_out(words: list[str], option: str) -> tuple[list[str], str | None]:
 
 
 def tiny(words: list[str]) -> list[str]:
-    verb = words[1] if words[0] == "data" else words[0]
-    options = dict(TINY[verb])
-    if words[0] in ("run", "ablation", "boxes", "sweep") and "--simulated-scans" in words:
-        options["--simulated-scans"] = "4"
-    for option, value in options.items():
-        words, _ = taken_out(words, option)
-        words = [*words, option, value]
-    if verb == "sweep":
-        # Every fourth value.
-        words = [re.sub(r"^(\w+=0\.2:2\.0):0\.1$", r"\1:0.4", it) for it in words]
-    return words
+    for option, value in TINY[words[0]].items():
+        words = [*taken_out(words, option)[0], option, value]
+    if words[0] != "data" and "--simulated-scans" in words:
+        words = [*taken_out(words, "--simulated-scans")[0], "--simulated-scans", "4"]
+    # Every fourth value of a sweep.
+    return [re.sub(r"^(\w+=0\.2:2\.0):0\.1$", r"\1:0.4", it) for it in words]

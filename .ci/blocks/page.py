@@ -1,38 +1,35 @@
 """Pages with generated blocks.
 
-A block begins with a comment that names commands and what is shown of their results, and ends with a comment that holds
-checksums:
+A block begins with a comment that names commands and what is shown of their results, and ends with one that holds its stamp:
 
     <!-- made by:
     scanbench gaps
     shows: gap-shares
     -->
     (made by the script)
-    <!-- end: command 1f0c…, content 77ab…, detector 0d31…, … -->
+    <!-- end: command 1f0c…, content 77ab…, golden 0d31…, … -->
 
 A block that was never made ends with `<!-- end -->`.
 """
 
-import hashlib
 import re
 import shlex
+import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from stamp import checksum, words_of
+
 BEGIN = "<!-- made by:"
-END = re.compile(r"<!-- end(?:: (?P<sums>[^>]*?))? -->")
+BLOCK = re.compile(
+    rf"{BEGIN}\n(?P<commands>(?:(?!<!--|-->).)*?\n)shows: (?P<shows>[^\n]*)\n-->"
+    r"(?P<body>(?:(?!<!-- (?:made by|end)).)*)<!-- end(?:: (?P<sums>(?:\w+ \w+(?:, )?)+))? -->",
+    re.DOTALL,
+)
 
 
 class PageError(Exception):
     """A page whose blocks cannot be read."""
-
-
-def checksum(*parts: bytes) -> str:
-    """Eight hexadecimal digits, enough to see a change."""
-    digest = hashlib.sha256()
-    for part in parts:
-        digest.update(hashlib.sha256(part).digest())
-    return digest.hexdigest()[:8]
 
 
 @dataclass
@@ -58,62 +55,52 @@ class Block:
     def content(self, root: Path) -> str:
         """Checksum of what the block shows, pictures included."""
         files = [root / self.page.parent / it for it in self.pictures]
-        pictures = [it.read_bytes() if it.is_file() else b"" for it in files]
-        return checksum(self.body.strip().encode(), *pictures)
+        return checksum(self.body.strip().encode(), *(it.read_bytes() if it.is_file() else b"" for it in files))
 
     def text(self) -> str:
         """The block as it stands in its page."""
         sums = ", ".join(f"{name} {value}" for name, value in self.made_of.items())
-        end = f"<!-- end: {sums} -->" if sums else "<!-- end -->"
-        commands = "\n".join(self.commands)
         body = f"\n\n{self.body.strip()}\n\n" if self.body.strip() else "\n"
-        return f"{BEGIN}\n{commands}\nshows: {shlex.join(self.shows)}\n-->{body}{end}"
+        head = "\n".join([BEGIN, *self.commands, f"shows: {shlex.join(self.shows)}", "-->"])
+        return f"{head}{body}<!-- end{': ' if sums else ''}{sums} -->"
 
 
 def split(page: Path, text: str) -> list[str | Block]:
     """The page as prose and blocks, in order."""
     parts: list[str | Block] = []
-    rest, line = text, 1
-    while BEGIN in rest:
-        prose, _, after = rest.partition(BEGIN)
-        line += prose.count("\n")
-        head, closed, after = after.partition("-->")
-        end = END.search(after)
-        if not closed or not end or BEGIN in after[: end.start()]:
-            raise PageError(f"{page}:{line}: the block has no end")
-        *commands, shows = [it.strip() for it in head.strip().splitlines()] or [""]
-        if not shows.startswith("shows: ") or not commands:
-            raise PageError(f"{page}:{line}: the block needs commands, then a line `shows: …`")
-        pairs = [it.split(" ", 1) for it in (end["sums"] or "").split(", ") if it]
-        if any(len(it) != 2 for it in pairs):
-            raise PageError(f"{page}:{line}: cannot read the checksums {end[0]!r}")
-        body = after[: end.start()].strip()
-        shown = shlex.split(shows.removeprefix("shows: "))
-        parts += [prose, Block(page, line, commands, shown, body, dict(pairs))]
-        line += (BEGIN + head + "-->" + after[: end.end()]).count("\n")
-        rest = after[end.end() :]
-    if END.search(rest):
-        raise PageError(f"{page}: an end without a block")
-    return parts + [rest]
+    end = 0
+    for it in BLOCK.finditer(text):
+        sums = dict(pair.split(" ") for pair in (it["sums"] or "").split(", ") if pair)
+        line = text.count("\n", 0, it.start()) + 1
+        block = Block(page, line, it["commands"].strip().splitlines(), shlex.split(it["shows"]), it["body"].strip(), sums)
+        parts += [text[end : it.start()], block]
+        end = it.end()
+    parts.append(text[end:])
+    for prose in parts[::2]:
+        if found := re.search(rf"^({BEGIN}\n|<!-- end(:.*)? -->)", prose, re.MULTILINE):
+            raise PageError(f"{page}: no block with commands, `shows: …` and an end: {found[0].strip()}")
+    return parts
 
 
 def join(parts: list[str | Block]) -> str:
     return "".join(it if isinstance(it, str) else it.text() for it in parts)
 
 
+# In a restricted shell without any program: what the lines of a page would call, loops and functions worked out.
+SAID = "scanbench() { printf '%s\\x1f' \"$@\"; printf '\\n'; }\ncargo() { shift 3; scanbench \"$@\"; }\n"
+
+
+def called(code: str) -> set[tuple[str, ...]]:
+    """The words of each call of the program by a piece of shell; `cargo run --release --` is the program."""
+    environment = {"PATH": "", "HOME": "~"}
+    shell = ["/bin/bash", "--restricted", "-c", SAID + code]
+    ended = subprocess.run(shell, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
+    return {tuple(it.split("\x1f")[:-1]) for it in ended.stdout.splitlines()}
+
+
 def not_shown(parts: list[str | Block]) -> list[tuple[Block, str]]:
-    """Commands of blocks that the reader of the page is not shown, neither in a fence nor as inline code."""
+    """Commands of blocks that the reader of the page is not shown, neither in a fence of shell nor as inline code."""
     prose = "\n".join(it for it in parts if isinstance(it, str))
-    code = re.findall(r"^```.*?^```|`[^`]+`", prose, re.MULTILINE | re.DOTALL)
-    shown = set()
-    for it in code:
-        for line in it.replace("\\\n", " ").splitlines():
-            shown.add(plain(line.strip("`")))
-    blocks = [it for it in parts if isinstance(it, Block)]
-    return [(block, it) for block in blocks for it in block.commands if plain(it) not in shown]
-
-
-def plain(command: str) -> str:
-    """The command without its comment, and with single spaces; `cargo run --release --` is the program."""
-    command = re.sub(r"\s#.*$", "", command)
-    return " ".join(command.split()).replace("cargo run --release --", "scanbench")
+    code = re.findall(r"^```sh\n(.*?)^```|`(scanbench [^`]+)`", prose, re.MULTILINE | re.DOTALL)
+    shown = {it for fence, inline in code for it in called(fence or inline)}
+    return [(block, it) for block in parts[1::2] for it in block.commands if tuple(words_of(it)) not in shown]

@@ -1,25 +1,26 @@
-"""What blocks show of the results of their commands: tables from CSV files, plots and pictures.
+"""What blocks show of the results of their commands: files that these leave, condensed tables of CSV files, pictures.
 
-Every function here takes the results of a block's commands, then the arguments of its line `shows: …`.
+Every function in `SHOWS` takes the results of a block's commands, then the arguments of its line `shows: …`.
 """
 
 import csv
 import json
 import re
 import shlex
-import statistics
 import subprocess
 import tempfile
 from collections import defaultdict
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
-from statistics import mean, stdev
+from statistics import mean, median_low, stdev
 
 from commands import Result
-from fingerprint import words_of
+from stamp import words_of
 
 CI = Path(__file__).resolve().parents[1]
 DASH = "–"
+TASKS = ("objects", "vehicles")
 
 
 class ShowError(Exception):
@@ -32,12 +33,18 @@ class Shown:
     files: dict[str, bytes] = field(default_factory=dict)  # pictures, by their place beside the page
 
 
-def rows(result: Result, name: str) -> list[dict[str, str]]:
-    path = result.directory / name
-    if not path.is_file():
+def left(result: Result, name: str) -> Path:
+    if not (path := result.directory / name).is_file():
         raise ShowError(f"{result.command} left no {name}")
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
+    return path
+
+
+def rows(result: Result, name: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(left(result, name).read_text().splitlines()))
+
+
+def of_datasets(found: list[dict[str, str]]) -> list[dict[str, str]]:
+    return [it for it in found if not it["dataset"].startswith("overall")]
 
 
 def table(heads: list[str], lines: list[list[str]], n_left: int = 1) -> str:
@@ -61,35 +68,32 @@ def share(part: int, whole: int) -> str:
     return number(part / whole, 0, 100.0) if whole else DASH
 
 
-def signed(text: str) -> str:
-    return text if text == DASH or text.startswith("−") else f"+{text}"
-
-
 def origin_in_words(row: dict[str, str]) -> str:
     return f"{row['dataset']} (simulated)" if row["origin"] == "simulated" else row["dataset"]
 
 
-FEW_BLOCKS = "§"
-ABOUT_FEW_BLOCKS = f"{FEW_BLOCKS} from fewer than ten blocks of scans: too few for a reliable interval."
-
-
-def flagged(interval: str, row: dict[str, str]) -> str:
-    """An interval with its sign if it is of too few blocks for anything to rest on it."""
-    return interval + FEW_BLOCKS if row.get("few_blocks") == "true" else interval
-
-
 def noted(text: str) -> Shown:
-    """A table, and below it what the sign of its intervals means."""
-    return Shown(f"{text}\n\n{ABOUT_FEW_BLOCKS}" if FEW_BLOCKS in text else text)
+    """A table, and below it what the sign of some of its intervals means."""
+    return Shown(text + "\n\n§ from fewer than ten blocks of scans: too few for a reliable interval." * ("§" in text))
 
 
 # Runs
 
 
+def measured(result: Result, task: str) -> list[dict[str, str]]:
+    return [it for it in rows(result, f"table_{task}.csv") if it["source"] == "measured"]
+
+
+def overall_rows(result: Result, task: str) -> list[dict[str, str]]:
+    """What the detectors of a run reach on all its data sets together."""
+    found = measured(result, task)
+    return [it for it in found if it["dataset"] == "overall"] or found
+
+
 def detector_rules(results: list[Result]) -> Shown:
     """Which detector has which rule, by the manifest of a run."""
-    manifest = json.loads((results[0].directory / "manifest.json").read_text())
-    rules_of = {it["name"]: it.get("rules", []) for it in manifest["detectors"]}
+    detectors = json.loads(left(results[0], "manifest.json").read_text())["detectors"]
+    rules_of = {it["name"]: it.get("rules", []) for it in detectors}
     rules = dict.fromkeys(rule for of_detector in rules_of.values() for rule in of_detector)
     lines = [[rule, *["yes" if rule in it else "no" for it in rules_of.values()]] for rule in rules]
     return Shown(table(["rule", *rules_of], lines))
@@ -97,45 +101,35 @@ def detector_rules(results: list[Result]) -> Shown:
 
 def printed_table(results: list[Result], task: str) -> Shown:
     """The first table of a task, as a run prints it."""
-    paragraphs = re.split(r"\n\s*\n", results[0].printed)
-    found = [n for n, it in enumerate(paragraphs) if it.startswith(f"Task {task}. Rates")]
+    found = re.search(rf"^(Task {task}\. Rates.*)\n\s*\n((?:.*\S.*\n)+)", results[0].printed, re.MULTILINE)
     if not found:
         raise ShowError(f"{results[0].command} printed no table of {task}")
-    title, grid = paragraphs[found[0] : found[0] + 2]
-    lines = [it.rstrip() for it in [title, "", *grid.splitlines()]]
+    lines = [it.rstrip() for it in [found[1], "", *found[2].splitlines()]]
     return noted("```text\n" + "\n".join(lines) + "\n```")
-
-
-def overall_rows(result: Result, task: str) -> list[dict[str, str]]:
-    """What the detectors of a run reach on all its data sets together."""
-    measured = [it for it in rows(result, f"table_{task}.csv") if it["source"] == "measured"]
-    overall = [it for it in measured if it["dataset"] == "overall"]
-    return overall or measured
 
 
 def overall_rates(results: list[Result]) -> Shown:
     """Rates with their intervals of all detectors of a run, both tasks."""
     lines = []
-    for task in ("objects", "vehicles"):
-        for row in overall_rows(results[0], task):
-            within = flagged(f"{percent(row['f_rate_low'])} to {percent(row['f_rate_high'])}", row)
-            rates = [percent(row[it]) for it in ("precision", "recall")]
-            fps = number(row["fps_mean"], 0 if float(row["fps_mean"] or 0) >= 10 else 1)
-            lines.append([task, row["detector"], row["no"], percent(row["f_rate"]), within, *rates, fps])
+    for task, row in ((task, row) for task in TASKS for row in overall_rows(results[0], task)):
+        few_blocks = "§" * (row.get("few_blocks") == "true")
+        within = f"{percent(row['f_rate_low'])} to {percent(row['f_rate_high'])}{few_blocks}"
+        fps = number(row["fps_mean"], 0 if float(row["fps_mean"] or 0) >= 10 else 1)
+        rates = [percent(row["f_rate"]), within, percent(row["precision"]), percent(row["recall"])]
+        lines.append([task, row["detector"], row["no"], *rates, fps])
     return noted(table(["task", "detector", "NO", "F-rate", "95 % interval", "precision", "recall", "fps"], lines, 2))
 
 
 def over_seeds(results: list[Result]) -> Shown:
-    """Mean and standard deviation over runs, which differ in their seeds, of F-rates and of the lead of the first detector."""
+    """F-rates, and the lead of the first detector, over runs that differ in their seeds: mean and standard deviation."""
     lines = []
-    for task in ("objects", "vehicles"):
+    for task in TASKS:
         runs = [{it["detector"]: 100 * float(it["f_rate"]) for it in overall_rows(result, task)} for result in results]
         first, *_ = runs[0]
         for detector in runs[0]:
-            rates = [it[detector] for it in runs]
-            leads = [it[first] - it[detector] for it in runs]
-            lead = "" if detector == first else f"{mean(leads):.1f} ± {stdev(leads):.1f}"
-            lines.append([task, detector, f"{mean(rates):.1f} ± {stdev(rates):.1f}", f"{min(rates):.1f} to {max(rates):.1f}", lead])
+            rates, leads = [it[detector] for it in runs], [it[first] - it[detector] for it in runs]
+            cells = [f"{mean(it):.1f} ± {stdev(it):.1f}" for it in (rates, leads)]
+            lines.append([task, detector, cells[0], f"{min(rates):.1f} to {max(rates):.1f}", cells[1] * (detector != first)])
     return Shown(table(["task", "detector", "F-rate", "least and greatest", "lead of the first"], lines, 2))
 
 
@@ -144,22 +138,20 @@ def differences(result: Result) -> dict[tuple[str, str], dict[str, str]]:
     lines = [it for it in result.printed.splitlines() if it.startswith("| ")]
     if len(lines) < 3:
         raise ShowError(f"{result.command} printed no table")
-    cells = [[it.strip().replace("\\", "") for it in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
-    found = [dict(zip(cells[0], it)) for it in cells[2:]]
+    heads, _, *cells = [[it.strip().replace("\\", "") for it in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
+    found = [dict(zip(heads, it)) for it in cells]
     return {(it["task"], it["detector"]): it for it in found if it["metric"].startswith("f_rate") and it["slice"] == "all"}
 
 
 def compared_detectors(results: list[Result]) -> Shown:
     """Paired differences of detectors of one run, one pair a command after the first."""
-    lines = []
-    for result in results[1:]:
-        for (task, pair), it in differences(result).items():
-            lines.append([pair, task, it["difference"], it["95 %"], it["least"]])
+    found = [it for result in results[1:] for it in differences(result).items()]
+    lines = [[pair, task, it["difference"], it["95 %"], it["least"]] for (task, pair), it in found]
     return noted(table(["difference of F-rates", "task", "points", "95 % interval", "least to be seen"], lines, 2))
 
 
 def compared_runs(results: list[Result], *names: str) -> Shown:
-    """What each part is worth to each detector: every second command compares a run without it with the whole one.
+    """What each part is worth to each detector: `compare` holds a run without it against the whole one.
 
     `names` are those of the parts, in the order of the comparisons.
     """
@@ -167,14 +159,11 @@ def compared_runs(results: list[Result], *names: str) -> Shown:
     if len(compared) != len(names):
         raise ShowError(f"{len(names)} names for {len(compared)} comparisons")
     found = [differences(it) for it in compared]
-    subjects = list(dict.fromkeys(subject for it in found for subject in it))
+    subjects = dict.fromkeys(subject for it in found for subject in it)
+    tasks, detectors = (list(dict.fromkeys(it)) for it in zip(*subjects))
     lines = []
-    for part, of_part in zip(names, found):
-        for task in dict.fromkeys(it[0] for it in subjects):
-            cells = [of_part.get((task, detector)) for subject, detector in subjects if subject == task]
-            texts = [gain(it) for it in cells]
-            lines.append([part, task, *texts])
-    detectors = list(dict.fromkeys(it[1] for it in subjects))
+    for (part, of_part), task in product(zip(names, found), tasks):
+        lines.append([part, task, *(gain(of_part.get((task, detector))) for detector in detectors)])
     return noted(table(["what it gives", "task", *detectors], lines, 2))
 
 
@@ -182,33 +171,27 @@ def gain(difference: dict[str, str] | None) -> str:
     """A difference with its interval; 0 if nothing changed in any scan."""
     if not difference:
         return DASH
-    numbers = re.findall(r"\d+(?:\.\d+)?", difference["difference"] + " " + difference["95 %"])
-    if numbers and not any(float(it) for it in numbers):
-        return "0"
-    return f"{difference['difference']} ({difference['95 %']})"
+    text = f"{difference['difference']} ({difference['95 %']})"
+    return text if re.search("[1-9]", text) else "0"
 
 
 def ablation_rates(results: list[Result]) -> Shown:
     """Rates on simulated data and the recall on recorded ones, of variants of a method and of the detectors of a run."""
     ablation, *runs = results
     counted = [(it["variant"], it) for it in rows(ablation, "ablation.csv")]
-    methods = {words_of(ablation.command)[0], "hierarchical"}
-    for run in runs:
-        found = [it for it in rows(run, "table_objects.csv") if it["source"] == "measured"]
-        counted += [(f"*{it['detector']}*", it) for it in found if it["detector"] not in methods]
+    others = [it for run in runs for it in measured(run, "objects") if it["detector"] != "hierarchical"]
+    counted += [(f"*{it['detector']}*", it) for it in others]
     sums: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(lambda: [0, 0, 0]))
     for name, row in counted:
-        if not row["dataset"].startswith("overall"):
+        if of_datasets([row]):
             so_far = sums[name][row["origin"]]
-            for n, it in enumerate(("no", "tp", "fo")):
-                so_far[n] += int(row[it] or 0)
+            so_far[:] = [n + int(row[it] or 0) for n, it in zip(so_far, ("no", "tp", "fo"))]
     lines = []
     for name, of_origin in sums.items():
-        no, tp, fo = of_origin["simulated"]
+        (no, tp, fo), (no_recorded, tp_recorded, _) = of_origin["simulated"], of_origin["recorded"]
         rates = [2 * tp / (no + tp + fo), tp / (tp + fo), tp / no] if tp else [None, None, None]
-        no_recorded, tp_recorded, _ = of_origin["recorded"]
         recorded = tp_recorded / no_recorded if no_recorded else None
-        lines.append([name, *[percent(it) for it in [*rates, recorded]]])
+        lines.append([name, *map(percent, [*rates, recorded])])
     first = next(iter(sums.values()))
     note = f"{first['simulated'][0]} simulated annotations, {first['recorded'][0]} recorded ones."
     return Shown(table(["", "F-rate", "precision", "recall", "recall on KITTI"], lines) + f"\n\n{note}")
@@ -216,15 +199,12 @@ def ablation_rates(results: list[Result]) -> Shown:
 
 def rates_by_dataset(results: list[Result], task: str) -> Shown:
     """F-rates of a task, data set by data set and detector by detector; recall where false objects cannot be known."""
-    measured = [it for result in results for it in rows(result, f"table_{task}.csv") if it["source"] == "measured"]
-    measured = [it for it in measured if not it["dataset"].startswith("overall")]
-    detectors = list(dict.fromkeys(it["detector"] for it in measured))
-    lines: dict[str, list[str]] = {}
-    for row in measured:
-        name = f"{origin_in_words(row)}, {row['no']} {task}"
+    found = of_datasets([it for result in results for it in measured(result, task)])
+    lines: dict[str, list[str]] = defaultdict(list)
+    for row in found:
         rate = percent(row["f_rate"]) if row["f_rate"] else f"{percent(row['recall'])} recall"
-        lines.setdefault(name, [name]).append(rate)
-    return Shown(table(["", *detectors], list(lines.values())))
+        lines[f"{origin_in_words(row)}, {row['no']} {task}"].append(rate)
+    return Shown(table(["", *dict.fromkeys(it["detector"] for it in found)], [[name, *it] for name, it in lines.items()]))
 
 
 # Experiments
@@ -232,173 +212,134 @@ def rates_by_dataset(results: list[Result], task: str) -> Shown:
 
 def file(results: list[Result], name: str) -> Shown:
     """A Markdown file that a command left behind."""
-    path = results[0].directory / name
-    if not path.is_file():
-        raise ShowError(f"{results[0].command} left no {name}")
-    return Shown(path.read_text())
+    return Shown(left(results[0], name).read_text())
 
 
-def gap_cells(found: list[dict[str, str]], keys: list[str]) -> dict[tuple[str, ...], dict[str, list[int]]]:
-    """Numbers of pairs that were seen and separated, by `keys` and detector."""
+def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], list[tuple[tuple[str, ...], list[str]]]]:
+    """The detectors; and by `keys` how many pairs were judged, and what share of them each detector separated."""
     sums: dict[tuple[str, ...], dict[str, list[int]]] = defaultdict(lambda: defaultdict(lambda: [0, 0]))
     for row in found:
         cell = sums[tuple(row[it] for it in keys)][row["detector"]]
-        cell[0] += int(row["n_seen"])
-        cell[1] += int(row["n_separated"])
-    return sums
+        cell[:] = [cell[0] + int(row["n_seen"]), cell[1] + int(row["n_separated"])]
+    detectors = list(dict.fromkeys(it["detector"] for it in found))
+    cells = [[str(it[detectors[0]][0]), *(share(it[name][1], it[name][0]) for name in detectors)] for it in sums.values()]
+    return detectors, list(zip(sums, cells))
 
 
 def gap_shares(results: list[Result]) -> Shown:
     """Pairs of objects that are told apart, by range and every second gap."""
     found = [it for it in rows(results[0], "gaps.csv") if round(10 * float(it["gap_m"])) % 2 == 0]
-    sums = gap_cells(found, ["range_from_m", "range_to_m", "gap_m"])
-    detectors = list(dict.fromkeys(it["detector"] for it in found))
-    lines = []
-    for (near, far, gap), cells in sorted(sums.items(), key=lambda it: [float(n) for n in it[0]]):
-        shares = [share(cells[it][1], cells[it][0]) for it in detectors]
-        lines.append([f"{float(near):g} to {float(far):g}", f"{float(gap):.1f}", str(cells[detectors[0]][0]), *shares])
-    return Shown(table(["range m", "gap m", "judged", *detectors], lines, 2))
+    detectors, cells = gaps_by(found, ["range_from_m", "range_to_m", "gap_m"])
+    lines = [[*map(float, key), it] for key, it in cells]
+    texts = [[f"{near:g} to {far:g}", f"{gap:.1f}", *it] for near, far, gap, it in sorted(lines)]
+    return Shown(table(["range m", "gap m", "judged", *detectors], texts, 2))
 
 
 def gap_layouts(results: list[Result]) -> Shown:
     """The same by how the pair stands, over all ranges and gaps."""
-    found = rows(results[0], "gaps.csv")
-    detectors = list(dict.fromkeys(it["detector"] for it in found))
-    lines = []
-    for (layout,), cells in gap_cells(found, ["layout"]).items():
-        shares = [share(cells[it][1], cells[it][0]) for it in detectors]
-        lines.append([layout, str(cells[detectors[0]][0]), *shares])
-    return Shown(table(["layout", "judged", *detectors], lines))
+    detectors, cells = gaps_by(rows(results[0], "gaps.csv"), ["layout"])
+    return Shown(table(["layout", "judged", *detectors], [[layout, *it] for (layout,), it in cells]))
 
 
 def condition_changes(results: list[Result]) -> Shown:
     """What each condition does to the F-rates, in points against the first one."""
-    found = rows(results[0], "robustness.csv")
-    rates: dict[tuple[str, str], dict[tuple[str, str], float | None]] = defaultdict(dict)
-    for row in found:
-        rate = float(row["f_rate"]) if row["f_rate"] else None
-        rates[row["group"], row["condition"]][row["detector"], row["task"]] = rate
-    (_, standard), *others = rates.items()
-    heads = [f"{detector}, {task}" for detector, task in standard]
+    rates: dict[tuple[str, ...], dict[tuple[str, str], str]] = defaultdict(dict)
+    for row in rows(results[0], "robustness.csv"):
+        rates[row["group"], row["condition"]][row["detector"], row["task"]] = row["f_rate"]
+    standard, *_ = rates.values()
     lines = []
-    for (group, condition), of_condition in others:
+    for names, of_condition in list(rates.items())[1:]:
         pairs = [(of_condition[it], standard[it]) for it in standard]
-        changes = [signed(percent(a - b)) if a is not None and b is not None else DASH for a, b in pairs]
-        lines.append([group, condition, *changes])
-    return Shown(table(["kind", "condition", *heads], lines, 2))
+        changes = [percent(float(a) - float(b)) if a and b else DASH for a, b in pairs]
+        lines.append([*names, *(it if it[0] in (DASH, "−") else f"+{it}" for it in changes)])
+    return Shown(table(["kind", "condition", *map(", ".join, standard)], lines, 2))
 
 
 def box_fits(results: list[Result]) -> Shown:
     """How boxes of each kind do around the same clusters."""
     found = [it for it in rows(results[0], "box_errors.csv") if it["by"] == "all"]
-    what = list(dict.fromkeys(it["error"] for it in found))
     lines: dict[str, list[str]] = defaultdict(list)
     for row in found:
         lines[row["fit"]].append(number(row["value"], 2 if row["unit"] == "m" else 1))
-    units = {it["error"]: it["unit"] for it in found}
-    heads = [f"{it}, {units[it]}" for it in what]
+    heads = dict.fromkeys(f"{it['error']}, {it['unit']}" for it in found)
     note = f"{found[0]['n_pairs']} vehicles, {found[0]['n_tracks']} tracks."
     return Shown(table(["", *heads], [[fit, *cells] for fit, cells in lines.items()]) + f"\n\n{note}")
 
 
 def box_slices(results: list[Result]) -> Shown:
     """The shares with the right yaw and with the right box, slice by slice."""
-    fits = ["hull box", "outline box", "reported box"]
-    lines: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
-    counts: dict[tuple[str, str], int] = defaultdict(int)
-    for row in rows(results[0], "box_errors.csv"):
-        key = (row["by"], row["slice"])
-        if row["fit"] in fits and row["n_pairs"] != "0":
-            lines[key][row["error"]].append(number(row["value"], 1))
-            # Whether the front is right is known of fewer.
-            counts[key] = max(counts[key], int(row["n_pairs"]))
+    fits, what = ["hull box", "outline box", "reported box"], ["yaw within 10 deg", "BEV IoU >= 0.7"]
     words = {"all": "all", "occlusion": "hidden: ", "range": "", "class": "", "points": "points: "}
-    what = ["yaw within 10 deg", "BEV IoU >= 0.7"]
-    texts = [
-        [words[by] + slice_, str(counts[by, slice_]), *(" / ".join(errors[it]) for it in what)]
-        for (by, slice_), errors in lines.items()
-    ]
+    lines: dict[str, list[dict[str, str]]] = defaultdict(list)
+    for row in rows(results[0], "box_errors.csv"):
+        if row["fit"] in fits and row["n_pairs"] != "0":
+            lines[words[row["by"]] + row["slice"]].append(row)
+    texts = []
+    for name, found in lines.items():
+        cells = [" / ".join(number(it["value"], 1) for it in found if it["error"] == error) for error in what]
+        # Whether the front is right is known of fewer.
+        texts.append([name, str(max(int(it["n_pairs"]) for it in found)), *cells])
     return Shown(table(["", "vehicles", *(f"{it}, %: {' / '.join(fits)}" for it in what)], texts))
 
 
 # Cell fitness
 
 
-def verdicts(results: list[Result]) -> list[dict[str, str]]:
-    return [it for result in results for it in rows(result, "cell_fitness.csv")]
-
-
-def reading_in_words(row: dict[str, str]) -> str:
-    if row["reading"] == "as configured":
-        return f"always {number(row['recommended_cell_size_m'], 2)} m"
-    return f"`{row['reading']}`"
-
-
 def losses(found: list[dict[str, str]], task: str, reading: str) -> list[str]:
     """The mean and greatest loss of a reading over data sets, in points, and its mean rank correlation."""
-    of_reading = [it for it in found if it["task"] == task and reading_in_words(it) == reading]
+    of_reading = [it for it in found if it["task"] == task and it["reading"] == reading]
     lost = [float(it["loss"]) for it in of_reading if it["loss"]]
     ranks = [float(it["rank_correlation"]) for it in of_reading if it["rank_correlation"]]
-    mean, most = (statistics.fmean(lost), max(lost)) if lost else (None, None)
-    return [percent(mean), percent(most), number(statistics.fmean(ranks) if ranks else None, 2)]
+    return [*map(percent, (mean(lost), max(lost)) if lost else (None, None)), number(mean(ranks) if ranks else None, 2)]
 
 
 def fitness_summary(results: list[Result]) -> Shown:
     """What each reading recommends and costs, each data set counting once."""
-    found = [it for it in verdicts(results) if not it["dataset"].startswith("overall") and it["rate"] == "F-rate"]
+    found = [it for it in of_datasets(rows(results[0], "cell_fitness.csv")) if it["rate"] == "F-rate"]
     lines = []
-    for reading in dict.fromkeys(map(reading_in_words, found)):
-        objects = [it for it in found if it["task"] == "objects" and reading_in_words(it) == reading]
+    for reading in dict.fromkeys(it["reading"] for it in found):
+        objects = [it for it in found if it["task"] == "objects" and it["reading"] == reading]
         recommends = sum(bool(it["recommended_cell_size_m"]) for it in objects)
         at_end = sum(it["recommends_an_end"] == "true" for it in objects)
-        cells = [it for task in ("objects", "vehicles") for it in losses(found, task, reading)]
-        lines.append([reading, str(recommends), str(at_end), *cells])
-    heads = ["reading", "recommends", "at an end"]
-    heads += [it for task in ("objects", "vehicles") for it in (f"{task}: mean lost", "most", "rank")]
+        configured = f"always {number(objects[0]['recommended_cell_size_m'], 2)} m"
+        name = configured if reading == "as configured" else f"`{reading}`"
+        lines.append([name, str(recommends), str(at_end), *(it for task in TASKS for it in losses(found, task, reading))])
+    heads = [it for task in TASKS for it in (f"{task}: mean lost", "most", "rank")]
     of_task = {(it["task"], it["dataset"]): int(it["no"]) for it in found}
-    n_objects, n_vehicles = (sum(n for key, n in of_task.items() if key[0] == it) for it in ("objects", "vehicles"))
-    n_sets = len({it["dataset"] for it in found})
-    note = f"{n_sets} data sets; {n_objects} annotated objects, {n_vehicles} vehicles."
-    return Shown(table(heads, lines) + f"\n\n{note}")
+    n_objects, n_vehicles = (sum(n for key, n in of_task.items() if key[0] == it) for it in TASKS)
+    note = f"{len({it['dataset'] for it in found})} data sets; {n_objects} annotated objects, {n_vehicles} vehicles."
+    return Shown(table(["reading", "recommends", "at an end", *heads], lines) + f"\n\n{note}")
 
 
 def fitness_by_dataset(results: list[Result], task: str) -> Shown:
     """The best cell size of each data set, beside what Knuth's rule and the configuration recommend."""
-    lines: dict[str, list[str]] = {}
-    found = [it for it in verdicts(results) if it["task"] == task]
+    found = [it for it in rows(results[0], "cell_fitness.csv") if it["task"] == task]
     # Only data sets of one sensor and one origin are summed.
-    is_one = len({(it["sensor"], it["origin"]) for it in found}) == 1 and found[0]["origin"] == "simulated"
+    if len({(it["sensor"], it["origin"]) for it in found}) != 1 or found[0]["origin"] != "simulated":
+        found = of_datasets(found)
+    lines: dict[tuple[str, str], list[str]] = {}
     for row in found:
-        if row["dataset"].startswith("overall") and not is_one:
-            continue
         # Data sets of one kind of street differ by their sensor.
         name = origin_in_words(row).replace(f"-{row['sensor']}", "")
-        key = f"{row['dataset']} {row['rate']}"
-        rate = percent(row["best_rate"]) + (" recall" if row["rate"] == "recall" else "")
-        lines.setdefault(key, [name, row["sensor"], row["no"], number(row["best_cell_size_m"]), rate])
+        rate = percent(row["best_rate"]) + " recall" * (row["rate"] == "recall")
+        first = [name, row["sensor"], row["no"], number(row["best_cell_size_m"]), rate]
+        cells = lines.setdefault((row["dataset"], row["rate"]), first)
         if row["reading"] == "knuth":
-            rank = number(row["rank_correlation"], 2)
-            lines[key] += [number(row["recommended_cell_size_m"]), percent(row["loss"]), rank]
+            cells += [number(row["recommended_cell_size_m"]), percent(row["loss"]), number(row["rank_correlation"], 2)]
         elif row["reading"] == "as configured":
-            lines[key].append(percent(row["loss"]))
+            cells.append(percent(row["loss"]))
     heads = ["data set", "sensor", "NO", "best m", "rate %", "Knuth m", "lost", "rank", "as configured: lost"]
     # A sweep that leaves out the configured cell size says nothing about it.
-    padded = [it + [DASH] * (len(heads) - len(it)) for it in lines.values()]
-    return Shown(table(heads, padded, 2))
+    return Shown(table(heads, [it + [DASH] * (len(heads) - len(it)) for it in lines.values()], 2))
 
 
 def fitness_losses(results: list[Result], *names: str) -> Shown:
     """Mean and greatest loss of Knuth's rule and of the configured cell size, one column a command."""
+    of_commands = [of_datasets(rows(result, "cell_fitness.csv")) for result in results]
     lines = []
-    of_commands = [[it for it in rows(result, "cell_fitness.csv") if not it["dataset"].startswith("overall")] for result in results]
-    for task in ("objects", "vehicles"):
-        for reading in ("knuth", "as configured"):
-            cells = []
-            for found in of_commands:
-                of_task = [it for it in found if it["task"] == task and it["reading"] == reading]
-                cells.append(", ".join(losses(of_task, task, reading_in_words(of_task[0]))[:2]) if of_task else DASH)
-            lines.append([task, reading, *cells])
-    return Shown(table(["task", "reading", *(names or ["mean, most lost"])], lines, 2))
+    for task, reading in product(TASKS, ("knuth", "as configured")):
+        lines.append([task, reading, *(", ".join(losses(it, task, reading)[:2]) for it in of_commands)])
+    return Shown(table(["task", "reading", *names], lines, 2))
 
 
 # Realism
@@ -415,45 +356,38 @@ STATISTICS = {
 }
 
 
-def ratios(result: Result) -> tuple[str, dict[str, list[tuple[float, str]]]]:
-    """What was measured, and the ratios of each statistic with the names of their bins."""
-    found = rows(result, "realism.csv")
-    of_statistic: dict[str, list[tuple[float, str]]] = {it: [] for it in STATISTICS}
-    for row in found:
-        is_ring = row["statistic"] == "ring_density"
-        is_outside = is_ring and not (float(row["bin_from_m"]) >= 5 and float(row["bin_to_m"]) <= 50)
-        if row["statistic"] in STATISTICS and row["ratio"] and not is_outside:
-            of_statistic[row["statistic"]].append((float(row["ratio"]), row["bin"]))
-    return found[0]["left"], of_statistic
-
-
-def distance(ratio: float) -> float:
-    """How far a ratio is from 1, either way."""
-    return max(ratio, 1 / ratio) if ratio > 0 else float("inf")
+def realism(results: list[Result], cell) -> Shown:
+    """A row for every command, and what `cell` says of the ratios of each statistic and the names of their bins."""
+    lines = []
+    for result in results:
+        found = rows(result, "realism.csv")
+        ratios: dict[str, list[tuple[float, str]]] = {it: [] for it in STATISTICS}
+        for row in found:
+            is_near = row["statistic"] != "ring_density" or (float(row["bin_from_m"]) >= 5 and float(row["bin_to_m"]) <= 50)
+            if row["statistic"] in STATISTICS and row["ratio"] and is_near:
+                ratios[row["statistic"]].append((float(row["ratio"]), row["bin"]))
+        lines.append([found[0]["left"], *(cell(it) if it else DASH for it in ratios.values())])
+    return Shown(table(["", *STATISTICS.values()], lines))
 
 
 def realism_agreement(results: list[Result]) -> Shown:
     """Share of bins that are alike, and the median ratio, of every statistic."""
-    lines = []
-    for result in results:
-        name, of_statistic = ratios(result)
-        cells = []
-        for found in of_statistic.values():
-            alike = [it for it, _ in found if 1 / ALIKE <= it <= ALIKE]
-            median = statistics.median_low([it for it, _ in found]) if found else None
-            cells.append(f"{share(len(alike), len(found))} %, {number(median, 2)}" if found else DASH)
-        lines.append([name, *cells])
-    return Shown(table(["", *STATISTICS.values()], lines))
+
+    def agreement(found: list[tuple[float, str]]) -> str:
+        n_alike = sum(1 / ALIKE <= it <= ALIKE for it, _ in found)
+        return f"{share(n_alike, len(found))} %, {number(median_low([it for it, _ in found]), 2)}"
+
+    return realism(results, agreement)
 
 
 def realism_worst(results: list[Result]) -> Shown:
-    """The bin of every statistic that is farthest off, and its ratio."""
-    lines = []
-    for result in results:
-        name, of_statistic = ratios(result)
-        farthest = [max(it, key=lambda it: distance(it[0]), default=None) for it in of_statistic.values()]
-        lines.append([name, *[f"{it[1]}: {number(it[0], 2)}" if it else DASH for it in farthest]])
-    return Shown(table(["", *STATISTICS.values()], lines))
+    """The bin of every statistic whose ratio is farthest from 1, either way, and that ratio."""
+
+    def worst(found: list[tuple[float, str]]) -> str:
+        ratio, name = max(found, key=lambda it: max(it[0], 1 / it[0]) if it[0] > 0 else float("inf"))
+        return f"{name}: {number(ratio, 2)}"
+
+    return realism(results, worst)
 
 
 # Pictures
@@ -461,53 +395,32 @@ def realism_worst(results: list[Result]) -> Shown:
 
 def picture(results: list[Result], source: str, target: str, words: str) -> Shown:
     """A plot that a command left behind."""
-    path = results[0].directory / source
-    if not path.is_file():
-        raise ShowError(f"{results[0].command} left no {source}")
-    return Shown(f"![{words}]({target})", {target: path.read_bytes()})
+    return Shown(f"![{words}]({target})", {target: left(results[0], source).read_bytes()})
 
 
 def viewer(results: list[Result], target: str, words: str) -> Shown:
     """The recording of a run as the Rerun viewer shows it."""
-    return taken([CI / "recordings/picture", results[0].directory / "run.rrd"], target, words)
+    return taken([CI / "recordings/picture", left(results[0], "run.rrd")], target, words)
 
 
 def report_page(results: list[Result], target: str, words: str) -> Shown:
     """The page of a run as a browser shows it, light and dark."""
-    return taken([CI / "page/picture", results[0].directory / "report.html"], target, words)
+    return taken([CI / "page/picture", left(results[0], "report.html")], target, words)
 
 
 def taken(command: list[Path], target: str, words: str) -> Shown:
     with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "picture.png"
-        ended = subprocess.run([*command, file], capture_output=True, text=True, check=False)
-        if ended.returncode != 0 or not file.is_file():
+        path = Path(folder) / "picture.png"
+        ended = subprocess.run([*command, path], capture_output=True, text=True, check=False)
+        if ended.returncode != 0 or not path.is_file():
             last = (ended.stdout + ended.stderr).strip().splitlines()[-3:]
             raise ShowError(f"{shlex.join(map(str, command))}: {' '.join(last)}")
-        return Shown(f"![{words}]({target})", {target: file.read_bytes()})
+        return Shown(f"![{words}]({target})", {target: path.read_bytes()})
 
 
-SHOWS = {
-    "file": file,
-    "printed-table": printed_table,
-    "detector-rules": detector_rules,
-    "overall-rates": overall_rates,
-    "over-seeds": over_seeds,
-    "compared-detectors": compared_detectors,
-    "compared-runs": compared_runs,
-    "ablation-rates": ablation_rates,
-    "rates-by-dataset": rates_by_dataset,
-    "gap-shares": gap_shares,
-    "gap-layouts": gap_layouts,
-    "condition-changes": condition_changes,
-    "box-fits": box_fits,
-    "box-slices": box_slices,
-    "fitness-summary": fitness_summary,
-    "fitness-by-dataset": fitness_by_dataset,
-    "fitness-losses": fitness_losses,
-    "realism-agreement": realism_agreement,
-    "realism-worst": realism_worst,
-    "picture": picture,
-    "viewer": viewer,
-    "report-page": report_page,
-}
+SHOWN = [
+    file, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs, ablation_rates,
+    rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary, fitness_by_dataset,
+    fitness_losses, realism_agreement, realism_worst, picture, viewer, report_page,
+]  # fmt: skip
+SHOWS = {it.__name__.replace("_", "-"): it for it in SHOWN}

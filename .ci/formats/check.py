@@ -1,4 +1,4 @@
-"""Holds what scanbench reads and writes against other libraries; see check-formats beside this folder."""
+"""Holds what scanbench reads and writes against other libraries; the step `formats` of .ci/run."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Other people's detectors: sweeps of their parameters, the runs beside ours, and docs/leaderboard.md. Called by `.ci/peers`."""
+"""Other people's detectors: sweeps of their parameters, the runs beside ours, and docs/leaderboard.md. Called by `.ci/slow peers`."""
 
 import argparse
 import csv
@@ -123,7 +123,7 @@ def write_tables(folder):
                 # Once is enough; and times of one machine are those of the streets.
                 if name != "streets" and table in ("detectors", "times"):
                     continue
-                block = re.compile(rf"(<!-- made by \.ci/peers: {name} {table} -->\n).*?(\n<!-- end of what \.ci/peers made -->)", re.DOTALL)
+                block = re.compile(rf"(<!-- made by \.ci/slow peers: {name} {table} -->\n).*?(\n<!-- end of what \.ci/slow peers made -->)", re.DOTALL)
                 if not block.search(text):
                     raise SystemExit(f"{PAGE} has no place for the table {name} {table}")
                 text = block.sub(lambda match, lines=lines: match[1] + "\n" + "\n".join(lines) + "\n" + match[2], text)
