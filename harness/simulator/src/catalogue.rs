@@ -19,10 +19,6 @@ pub const DEFAULT_DATASETS: &str = "streets";
 pub type Catalogue = scans::dataset::catalogue::Catalogue<StreetDrive>;
 
 /// The catalogue that is part of the program.
-///
-/// # Errors
-///
-/// [`DatasetError::Catalogue`] if its file was broken when the program was compiled.
 pub fn built_in_catalogue() -> Result<Catalogue, DatasetError> {
     parse_catalogue("built-in datasets.toml", BUILT_IN)
 }

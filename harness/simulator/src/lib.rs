@@ -8,6 +8,8 @@
 //! Simulated is not real. What the simulator leaves out: snow, fog, spray behind wheels, second echoes, and the
 //! vibration of the car. It is dry unless a street is put [in the rain](rain).
 
+#![expect(clippy::missing_errors_doc, reason = "the types of errors say it once for all functions")]
+
 pub use detector::portable_math;
 
 pub mod sensor;

@@ -47,11 +47,6 @@ impl OpenOptions {
 
 /// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path, as
 /// [`open_recorded`] does.
-///
-/// # Errors
-///
-/// [`DatasetError`] if there is no such data set, or it is damaged or not the one of the catalogue, or was made by a
-/// simulation that this simulator does not know.
 pub fn open_dataset(
     id_or_path: &str,
     options: &OpenOptions,

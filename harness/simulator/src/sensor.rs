@@ -128,10 +128,6 @@ impl SensorModel {
     }
 
     /// Reads a description.
-    ///
-    /// # Errors
-    ///
-    /// [`SensorModelError`] if it is not TOML, lacks a field, has one too many, or describes what cannot be.
     pub fn from_toml(text: &str) -> Result<Self, SensorModelError> {
         let sensor: Self = toml::from_str(text)?;
         sensor.check()?;

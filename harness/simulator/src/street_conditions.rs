@@ -60,10 +60,6 @@ const HILL_LENGTH_M: f32 = 120.0;
 
 impl StreetConditions {
     /// Whether all values can be; the text says which cannot.
-    ///
-    /// # Errors
-    ///
-    /// The first value outside of its range.
     pub fn check(&self) -> Result<(), String> {
         let values = [
             ("gradient", self.gradient, GRADIENTS),

@@ -76,10 +76,6 @@ pub struct McapWriter {
 
 impl McapWriter {
     /// Begins the recording `path`, with what `sheet` says about the scans.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if nothing can be written there.
     pub fn create(
         path: &Path,
         compression: ChunkCompression,
@@ -97,10 +93,6 @@ impl McapWriter {
     }
 
     /// Appends a message in protobuf; its topic is announced if it is the first.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
     pub fn write_message(
         &mut self,
         topic: &str,
@@ -116,10 +108,6 @@ impl McapWriter {
     }
 
     /// Appends a message in JSON, which `schema` describes by its name and as JSON schema.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
     pub fn write_json(
         &mut self,
         topic: &str,
@@ -158,10 +146,6 @@ impl McapWriter {
     }
 
     /// Appends a scene on `topic`.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
     pub fn write_scene(
         &mut self,
         topic: &str,

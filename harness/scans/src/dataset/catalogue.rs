@@ -150,19 +150,11 @@ impl CataloguedParts {
 }
 
 /// Reads the catalogue at `path`.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`], [`DatasetError::NotText`], or [`DatasetError::Catalogue`] with the line of the first mistake.
 pub fn read_catalogue<S: SimulatedEntry>(path: &Path) -> Result<Catalogue<S>, DatasetError> {
     parse_catalogue(&path.display().to_string(), &read_text_file(path)?)
 }
 
 /// Reads the catalogue in `text`, which errors call `name`.
-///
-/// # Errors
-///
-/// [`DatasetError::Catalogue`] with the line of the first mistake.
 pub fn parse_catalogue<S: SimulatedEntry>(name: &str, text: &str) -> Result<Catalogue<S>, DatasetError> {
     let source = CatalogueText { name, text };
     let written: WrittenCatalogue<S> = toml::from_str(text)

@@ -32,11 +32,6 @@ pub struct FoundDataset {
 /// only one among the files and folders in it.
 ///
 /// Only `formats` are looked for.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`] if `path` cannot be read as a folder, or nothing is found and a folder in it cannot be read; [`DatasetError::UnrecognizedFormat`] if it holds nothing known;
-/// [`DatasetError::SeveralDatasets`] if it cannot be told which data set is meant.
 pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundDataset, DatasetError> {
     let mut found = found_in(path, formats);
     if found.is_empty() && !path.is_file() {

@@ -39,19 +39,11 @@ pub struct FeatherTable {
 
 impl FeatherTable {
     /// Reads the columns called `names` of the file at `path`; others are not looked at.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Io`]; [`DatasetError::Damaged`] if one is missing or the file is no such file.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, DatasetError> {
         Self::read_some(path, names, &[])
     }
 
     /// Reads the columns called `names`, and those of `optional` that there are.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::read`].
     pub fn read_some(path: &Path, names: &[&str], optional: &[&str]) -> Result<Self, DatasetError> {
         let bytes =
             std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
@@ -60,10 +52,6 @@ impl FeatherTable {
     }
 
     /// The columns called `names` in `bytes`, and those of `optional` that there are. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If one is missing or the file is no such file.
     pub fn parse(bytes: &[u8], names: &[&str], optional: &[&str]) -> Result<Self, String> {
         let footer = footer_of(bytes)?;
         let fields: Vec<Field<'_>> =
@@ -112,10 +100,6 @@ impl FeatherTable {
     }
 
     /// Takes the column called `name`, as numbers.
-    ///
-    /// # Errors
-    ///
-    /// If it was not read or holds texts; the rest of a sentence about the file. The same holds below.
     pub fn take_numbers(&mut self, name: &str) -> Result<Vec<f64>, String> {
         match self.columns.remove(name) {
             Some(Column::Numbers(numbers)) => Ok(numbers),
@@ -125,10 +109,6 @@ impl FeatherTable {
     }
 
     /// Takes the column called `name`, as whole numbers.
-    ///
-    /// # Errors
-    ///
-    /// If it was not read or holds anything else.
     pub fn take_integers(&mut self, name: &str) -> Result<Vec<i64>, String> {
         match self.columns.remove(name) {
             Some(Column::Integers(numbers)) => Ok(numbers),
@@ -137,10 +117,6 @@ impl FeatherTable {
     }
 
     /// Takes the column called `name`, as texts.
-    ///
-    /// # Errors
-    ///
-    /// If it was not read or holds anything else.
     pub fn take_texts(&mut self, name: &str) -> Result<Vec<String>, String> {
         match self.columns.remove(name) {
             Some(Column::Texts(texts)) => Ok(texts),

@@ -76,10 +76,6 @@ pub trait Dataset: Send + Sync {
     }
 
     /// Reads scan `scan_idx` of [`Self::scan_ids`].
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file is missing, damaged or contradicts another.
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError>;
 
     /// When scan `scan_idx` was taken, in nanoseconds since some start of time, as far as the files say.
@@ -112,28 +108,16 @@ pub trait Dataset: Send + Sync {
     /// What may be wrong with labels and names as a whole, a line each: labels of scans that are not there, names that were not taken over.
     ///
     /// Files may have to be read through for it.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if one of them is damaged.
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         Ok(Vec::new())
     }
 
     /// Where the sensor was at scan `scan_idx`, in a frame that rests, as far as the files say.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file that says so is damaged.
     fn world_from_sensor(&self, _scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         Ok(None)
     }
 
     /// The labels of the points of scan `scan_idx`, which is `scan`, as SemanticKITTI's format has them; `None` of other formats.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if the file that has them cannot be read or is damaged.
     fn point_labels(&self, _scan_idx: usize, _scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
         Ok(None)
     }
@@ -141,10 +125,6 @@ pub trait Dataset: Send + Sync {
     /// How results that other programs made of scan `scan_idx` name it, and the frame that they give boxes in.
     ///
     /// The scan may be read for it.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file that says so is damaged.
     fn foreign_frame(&self, _scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         Ok(ForeignFrame::Sensor)
     }
@@ -155,10 +135,6 @@ pub trait Dataset: Send + Sync {
     }
 
     /// The labels of scan `scan_idx` as its makers evaluate them; `None` where files say no more than annotations do.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file that says so is damaged.
     fn official_scan(&self, _scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
         Ok(None)
     }

@@ -183,10 +183,6 @@ const ROTATION_TOLERANCE: f64 = 1e-3;
 /// Reads a rigid transform from a text file: a matrix of 4 × 4 or 3 × 4 numbers row by row; or x y z and a quaternion x y z w; or x
 /// y z and roll, pitch and yaw in radians about fixed axes, as ROS has them. Metres; commas, brackets and what follows `#` do not
 /// matter.
-///
-/// # Errors
-///
-/// [`DatasetError`] if the file cannot be read or says no such transform.
 pub fn read_transform(path: &Path) -> Result<Isometry3<f64>, DatasetError> {
     let text =
         std::fs::read_to_string(path).map_err(|source| DatasetError::Io { path: path.to_owned(), source })?;

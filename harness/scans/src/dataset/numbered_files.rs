@@ -9,10 +9,8 @@ use super::DatasetError;
 ///
 /// Files with other extensions and hidden files are not looked at.
 ///
-/// # Errors
-///
-/// [`DatasetError::Io`] if the folder cannot be read; [`DatasetError::FileName`] for a file of this extension that is not
-/// named after a number of six digits, since its place among the others cannot be known.
+/// A file of this extension that is not named after a number of six digits is refused, since its place among the others cannot
+/// be known.
 pub fn numbered_files(folder: &Path, extension: &str) -> Result<BTreeSet<u32>, DatasetError> {
     let io_error = |source| DatasetError::Io { path: folder.to_path_buf(), source };
     let mut numbers = BTreeSet::new();

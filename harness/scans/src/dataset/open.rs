@@ -63,10 +63,6 @@ impl ReadOptions {
 /// A folder that has the name of a catalogued data set is reached as `./name`. At a path the format is detected unless
 /// `format` says what to look for; what the files do not say (the classes and the height of the sensor) is taken to be
 /// as in the benchmark of the format.
-///
-/// # Errors
-///
-/// [`DatasetError`] if there is no such data set, it is damaged or not the one of the catalogue, or two of its scans have one name.
 pub fn open_recorded<S>(
     id_or_path: &str,
     options: &ReadOptions,

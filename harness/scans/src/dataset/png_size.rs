@@ -12,10 +12,6 @@ const N_HEADER_BYTES: usize = 24;
 const HEADER_START: [u8; 16] = *b"\x89PNG\r\n\x1a\n\x00\x00\x00\x0dIHDR";
 
 /// Width and height in pixels of the image at `path`, from the first 24 bytes of the file.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::NotAPng`] if the file begins otherwise or has no pixels.
 pub fn png_size_px(path: &Path) -> Result<[u32; 2], DatasetError> {
     let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
     let file = std::fs::File::open(path).map_err(io_error)?;

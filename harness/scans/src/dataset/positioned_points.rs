@@ -33,10 +33,6 @@ impl PositionedPoints {
 
     /// The points of a file that has `N` bytes for each; `point_of` makes position, in metres, and intensity of them. `path` is named
     /// in errors.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::PartialPoint`] if bytes are left over; as [`Self::push`] and [`Self::not_empty`].
     pub fn of_rows<const N: usize>(
         path: &Path,
         bytes: &[u8],
@@ -130,10 +126,6 @@ impl PositionedPoints {
     }
 
     /// These, if there are any; `path` is named in errors.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::NoPoints`] if there are none; [`DatasetError::Damaged`] if none has a position.
     pub fn not_empty(self, path: &Path) -> Result<Self, DatasetError> {
         if !self.cloud.is_empty() {
             return Ok(self);

@@ -26,10 +26,6 @@ impl ScanSelection {
     /// The selected positions among `n_scans`, ascending, each once.
     ///
     /// A range may end beyond the last scan, so that `0..500` also does for shorter data sets.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::ScanSelection`] for a position or the start of a range that does not exist.
     pub fn positions(&self, n_scans: usize) -> Result<Vec<usize>, DatasetError> {
         let mut positions = BTreeSet::new();
         for part in &self.parts {

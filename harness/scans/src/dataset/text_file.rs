@@ -12,10 +12,6 @@ const MAX_MAGNITUDE: f64 = 1e9;
 const MAX_QUOTED_CHARS: usize = 40;
 
 /// Reads the text file at `path`.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`], or [`DatasetError::NotText`] with the first byte that is not UTF-8.
 pub fn read_text_file(path: &Path) -> Result<String, DatasetError> {
     let bytes =
         std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
@@ -41,29 +37,17 @@ pub struct TextLine<'a> {
 
 impl<'a> TextLine<'a> {
     /// The next field as it is; `name` is what the format calls it.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Line`] if the line ends before it. The same holds for all methods below.
     pub fn word(&mut self, name: &str) -> Result<&'a str, DatasetError> {
         self.fields.next().ok_or_else(|| self.error(format!("ends before its {name}")))
     }
 
     /// The next field as a whole number.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Line`] also if it is none, or out of the range of `Integer`.
     pub fn integer<Integer: FromStr>(&mut self, name: &str) -> Result<Integer, DatasetError> {
         let word = self.word(name)?;
         word.parse().map_err(|_| self.error(format!("{name} {} is not a valid whole number", quoted(word))))
     }
 
     /// The next field as a number.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Line`] also if it is none, or NaN, infinite or beyond 1e9.
     pub fn number(&mut self, name: &str) -> Result<f64, DatasetError> {
         let word = self.word(name)?;
         match word.parse::<f64>() {
@@ -74,10 +58,6 @@ impl<'a> TextLine<'a> {
     }
 
     /// The next `N` fields as numbers.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::number`].
     pub fn numbers<const N: usize>(&mut self, name: &str) -> Result<[f64; N], DatasetError> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
@@ -92,10 +72,6 @@ impl<'a> TextLine<'a> {
     }
 
     /// Makes sure that nothing is left.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Line`] with the first field that is too many.
     pub fn end(mut self) -> Result<(), DatasetError> {
         match self.fields.next() {
             None => Ok(()),

@@ -11,11 +11,6 @@ const N_BYTES_PER_POINT: usize = 16;
 /// Reads the scan at `path`.
 ///
 /// The file has no header, so that one that was cut between two points cannot be told from a shorter scan.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::NoPoints`] for an empty file; [`DatasetError::PartialPoint`] for a size that is not
-/// a multiple of 16 bytes; [`DatasetError::Damaged`] for a point that is too far off, or if none has a position.
 pub fn read_velodyne_bin(path: &Path) -> Result<PositionedPoints, DatasetError> {
     // Read, not mapped into memory: a mapped file that another program cuts off ends the process.
     let bytes =
@@ -24,10 +19,6 @@ pub fn read_velodyne_bin(path: &Path) -> Result<PositionedPoints, DatasetError> 
 }
 
 /// The scan in `bytes`; `path` is named in errors.
-///
-/// # Errors
-///
-/// As [`read_velodyne_bin`].
 pub fn parse_velodyne_bin(path: &Path, bytes: &[u8]) -> Result<PositionedPoints, DatasetError> {
     PositionedPoints::of_rows(path, bytes, |row| {
         let [x_m, y_m, z_m, intensity] = values_of(row);

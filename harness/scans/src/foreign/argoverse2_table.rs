@@ -47,10 +47,6 @@ struct CarBox {
 
 impl Argoverse2Tables {
     /// Reads the tables at `paths`; `root` is what was named.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if the data set is not Argoverse 2, a table is damaged, or classes in it are unknown.
     pub fn open(root: &Path, paths: &[&Path], of: ResultsOf<'_>) -> Result<Self, DatasetError> {
         let words = ("names scans by the logs and times of Argoverse 2", "has none");
         of.require(root, |it| matches!(it, ForeignFrame::Car { .. }), words)?;

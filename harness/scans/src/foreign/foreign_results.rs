@@ -73,11 +73,6 @@ pub struct ForeignResults {
 }
 
 /// Opens the results at `path`, a file or folder whose format is told by what is in it; `recording.mcap:/topic` names a topic, too.
-///
-/// # Errors
-///
-/// [`DatasetError::UnusableResults`] if they are of no known format or cannot belong to the data set; [`DatasetError::MissingResults`] if they
-/// lack scans that are asked for; any other if a file that is read now is damaged, or has classes that nobody knows.
 pub fn open_results(
     path: &Path,
     dataset: &dyn Dataset,
@@ -168,11 +163,6 @@ impl ForeignResults {
     }
 
     /// Reads what was found in `scan`; `None` if there is nothing for it, and that counts as nothing found.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file is damaged or belongs to another scan, has classes that nobody knows, boxes beyond all measure
-    /// (see [`ForeignDetections::check`]), or nothing for the scan where there has to be something.
     pub fn read(&mut self, scan: &LabeledScan) -> Result<Option<ForeignDetections>, DatasetError> {
         let Some(&scan_idx) = self.asked.get(&scan.id) else {
             return Err(self.lacks(&[&scan.id], 1));

@@ -37,10 +37,6 @@ pub struct KittiText {
 
 impl KittiText {
     /// Reads the files of drives, and finds those of scans.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if the data set has no camera, or a file of a drive is damaged.
     pub fn open(files: &ResultFiles, of: ResultsOf<'_>) -> Result<Self, DatasetError> {
         let words = ("has boxes in the frame of KITTI's camera", "has no calibration of such a camera");
         of.require(files.root(), |it| matches!(it, ForeignFrame::Camera { .. }), words)?;

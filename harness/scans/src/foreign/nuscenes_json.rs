@@ -46,10 +46,6 @@ pub struct NuScenesJson {
 
 impl NuScenesJson {
     /// Reads the file at `path`.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if the data set is not nuScenes, the file is damaged, or classes in it are unknown.
     pub fn open(path: &Path, of: &ResultsOf<'_>) -> Result<Self, DatasetError> {
         let words = ("names scans by the tokens of nuScenes", "has none");
         of.require(path, |it| matches!(it, ForeignFrame::World { .. }), words)?;

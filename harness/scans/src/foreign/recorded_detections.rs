@@ -81,10 +81,6 @@ impl ScanFrame {
 
 impl RecordedDetections {
     /// Opens the recording at `path`, and notes the times of all its results.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if it is damaged or cut off, has no such topic, or the data set has no times.
     pub fn open(path: &Path, topic: Option<&str>, of: &ResultsOf<'_>) -> Result<Self, DatasetError> {
         let mut index = index_mcap(path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;
         if let Some(problem) = index.cut_off.take() {

@@ -34,10 +34,6 @@ pub struct ResultFiles {
 
 impl ResultFiles {
     /// Finds the files below `root`, or the file `root` itself. Hidden ones are not looked at.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Io`] if a folder cannot be read; [`DatasetError::UnusableResults`] if there are too many.
     pub fn below(root: &Path) -> Result<Self, DatasetError> {
         let mut files = Self { root: root.to_path_buf(), paths: BTreeMap::new(), folders: BTreeSet::new() };
         if root.is_file() {

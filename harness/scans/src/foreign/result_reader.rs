@@ -15,10 +15,6 @@ pub trait ResultReader: Send {
     fn has(&self, scan_idx: usize) -> bool;
 
     /// Reads what was found in scan `scan_idx`, which is `scan`; `None` if there is nothing for it.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file is damaged or belongs to another scan, or classes in it are unknown.
     fn read(
         &mut self,
         scan_idx: usize,
@@ -46,10 +42,6 @@ pub struct ResultsOf<'a> {
 
 impl<'a> ResultsOf<'a> {
     /// Asks for the scans at `scan_indices` of `dataset`.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file that says something about their frames is damaged.
     pub fn new(
         dataset: &'a dyn Dataset,
         scan_indices: &[usize],
@@ -61,10 +53,6 @@ impl<'a> ResultsOf<'a> {
     }
 
     /// Makes sure that results which `say` something can be about this data set, one scan of which `fits`.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::UnusableResults`], with `path` and what the data set `lacks`.
     pub fn require(
         &self,
         path: &Path,

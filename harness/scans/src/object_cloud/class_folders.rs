@@ -54,10 +54,6 @@ pub fn has_class_folder(root: &Path) -> bool {
 }
 
 /// Opens the folder of objects at `root`. Objects follow each other as the names of their folders and files do.
-///
-/// # Errors
-///
-/// [`DatasetError`] if it has no folders, one of them is called after no class or has no clouds, or `objects.json` is damaged.
 pub fn open_class_folders(root: &Path) -> Result<ClassFolders, DatasetError> {
     let folders = entries(root)?.into_iter().filter(|(_, path)| path.is_dir()).collect::<Vec<_>>();
     if folders.is_empty() {

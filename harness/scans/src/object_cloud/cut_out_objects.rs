@@ -42,10 +42,6 @@ const MOVED_M: f32 = 3.0;
 ///
 /// With boxes, points lie in the frame of their box, and are registered by it. Without, they lie in the world that rests if the data set says
 /// where the sensor was, and are registered by that; otherwise in the frame of the sensor, each scan for itself.
-///
-/// # Errors
-///
-/// [`DatasetError`] if a scan or a pose cannot be read.
 pub fn cut_out_objects(
     dataset: &dyn Dataset,
     scan_idxs: &[usize],

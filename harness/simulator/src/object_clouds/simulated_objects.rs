@@ -96,10 +96,6 @@ impl ObjectPart {
 }
 
 /// The simulated objects of the set `name`, `n_per_class` of each of [`PartialClass::ALL`], class by class.
-///
-/// # Errors
-///
-/// [`DatasetError::UnknownDataset`] if `name` is none of [`OBJECT_SETS`].
 pub fn open_simulated_objects(
     name: &str,
     part: ObjectPart,

@@ -25,10 +25,6 @@ pub struct ResultFile {
 /// Results in some format: of one detector in the scans of one data set.
 pub trait ResultWriter {
     /// Takes what was found in a scan, and returns the files that are complete with it.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError::Unwritable`] if the format cannot hold it.
     fn add(
         &mut self,
         scan: &LabeledScan,
@@ -37,10 +33,6 @@ pub trait ResultWriter {
     ) -> Result<Vec<ResultFile>, ConversionError>;
 
     /// The files that are complete after the last scan.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError::Unwritable`] if the format cannot hold them.
     fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError>;
 
     /// Detections that were left out, since the format has no class for them.

@@ -80,9 +80,7 @@ pub fn is_argoverse2(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all logs that have annotations, or only those of `sequences`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if a log asked for is missing, or files are named otherwise. Nothing is looked into.
+/// Nothing is looked into.
 pub fn open_argoverse2(
     source: DatasetSource,
     sequences: Option<&BTreeSet<String>>,

@@ -41,11 +41,6 @@ impl KittiCalibration {
 ///
 /// Takes the spellings of both benchmarks: `R0_rect` or `R_rect`, `Tr_velo_to_cam` or `Tr_velo_cam`, with or without a
 /// colon. Lines about other sensors are not looked at.
-///
-/// # Errors
-///
-/// [`DatasetError::Line`] for a line that holds too few or too many numbers, something else, or what an earlier line
-/// gave; [`DatasetError::CalibrationEntry`] for a missing line; [`DatasetError::NotARotation`].
 pub fn parse_calibration(path: &Path, text: &str) -> Result<KittiCalibration, DatasetError> {
     let mut projection: Option<Matrix3x4<f64>> = None;
     let mut rectification: Option<Matrix3<f64>> = None;
@@ -90,10 +85,6 @@ fn set_once<const R: usize, const C: usize>(
 }
 
 /// Makes sure that `matrix`, the line called `entry`, is a rotation but for rounding.
-///
-/// # Errors
-///
-/// [`DatasetError::NotARotation`].
 pub fn check_rotation(path: &Path, entry: &'static str, matrix: &Matrix3<f64>) -> Result<(), DatasetError> {
     let deviation = if matrix.determinant() > 0.0 {
         (matrix * matrix.transpose() - Matrix3::identity()).abs().max()

@@ -69,10 +69,7 @@ pub fn is_kitti_object(folder: &Path) -> bool {
 
 /// Opens the split folder of `source`: all its scans, or only those numbered in `scans`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if a scan lacks its labels or calibration, labels lack their scan, or labels or calibrations are
-/// damaged. Scans are not looked into. With `scans`, files that belong to other scans are not looked at.
+/// Scans are not looked into. With `scans`, files that belong to other scans are not looked at.
 pub fn open_kitti_object(
     source: DatasetSource,
     scans: Option<&BTreeSet<u32>>,

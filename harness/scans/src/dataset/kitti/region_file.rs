@@ -24,10 +24,6 @@ pub fn region_bytes(regions: &[PointRegion]) -> Vec<u8> {
 }
 
 /// The scan called `name` with the regions that the file beside it says.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::LabelCount`] for a file of another scan; [`DatasetError::Damaged`] for other bytes.
 pub fn with_regions_of_file(
     mut scan: LabeledScan,
     dataset: &DatasetDescription,
@@ -39,10 +35,6 @@ pub fn with_regions_of_file(
 }
 
 /// The regions of the points of `scan`, of a file with one for each point of the scan's file; all is labelled where there is none.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::LabelCount`] for a file of another scan; [`DatasetError::Damaged`] for other bytes.
 fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion>, DatasetError> {
     if !path.exists() {
         return Ok(vec![PointRegion::Labeled; scan.cloud.len()]);

@@ -23,10 +23,6 @@ pub struct SplitFolder {
 
 impl SplitFolder {
     /// The folder `path`, whose scans are in `velodyne`; `labels` is the folder of the labels.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Unlabeled`] if the latter does not exist, as in KITTI's test splits.
     pub fn with_labels(path: &Path, labels: &str) -> Result<Self, DatasetError> {
         let folder = Self::unchecked(path);
         if folder.path_of(labels).is_dir() {
@@ -46,10 +42,6 @@ impl SplitFolder {
     }
 
     /// Takes the size of the scan `name` into the checksum.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Io`].
     pub fn add_scan(&mut self, name: &str) -> Result<(), DatasetError> {
         let path = self.path_of(name);
         let metadata = std::fs::metadata(&path).map_err(|source| DatasetError::Io { path, source })?;
@@ -59,9 +51,7 @@ impl SplitFolder {
 
     /// Reads the text file `name` and takes it into the checksum; `missing` is the error if it does not exist.
     ///
-    /// # Errors
-    ///
-    /// `missing`, and those of [`read_text_file`].
+    /// `missing` makes the error if there is none.
     pub fn read_text(
         &mut self,
         name: &str,
@@ -78,10 +68,6 @@ impl SplitFolder {
     }
 
     /// Reads the text file `name` and takes it into the checksum, or returns `None` if it does not exist.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`read_text_file`].
     pub fn read_text_if_present(&mut self, name: &str) -> Result<Option<String>, DatasetError> {
         if self.path_of(name).exists() {
             self.read_text(name, |path| DatasetError::MissingSelected { path }).map(Some)
@@ -94,10 +80,6 @@ impl SplitFolder {
     ///
     /// No text file of KITTI tells the size, and the images are a download of their own that scans do not need: where
     /// `image` does not exist, it is that of most drives, 1242 × 375.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`png_size_px`].
     pub fn image_size_px(&mut self, name: &str, image: &Path) -> Result<[u32; 2], DatasetError> {
         let size_px = if image.exists() { png_size_px(image)? } else { USUAL_IMAGE_SIZE_PX };
         self.checksum.add_image_size(name, size_px);

@@ -58,10 +58,7 @@ pub fn is_kitti_tracking(folder: &Path) -> bool {
 
 /// Opens the split folder of `source`: all drives that have scans, or only those of `sequences`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if files are missing, contradict each other, or labels or calibrations are damaged. Scans are not
-/// looked into.
+/// Scans are not looked into.
 pub fn open_kitti_tracking(
     source: DatasetSource,
     sequences: Option<&BTreeSet<String>>,

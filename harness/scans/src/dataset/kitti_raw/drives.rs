@@ -76,10 +76,7 @@ pub fn is_kitti_raw(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all drives, or only those of `sequences`, such as `2011_09_26_drive_0001_sync`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if files are missing, contradict each other, or labels or calibrations are damaged. Scans and poses
-/// are not looked into.
+/// Scans and poses are not looked into.
 pub fn open_kitti_raw(
     source: DatasetSource,
     sequences: Option<&BTreeSet<String>>,

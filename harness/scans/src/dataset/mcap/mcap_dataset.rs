@@ -73,10 +73,7 @@ pub fn is_mcap(path: &Path) -> bool {
 
 /// Opens the recording of `source`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if it has no clouds, several topics of them and none is chosen, or if it is cut off or damaged and damage is
-/// not to be skipped. Clouds are not looked into.
+/// Clouds are not looked into.
 pub fn open_mcap(mut source: DatasetSource, choice: &TopicChoice) -> Result<McapDataset, DatasetError> {
     let path = source.path.clone();
     let mut index = index_mcap(&path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;

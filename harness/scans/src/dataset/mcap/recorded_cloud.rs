@@ -38,10 +38,6 @@ pub struct RecordedCloud {
 
 impl RecordedCloud {
     /// The cloud in `bytes`, a message of this kind in the encoding of its channel. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If it is no such message, or its points are packed in a way that cannot be read.
     pub fn read(kind: MessageKind, encoding: &str, bytes: &[u8]) -> Result<Self, String> {
         if kind == MessageKind::RosCloud {
             let (header, packed) = point_cloud_2(bytes)?;

@@ -54,10 +54,6 @@ pub struct Detection3D {
 }
 
 /// The cloud in `message`. Errors, here and below, are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is not such a message.
 pub fn point_cloud_2(message: &[u8]) -> Result<(Header, PackedPoints<'_>), String> {
     let mut reader = CdrReader::new(message)?;
     let header = header(&mut reader)?;
@@ -88,10 +84,6 @@ fn number_type(number: u8) -> Result<NumberType, String> {
 }
 
 /// The boxes in `message`.
-///
-/// # Errors
-///
-/// If it is not such a message.
 pub fn detection_3d_array(message: &[u8]) -> Result<(Header, Vec<Detection3D>), String> {
     let mut reader = CdrReader::new(message)?;
     let header_of_all = header(&mut reader)?;
@@ -115,10 +107,6 @@ pub fn detection_3d_array(message: &[u8]) -> Result<(Header, Vec<Detection3D>), 
 }
 
 /// The transforms in `message`.
-///
-/// # Errors
-///
-/// If it is not such a message.
 pub fn tf_message(message: &[u8]) -> Result<Vec<StampedTransform>, String> {
     CdrReader::new(message)?.list(|reader| {
         let Header { stamp_ns, frame: parent } = header(reader)?;
@@ -139,10 +127,6 @@ fn pose(reader: &mut CdrReader<'_>) -> Result<Isometry3<f64>, String> {
 }
 
 /// The pose at `position_m` that is turned by the quaternion x, y, z, w; one of length 0 is no turn.
-///
-/// # Errors
-///
-/// If a number is not finite.
 pub fn isometry(position_m: [f64; 3], quaternion: [f64; 4]) -> Result<Isometry3<f64>, String> {
     if !position_m.iter().chain(&quaternion).all(|it| it.is_finite()) {
         return Err("has a pose with values that are not numbers".to_owned());

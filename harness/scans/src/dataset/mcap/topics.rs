@@ -95,10 +95,6 @@ pub struct ChosenChannels {
 }
 
 /// Chooses among the channels of `index`, that of the file at `path`.
-///
-/// # Errors
-///
-/// [`DatasetError::Topic`] if there is no such topic, or there are several and none was asked for. It lists what there is.
 pub fn choose_channels(
     path: &Path,
     index: &McapIndex,
@@ -171,10 +167,6 @@ pub struct DetectionChannels {
 }
 
 /// Chooses the objects on `topic`, or on the only topic that has some beside [`ANNOTATION_TOPIC`], or on that.
-///
-/// # Errors
-///
-/// [`DatasetError::Topic`], as [`choose_channels`].
 pub fn choose_detections(
     path: &Path,
     index: &McapIndex,

@@ -80,10 +80,7 @@ pub fn is_nuscenes(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all scenes, or only those of `sequences`, such as `scene-0061`.
 ///
-/// # Errors
-///
-/// [`DatasetError::SeveralDatasets`] if there are several versions; [`DatasetError`] if a table is missing or damaged. Scans are
-/// not looked into.
+/// Scans are not looked into.
 pub fn open_nuscenes(
     source: DatasetSource,
     sequences: Option<&BTreeSet<String>>,

@@ -103,10 +103,6 @@ struct Unplaced {
 /// any are named.
 ///
 /// Annotations whose class nobody knows are noted in `classes` and left out. Everything else, such as images and the scans between keyframes, is passed over and not kept.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`] if a table is missing; [`DatasetError::Damaged`] if one is, or names what another does not have.
 pub fn read_keyframes(
     folder: &Path,
     scenes: Option<&BTreeSet<String>>,

@@ -15,10 +15,6 @@ use crate::dataset::DatasetError;
 const N_BUFFERED: usize = 1 << 18;
 
 /// Hands every record of the table at `path` to `take`, in order; what `take` refuses is the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::Damaged`] if it is not such a table, with line and column.
 pub fn read_table<Record: DeserializeOwned>(
     path: &Path,
     take: impl FnMut(Record) -> Result<(), String>,

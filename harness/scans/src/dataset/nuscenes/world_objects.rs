@@ -111,10 +111,6 @@ pub type ObjectsBySample = BTreeMap<String, Vec<WorldObject>>;
 /// The annotations of each of `samples`, which come with their times in microseconds, and the other samples that have any.
 ///
 /// Annotations whose class nobody knows are noted in `classes`.
-///
-/// # Errors
-///
-/// [`DatasetError`] if a table is missing or damaged, or names what another does not have.
 pub fn read_objects(
     table: &impl Fn(&str) -> PathBuf,
     samples: &BTreeMap<&str, Option<u64>>,

@@ -12,10 +12,6 @@ use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::velodyne_bin::parse_velodyne_bin;
 
 /// Reads the scan at `path`.
-///
-/// # Errors
-///
-/// [`DatasetError`] if it cannot be read, is damaged or holds no points with a position.
 pub fn read_scan_file(path: &Path) -> Result<ScanPoints, DatasetError> {
     // Read, not mapped into memory: a mapped file that another program cuts off ends the process.
     let bytes =
@@ -34,10 +30,6 @@ pub fn read_scan_file(path: &Path) -> Result<ScanPoints, DatasetError> {
 }
 
 /// [`ScanPoints::origin_m`] of the scan at `path`, for readers that want no points.
-///
-/// # Errors
-///
-/// [`DatasetError`] if it cannot be read or is damaged.
 pub fn scan_origin_m(path: &Path) -> Result<[f64; 3], DatasetError> {
     if !matches!(scan_extension(path), Some("las" | "laz")) {
         return Ok([0.0; 3]);

@@ -58,10 +58,6 @@ fn scans_below(folder: &Path) -> Option<PathBuf> {
 }
 
 /// Opens the folder of `source`. Scans are numbered in the order of their names.
-///
-/// # Errors
-///
-/// [`DatasetError`] if a scan lacks its labels, two have one name and so one file of labels, or labels are not text.
 pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetError> {
     let folder = source.path.clone();
     let io_error = |source| DatasetError::Io { path: folder.clone(), source };

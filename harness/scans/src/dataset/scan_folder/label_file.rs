@@ -39,10 +39,6 @@ pub enum LabelFile {
 
 impl LabelFile {
     /// Finds the labels of `scan` in the folder `labels`, if there are any; a calibration lies beside that folder.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::ScanWithoutCalibration`] for labels in a camera's frame.
     pub fn find(labels: &Path, scan: &Path) -> Result<Option<Self>, DatasetError> {
         let named = |extension| labels.join(scan.file_name().unwrap_or_default()).with_extension(extension);
         let json = named("json");
@@ -83,10 +79,6 @@ impl LabelFile {
 
     /// The boxes in the texts of [`Self::files`] as annotations without points, as seen from `origin_m`. Those whose class nobody knows are noted in
     /// `classes` and left out.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Damaged`] or [`DatasetError::Line`] if they are not such boxes.
     pub fn parse(
         &self,
         texts: &[String],

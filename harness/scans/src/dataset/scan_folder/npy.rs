@@ -7,10 +7,6 @@ use crate::dataset::positioned_points::PositionedPoints;
 const MAX_COLUMNS: usize = 1024;
 
 /// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is not an array of at least three columns of `f4` or `f8`, or is cut off.
 pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let not_npy = "is not an .npy file, or is cut off within its header";
     let (&[major, _], rest) =

@@ -21,10 +21,6 @@ struct Header<'a> {
 /// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
 ///
 /// The pose of the sensor (`VIEWPOINT`) is not looked at: points are taken to be in its frame.
-///
-/// # Errors
-///
-/// If the header is not one, or there are fewer points than it says.
 pub fn parse_pcd(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let (header, data) = parse_header(bytes)?;
     match header.encoding {

@@ -7,10 +7,6 @@ use crate::dataset::positioned_points::PositionedPoints;
 const MAX_PROPERTIES: usize = 256;
 
 /// The vertices in `bytes` as points in metres. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If the header is not one, vertices do not come first, have lists, or are fewer than it says.
 pub fn parse_ply(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let mut rest = bytes.strip_prefix(b"ply").ok_or("is not a PLY file")?;
     let (mut format, mut n_points) = (None, None);

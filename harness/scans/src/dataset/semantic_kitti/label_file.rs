@@ -7,10 +7,6 @@ use crate::dataset::DatasetError;
 use crate::dataset::positioned_points::values_of_kept;
 
 /// The labels in the file at `path`, one for each point of `scan`; the file has them of all points of the scan's file.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`] if it cannot be read, else as [`parse_label_file`].
 pub fn read_labels_of_kept(path: &Path, scan: &LabeledScan) -> Result<Vec<u32>, DatasetError> {
     let bytes =
         std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
@@ -19,11 +15,6 @@ pub fn read_labels_of_kept(path: &Path, scan: &LabeledScan) -> Result<Vec<u32>, 
 }
 
 /// The labels in `bytes`, one for each of `n_points`; `path` is named in errors.
-///
-/// # Errors
-///
-/// [`DatasetError::PartialPoint`] for a file that ends within a label; [`DatasetError::LabelCount`] if there are more or fewer
-/// labels than points.
 pub fn parse_label_file(path: &Path, bytes: &[u8], n_points: usize) -> Result<Vec<u32>, DatasetError> {
     let (labels, rest) = bytes.as_chunks::<4>();
     if !rest.is_empty() {

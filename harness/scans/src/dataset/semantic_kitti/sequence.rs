@@ -55,9 +55,7 @@ pub fn is_semantic_kitti(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all drives that have labels, or only those of `sequences`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if files are missing, contradict each other, or are damaged. Scans and labels are not looked into.
+/// Scans and labels are not looked into.
 pub fn open_semantic_kitti(
     source: DatasetSource,
     sequences: Option<&BTreeSet<String>>,

@@ -20,10 +20,6 @@ const MAX_MAGNITUDE: f32 = 1e4;
 type Values = BTreeMap<&'static str, f32>;
 
 /// The lasers in `text` by their numbers, from 0. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is neither kind of file, or lasers are missing or twice there.
 pub fn parse_calibration_file(text: &str) -> Result<Vec<Laser>, String> {
     let listed = if text.trim_start().starts_with('<') { parse_xml(text)? } else { parse_yaml(text)? };
     let mut lasers = BTreeMap::new();

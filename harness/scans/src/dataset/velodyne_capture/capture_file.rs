@@ -43,10 +43,6 @@ pub fn is_capture(path: &Path) -> bool {
 /// file. `take` is shown each and may refuse the file; its errors are the rest of a sentence about it.
 ///
 /// Returns the rest of a sentence about the end of the file if it is cut off.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::Damaged`] if it is no capture, or breaks off in a record that cannot be.
 pub fn walk_payloads(
     path: &Path,
     port: u16,

@@ -73,10 +73,6 @@ pub fn is_velodyne_capture(path: &Path) -> bool {
 ///
 /// What is not a whole revolution at its beginning or end is left out, unless there is nothing else. If damage is to be
 /// skipped, so are packets that are none, and the end of a capture that is cut off is left out.
-///
-/// # Errors
-///
-/// [`DatasetError`] if it is damaged, holds no data packets of a known sensor, or lacks the calibration that the sensor needs.
 pub fn open_velodyne_capture(source: DatasetSource) -> Result<VelodyneCapture, DatasetError> {
     let path = source.path.clone();
     let mut finder = RevolutionFinder::default();
