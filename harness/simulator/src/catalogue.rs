@@ -60,7 +60,6 @@ impl SimulatedEntry for StreetDrive {
 mod tests {
     use super::*;
     use scans::dataset::AnnotatedClasses;
-    use scans::dataset::catalogue::CataloguedParts;
     use scans::dataset::kitti::label::KITTI_CLASSES;
 
     fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError> {
@@ -95,9 +94,7 @@ mod tests {
         let recorded = built_in_catalogue().unwrap().recorded;
         let list = recorded["kitti-object-val"].scan_list.clone();
         assert_eq!(list, Some("ImageSets/val.txt".into()));
-        let CataloguedParts::NuScenes { sequences: Some(scenes) } = &recorded["nuscenes-val"].parts else {
-            panic!("all scenes");
-        };
+        let scenes = recorded["nuscenes-val"].parts.sequences.as_ref().expect("not all scenes");
         assert_eq!((scenes.len(), scenes.contains("scene-0003")), (150, true));
         for (split, whole) in [
             ("kitti-object-val", "kitti-object"),

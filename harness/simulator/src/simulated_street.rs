@@ -191,8 +191,10 @@ pub fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
     }
     let path = Path::new(id_or_path);
     if !path.exists() {
-        let known = EMBEDDED_SENSORS.map(|(id, _)| id.to_owned()).to_vec();
-        return Err(DatasetError::UnknownSensor { name: id_or_path.to_owned(), known });
+        let known = EMBEDDED_SENSORS.map(|(id, _)| id).join(", ");
+        return Err(DatasetError::Usage(format!(
+            "there is no sensor {id_or_path:?}: it is neither one of {known} nor a file"
+        )));
     }
     let described = SensorModel::from_toml(&read_text_file(path)?);
     described.map_err(|error| DatasetError::Sensor { path: path.to_owned(), source: error.into() })

@@ -193,11 +193,8 @@ impl UnknownClasses {
         if self.is_empty() {
             return Ok(());
         }
-        Err(DatasetError::UnknownClasses {
-            id: id.to_owned(),
-            n_names: self.by_name.len(),
-            listing: self.listing(),
-        })
+        let (n_names, listing) = (self.by_name.len(), self.listing());
+        Err(DatasetError::Usage(format!("the labels of {id:?} have {n_names} unknown classes:\n{listing}")))
     }
 
     fn listing(&self) -> String {

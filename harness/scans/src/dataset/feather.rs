@@ -10,6 +10,7 @@ use arrow_ipc::{CompressionType, Field, Footer, Precision, RecordBatch, Type};
 use half::f16;
 
 use super::DatasetError;
+use super::on_disk::bytes_of;
 
 const MAGIC: &[u8; 6] = b"ARROW1";
 
@@ -45,10 +46,7 @@ impl FeatherTable {
 
     /// Reads the columns called `names`, and those of `optional` that there are.
     pub fn read_some(path: &Path, names: &[&str], optional: &[&str]) -> Result<Self, DatasetError> {
-        let bytes =
-            std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-        Self::parse(&bytes, names, optional)
-            .map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })
+        Self::parse(&bytes_of(path)?, names, optional).map_err(|problem| DatasetError::damaged(path, problem))
     }
 
     /// The columns called `names` in `bytes`, and those of `optional` that there are. Errors are the rest of a sentence about the file.

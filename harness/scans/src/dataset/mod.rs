@@ -14,8 +14,9 @@ use self::unpaired_files::few_of;
 use crate::annotation::{LabeledScan, ScanId};
 
 pub mod shown_name;
-pub mod unpaired_files;
 pub mod error;
+pub mod on_disk;
+pub mod unpaired_files;
 
 // What several formats have in common.
 pub mod text_file;
@@ -27,6 +28,7 @@ pub mod feather;
 pub mod png_size;
 pub mod points_of_boxes;
 pub mod upright_box;
+pub mod pose;
 pub mod checksum;
 pub mod class_name;
 pub mod class_table;
@@ -49,6 +51,7 @@ pub mod nuscenes;
 pub mod velodyne_capture;
 pub mod scan_folder;
 pub mod mounting;
+pub mod formats;
 
 // From what the user names to an open data set, and to the scans of it that are run.
 pub mod detect_format;

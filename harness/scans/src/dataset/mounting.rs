@@ -1,6 +1,6 @@
 //! How a sensor is mounted, where the files do not say so or are wrong about it.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use detector::OrientedBox;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -8,6 +8,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vect
 use super::foreign_frame::ForeignFrame;
 use super::kitti::label::KittiLabel;
 use super::official::OfficialScan;
+use super::shown_name::shown;
 use super::upright_box::{pose_of_box, upright_box};
 use super::{Dataset, DatasetDescription, DatasetError, Listing, Nearness};
 use crate::annotation::{LabeledArea, LabeledScan, ScanId};
@@ -184,14 +185,12 @@ const ROTATION_TOLERANCE: f64 = 1e-3;
 /// y z and roll, pitch and yaw in radians about fixed axes, as ROS has them. Metres; commas, brackets and what follows `#` do not
 /// matter.
 pub fn read_transform(path: &Path) -> Result<Isometry3<f64>, DatasetError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|source| DatasetError::Io { path: path.to_owned(), source })?;
-    let numbers = numbers_of(&text).map_err(|problem| damaged(path, problem))?;
-    transform_of(&numbers).map_err(|problem| damaged(path, problem))
+    let text = std::fs::read_to_string(path).map_err(DatasetError::io(path))?;
+    numbers_of(&text).and_then(|numbers| transform_of(&numbers)).map_err(|problem| refused(path, &problem))
 }
 
-fn damaged(path: &Path, problem: String) -> DatasetError {
-    DatasetError::Transform { path: PathBuf::from(path), problem }
+fn refused(path: &Path, problem: &str) -> DatasetError {
+    DatasetError::Usage(format!("{path:?} {}", shown(problem)))
 }
 
 fn numbers_of(text: &str) -> Result<Vec<f64>, String> {

@@ -40,14 +40,13 @@ impl PositionedPoints {
     ) -> Result<Self, DatasetError> {
         let (rows, rest) = bytes.as_chunks::<N>();
         if !rest.is_empty() {
-            let (path, n_bytes) = (path.to_path_buf(), bytes.len());
-            return Err(DatasetError::PartialPoint { path, n_bytes, n_bytes_per_point: N });
+            return Err(DatasetError::partial_point(path, bytes.len(), N));
         }
         let mut points = Self::with_capacity(rows.len());
         for row in rows {
             let (position_m, intensity) = point_of(row);
             let taken = points.push(position_m.map(f64::from), intensity);
-            taken.map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
+            taken.map_err(|problem| DatasetError::damaged(path, problem))?;
         }
         points.not_empty(path)
     }
@@ -130,14 +129,10 @@ impl PositionedPoints {
         if !self.cloud.is_empty() {
             return Ok(self);
         }
-        let path = path.to_path_buf();
-        match self.left_out.len() {
-            0 => Err(DatasetError::NoPoints { path }),
-            n => Err(DatasetError::Damaged {
-                path,
-                problem: format!("has {n} points, but none with a position"),
-            }),
-        }
+        Err(match self.left_out.len() {
+            0 => DatasetError::damaged(path, "has no points"),
+            n => DatasetError::damaged(path, format!("has {n} points, but none with a position")),
+        })
     }
 }
 

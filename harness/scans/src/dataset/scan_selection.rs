@@ -34,10 +34,8 @@ impl ScanSelection {
                 Part::Range { start, end, step } => (start, end, step),
             };
             if start >= n_scans {
-                return Err(DatasetError::ScanSelection {
-                    selection: self.written.clone(),
-                    problem: format!("there is no scan {start}: the data set has {n_scans}, counted from 0"),
-                });
+                let problem = format!("there is no scan {start}: the data set has {n_scans}, counted from 0");
+                return Err(refused(&self.written, &problem));
             }
             positions.extend((start..end.min(n_scans)).step_by(step));
         }
@@ -49,11 +47,14 @@ impl FromStr for ScanSelection {
     type Err = DatasetError;
 
     fn from_str(text: &str) -> Result<Self, DatasetError> {
-        let error = |problem| DatasetError::ScanSelection { selection: text.to_owned(), problem };
         let parts = text.split(',').map(|part| parse_part(part.trim()));
-        let parts = parts.collect::<Result<_, String>>().map_err(error)?;
+        let parts = parts.collect::<Result<_, String>>().map_err(|problem| refused(text, &problem))?;
         Ok(Self { written: text.to_owned(), parts })
     }
+}
+
+fn refused(selection: &str, problem: &str) -> DatasetError {
+    DatasetError::Usage(format!("scan selection {selection:?}: {problem}"))
 }
 
 fn parse_part(part: &str) -> Result<Part, String> {

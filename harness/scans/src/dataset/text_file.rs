@@ -4,6 +4,7 @@ use std::path::Path;
 use std::str::{FromStr, SplitWhitespace};
 
 use super::DatasetError;
+use super::on_disk::bytes_of;
 
 /// Larger numbers than this are mistakes, whatever the unit; below it, no product of a few of them overflows.
 const MAX_MAGNITUDE: f64 = 1e9;
@@ -13,11 +14,9 @@ const MAX_QUOTED_CHARS: usize = 40;
 
 /// Reads the text file at `path`.
 pub fn read_text_file(path: &Path) -> Result<String, DatasetError> {
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-    String::from_utf8(bytes).map_err(|error| DatasetError::NotText {
-        path: path.to_path_buf(),
-        byte_offset: error.utf8_error().valid_up_to(),
+    String::from_utf8(bytes_of(path)?).map_err(|error| {
+        let byte_offset = error.utf8_error().valid_up_to();
+        DatasetError::damaged(path, format!("is not text: invalid UTF-8 at byte {byte_offset}"))
     })
 }
 
@@ -141,6 +140,6 @@ mod tests {
         let path = folder.path().join("a.txt");
         std::fs::write(&path, b"P2: \xff").unwrap();
         let error = read_text_file(&path).expect_err("not UTF-8");
-        assert!(matches!(error, DatasetError::NotText { byte_offset: 4, .. }), "{error}");
+        assert!(error.to_string().ends_with("is not text: invalid UTF-8 at byte 4"), "{error}");
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::DatasetError;
+use super::on_disk::bytes_of;
 use super::positioned_points::PositionedPoints;
 
 /// Four values of four bytes.
@@ -12,10 +13,7 @@ const N_BYTES_PER_POINT: usize = 16;
 ///
 /// The file has no header, so that one that was cut between two points cannot be told from a shorter scan.
 pub fn read_velodyne_bin(path: &Path) -> Result<PositionedPoints, DatasetError> {
-    // Read, not mapped into memory: a mapped file that another program cuts off ends the process.
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-    parse_velodyne_bin(path, &bytes)
+    parse_velodyne_bin(path, &bytes_of(path)?)
 }
 
 /// The scan in `bytes`; `path` is named in errors.

@@ -19,7 +19,7 @@ use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassRules, ClassTable};
 use crate::dataset::folder_name::folder_name;
-use crate::dataset::numbered_files::is_hidden;
+use crate::dataset::on_disk::{bytes_of, entries_of};
 use crate::dataset::{Dataset, DatasetError};
 
 /// So many names are listed in messages.
@@ -100,9 +100,8 @@ pub fn open_results(
 /// The folders directly in `path` that have what is asked for, as `--detections-out` writes them: one for each detector, and in it one
 /// for each data set.
 fn folders_with_results(path: &Path, dataset: &dyn Dataset, request: &ResultRequest<'_>) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(path).into_iter().flatten().flatten().map(|it| it.path());
-    let mut folders: Vec<PathBuf> = entries.filter(|it| it.is_dir() && !is_hidden(it)).collect();
-    folders.sort();
+    let mut folders = entries_of(path).unwrap_or_default();
+    folders.retain(|it| it.is_dir());
     folders.truncate(MAX_LOOKED_INTO);
     let request = ResultRequest { missing: MissingResults::Refuse, ..*request };
     let of_dataset = folder_name(&dataset.description().id);
@@ -267,13 +266,12 @@ fn checksum_of(
     };
     let mut checksum = DatasetChecksum::default();
     for path in paths {
-        let io_error = |source| DatasetError::Io { path: path.clone(), source };
         // Empty for a file that was named itself.
         let name = path.strip_prefix(files.root()).unwrap_or(&path).to_string_lossy().into_owned();
         if format == ResultFormat::Recording {
-            checksum.add_scan(&name, std::fs::metadata(&path).map_err(io_error)?.len());
+            checksum.add_file(&name, &path)?;
         } else {
-            checksum.add_text(&name, std::fs::read(&path).map_err(io_error)?);
+            checksum.add_text(&name, bytes_of(&path)?);
         }
     }
     Ok(checksum.finish())

@@ -24,8 +24,8 @@ use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::foreign_frame::ForeignFrame;
-use crate::dataset::nuscenes::pose::pose;
 use crate::dataset::official::OfficialObject;
+use crate::dataset::pose::pose;
 use crate::dataset::upright_box::upright_box;
 
 /// The names of the detection task that are not those of the labels.
@@ -66,8 +66,7 @@ impl NuScenesJson {
             found: BTreeMap::new(),
             left_over: Vec::new(),
         };
-        let file =
-            File::open(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+        let file = File::open(path).map_err(DatasetError::io(path))?;
         let mut deserializer = serde_json::Deserializer::from_reader(BufReader::new(file));
         let read = deserializer.deserialize_map(&mut submission).and_then(|()| deserializer.end());
         let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };

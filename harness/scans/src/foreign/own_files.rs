@@ -22,6 +22,7 @@ use super::result_reader::{ResultReader, ResultsOf};
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, ClassRules, Vocabulary};
+use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::values_of_kept;
 use crate::dataset::semantic_kitti::label_file::parse_label_file;
 
@@ -102,8 +103,7 @@ enum Part {
 }
 
 fn read_file(path: &Path, n_in_file: usize, rules: &ClassRules) -> Result<Part, DatasetError> {
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let bytes = bytes_of(path)?;
     let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
     if path.extension().is_some_and(|it| it == "u32") {
         let clusters = parse_label_file(path, &bytes, n_in_file)?;
@@ -115,8 +115,7 @@ fn read_file(path: &Path, n_in_file: usize, rules: &ClassRules) -> Result<Part, 
     classes.unknown().refuse(&path.display().to_string())?;
     match &part {
         Part::Clusters(clusters) if clusters.len() != n_in_file => {
-            let (path, n_labels) = (path.to_path_buf(), clusters.len());
-            Err(DatasetError::LabelCount { path, n_labels, n_points: n_in_file })
+            Err(DatasetError::label_count(path, clusters.len(), n_in_file))
         }
         _ => Ok(part),
     }

@@ -101,10 +101,7 @@ pub fn open_simulated_objects(
     part: ObjectPart,
     n_per_class: u32,
 ) -> Result<SimulatedObjects, DatasetError> {
-    let unknown = || DatasetError::UnknownDataset {
-        name: name.to_owned(),
-        known: OBJECT_SETS.map(str::to_owned).to_vec(),
-    };
+    let unknown = || DatasetError::unknown_dataset(name, &OBJECT_SETS.map(str::to_owned));
     let viewing = match name.strip_prefix("objects-").ok_or_else(unknown)? {
         "around" => Viewing::Around(survey_scanner()),
         "air" => Viewing::FromTheAir,

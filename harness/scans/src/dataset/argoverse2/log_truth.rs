@@ -10,8 +10,8 @@ use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;
-use crate::dataset::mcap::ros_messages::isometry;
 use crate::dataset::official::OfficialObject;
+use crate::dataset::pose::isometry;
 use crate::dataset::upright_box::upright_box;
 
 /// The file of the annotations of a log.

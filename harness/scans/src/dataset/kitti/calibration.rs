@@ -53,7 +53,7 @@ pub fn parse_calibration(path: &Path, text: &str) -> Result<KittiCalibration, Da
             _ => Ok(()),
         }?;
     }
-    let missing = |expected| DatasetError::CalibrationEntry { path: path.to_path_buf(), expected };
+    let missing = |expected| DatasetError::calibration_entry(path, expected);
     let projection = projection.ok_or_else(|| missing(PROJECTION))?;
     let rectification = rectification.ok_or_else(|| missing(RECTIFICATION))?;
     let camera_from_velodyne = camera_from_velodyne.ok_or_else(|| missing(VELODYNE_TO_CAMERA))?;
@@ -94,12 +94,10 @@ pub fn check_rotation(path: &Path, entry: &'static str, matrix: &Matrix3<f64>) -
     if deviation <= MAX_ROTATION_DEVIATION {
         return Ok(());
     }
-    Err(DatasetError::NotARotation {
-        path: path.to_path_buf(),
-        entry,
-        deviation,
-        allowed: MAX_ROTATION_DEVIATION,
-    })
+    Err(DatasetError::Unsound(format!(
+        "{path:?}: {entry} is not a rotation: its columns differ from right angles and unit length by {deviation}, more than \
+         {MAX_ROTATION_DEVIATION}"
+    )))
 }
 
 /// `transform` with the last row that makes it chainable.
@@ -189,10 +187,8 @@ Tr_imu_to_velo: none of our business
              more than 0.001",
         );
         let reflected = FORWARD_CAMERA.replace("0 0 -1 0 1 0 0 0\n", "0 0 1 0 1 0 0 0\n");
-        assert!(matches!(
-            parse(&reflected),
-            Err(DatasetError::NotARotation { deviation: f64::INFINITY, .. })
-        ));
+        let message = parse(&reflected).expect_err("a mirror").to_string();
+        assert!(message.ends_with("unit length by inf, more than 0.001"), "{message}");
     }
 
     proptest! {

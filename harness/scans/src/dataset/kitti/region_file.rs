@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use crate::annotation::{LabeledScan, PointRegion};
+use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::values_of_kept;
 use crate::dataset::{DatasetDescription, DatasetError};
 
@@ -39,11 +40,10 @@ fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion
     if !path.exists() {
         return Ok(vec![PointRegion::Labeled; scan.cloud.len()]);
     }
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let bytes = bytes_of(path)?;
     let n_points = scan.cloud.len() + scan.points_left_out.len();
     if bytes.len() != n_points {
-        return Err(DatasetError::LabelCount { path: path.to_path_buf(), n_labels: bytes.len(), n_points });
+        return Err(DatasetError::label_count(path, bytes.len(), n_points));
     }
     let region = |byte: &u8| match byte {
         0 => Ok(PointRegion::Labeled),
@@ -51,7 +51,7 @@ fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion
         2 => Ok(PointRegion::Outside),
         other => {
             let problem = format!("has the byte {other}; allowed are 0, 1 and 2");
-            Err(DatasetError::Damaged { path: path.to_path_buf(), problem })
+            Err(DatasetError::damaged(path, problem))
         }
     };
     let regions: Vec<PointRegion> = bytes.iter().map(region).collect::<Result<_, _>>()?;
@@ -80,7 +80,7 @@ mod tests {
         let regions = [PointRegion::Outside, PointRegion::Labeled, PointRegion::Unscorable];
         std::fs::write(&path, region_bytes(&regions)).unwrap();
         assert_eq!(read_point_regions(&path, &scan(2)).unwrap(), [regions[0], regions[2]]);
-        assert!(matches!(read_point_regions(&path, &scan(3)), Err(DatasetError::LabelCount { .. })));
+        assert!(matches!(read_point_regions(&path, &scan(3)), Err(DatasetError::Damaged { .. })));
         std::fs::write(&path, [0, 3]).unwrap();
         assert!(matches!(read_point_regions(&path, &scan(1)), Err(DatasetError::Damaged { .. })));
     }

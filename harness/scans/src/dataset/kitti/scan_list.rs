@@ -18,7 +18,7 @@ pub fn read_scan_list(path: &Path) -> Result<BTreeSet<u32>, DatasetError> {
         }
     }
     if numbers.is_empty() {
-        return Err(DatasetError::NoScans { path: path.to_path_buf() });
+        return Err(DatasetError::no_scans(path));
     }
     Ok(numbers)
 }

@@ -87,7 +87,7 @@ impl<'a> Entries<'a> {
 
     fn numbers<const N: usize>(&self, name: &'static str) -> Result<[f64; N], DatasetError> {
         let found = self.numbers.get(name).and_then(|it| it.as_slice().try_into().ok());
-        found.ok_or_else(|| DatasetError::CalibrationEntry { path: self.path.to_path_buf(), expected: name })
+        found.ok_or_else(|| DatasetError::calibration_entry(self.path, name))
     }
 }
 

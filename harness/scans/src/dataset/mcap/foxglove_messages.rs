@@ -10,8 +10,9 @@ use nalgebra::Isometry3;
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::ros_messages::{StampedTransform, isometry};
+use super::ros_messages::StampedTransform;
 use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
+use crate::dataset::pose::isometry;
 
 /// `foxglove.PointCloud`.
 pub const POINT_CLOUD: &str = "foxglove.PointCloud";

@@ -97,7 +97,7 @@ pub fn index_mcap(
     name: &str,
     matters: impl Fn(&ChannelInfo) -> bool,
 ) -> Result<McapIndex, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
+    let io_error = DatasetError::io(path);
     let mut file = File::open(path).map_err(io_error)?;
     let n_file_bytes = file.metadata().map_err(io_error)?.len();
     let mut magic = [0; 8];

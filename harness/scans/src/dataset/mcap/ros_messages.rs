@@ -1,9 +1,10 @@
 //! The messages of ROS 2 that are read.
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::Isometry3;
 
 use super::cdr::CdrReader;
 use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
+use crate::dataset::pose::isometry;
 
 /// `sensor_msgs/msg/PointCloud2`.
 pub const POINT_CLOUD_2: &str = "sensor_msgs/msg/PointCloud2";
@@ -124,14 +125,4 @@ fn header(reader: &mut CdrReader<'_>) -> Result<Header, String> {
 fn pose(reader: &mut CdrReader<'_>) -> Result<Isometry3<f64>, String> {
     let ([x, y, z], [i, j, k, w]) = (reader.f64s()?, reader.f64s()?);
     isometry([x, y, z], [i, j, k, w])
-}
-
-/// The pose at `position_m` that is turned by the quaternion x, y, z, w; one of length 0 is no turn.
-pub fn isometry(position_m: [f64; 3], quaternion: [f64; 4]) -> Result<Isometry3<f64>, String> {
-    if !position_m.iter().chain(&quaternion).all(|it| it.is_finite()) {
-        return Err("has a pose with values that are not numbers".to_owned());
-    }
-    let [i, j, k, w] = quaternion;
-    let rotation = UnitQuaternion::try_new(Quaternion::new(w, i, j, k), 1e-9).unwrap_or_default();
-    Ok(Isometry3::from_parts(Translation3::from(Vector3::from(position_m)), rotation))
 }

@@ -6,11 +6,11 @@ use std::path::{Component, Path, PathBuf};
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use super::pose::pose;
 use super::table::read_table;
 use super::world_objects::{WorldObject, read_objects};
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
+use crate::dataset::pose::pose;
 
 /// The lidar on the roof.
 const LIDAR: &str = "LIDAR_TOP";

@@ -19,7 +19,7 @@ pub fn read_table<Record: DeserializeOwned>(
     path: &Path,
     take: impl FnMut(Record) -> Result<(), String>,
 ) -> Result<(), DatasetError> {
-    let file = File::open(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let file = File::open(path).map_err(DatasetError::io(path))?;
     let mut deserializer = serde_json::Deserializer::from_reader(BufReader::with_capacity(N_BUFFERED, file));
     let read = deserializer.deserialize_seq(RecordVisitor { take, record: PhantomData });
     read.and_then(|()| deserializer.end()).map_err(|error| DatasetError::Damaged {

@@ -8,13 +8,13 @@ use nalgebra::Isometry3;
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use serde::Deserialize;
 
-use super::pose::pose;
 use super::table::read_table;
 use super::velocities::{Sighting, add_velocities};
 use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::official::OfficialObject;
+use crate::dataset::pose::pose;
 use crate::dataset::upright_box::upright_box;
 
 /// An annotation, before it is brought into the frame of the sensor.

@@ -57,7 +57,7 @@ impl LabelFile {
             Ok(Some(Self::Kitti { labels: text, calibration: of_all }))
         } else {
             let scan = scan.to_path_buf();
-            Err(DatasetError::ScanWithoutCalibration { scan, calibration: of_scan })
+            Err(DatasetError::without_calibration(&scan, &of_scan))
         }
     }
 

@@ -45,7 +45,7 @@ pub fn parse_camera_from_sensor(path: &Path, text: &str) -> Result<Isometry3<f64
                 .ok_or_else(|| line.error("a pose whose matrix is not a rotation".to_owned()));
         }
     }
-    Err(DatasetError::CalibrationEntry { path: path.to_path_buf(), expected: "Tr" })
+    Err(DatasetError::calibration_entry(path, "Tr"))
 }
 
 fn isometry_of(rows: &[f64; 12]) -> Option<Isometry3<f64>> {

@@ -49,7 +49,7 @@ pub fn walk_payloads(
     length: usize,
     mut take: impl FnMut(Payload, &[u8]) -> Result<(), String>,
 ) -> Result<Option<String>, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
+    let io_error = DatasetError::io(path);
     let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
     let file = std::fs::File::open(path).map_err(io_error)?;
     let mut reader = create_reader(BUFFER_BYTES, file)
