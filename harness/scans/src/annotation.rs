@@ -56,6 +56,18 @@ pub struct Annotation {
 }
 
 impl Annotation {
+    /// One of `class`, of which no more is known.
+    pub fn of(class: AnnotationClass) -> Self {
+        Self {
+            class,
+            bounding_box: None,
+            point_indices: Vec::new(),
+            track: None,
+            occlusion: None,
+            truncation: None,
+        }
+    }
+
     /// What it is called on screens, such as `car 7`.
     pub fn label(&self) -> String {
         match self.track {
@@ -100,6 +112,18 @@ pub enum PointRegion {
     Outside,
 }
 
+impl PointRegion {
+    /// The number that stands for it in files of scanbench's own.
+    pub fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// The region of such a number, if there is one.
+    pub fn of_number(number: u8) -> Option<Self> {
+        [Self::Labeled, Self::Unscorable, Self::Outside].get(usize::from(number)).copied()
+    }
+}
+
 /// The part of the ground plan in which objects were labelled, as a data set tells it. Said of places, not of points: heights
 /// do not matter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,14 +165,7 @@ mod tests {
             [f32::NAN, 0.0, 0.0],
             [90.0, 90.0, 90.0],
         ]);
-        let unboxed = Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: vec![0, 1, 2],
-            track: None,
-            occlusion: None,
-            truncation: None,
-        };
+        let unboxed = Annotation { point_indices: vec![0, 1, 2], ..Annotation::of(AnnotationClass::Car) };
         assert_eq!(unboxed.center_m(&cloud), Some([2.0, 1.0, 0.5]));
         let nowhere = Annotation { point_indices: vec![2], ..unboxed.clone() };
         assert_eq!(nowhere.center_m(&cloud), None);

@@ -27,7 +27,7 @@ use crate::dataset::mcap::foxglove_messages::{
 };
 use crate::dataset::mcap::foxglove_scene::SceneUpdate;
 use crate::dataset::mcap::mcap_dataset::own_metadata;
-use crate::dataset::mcap::recorded_cloud::{number_of_region, own_fields};
+use crate::dataset::mcap::recorded_cloud::own_fields;
 use crate::dataset::mcap::topics::ANNOTATION_TOPIC;
 use crate::dataset::packed_points::{NumberType, RING, TIME_OFFSET};
 use crate::dataset::points_of_boxes::points_of_boxes;
@@ -219,7 +219,7 @@ fn cloud_of(scan: &LabeledScan, time_ns: u64) -> PointCloud {
         .point_regions
         .iter()
         .any(|it| *it != PointRegion::Labeled)
-        .then(|| scan.point_regions.iter().map(|it| number_of_region(*it)).collect::<Vec<u8>>());
+        .then(|| scan.point_regions.iter().map(|it| it.number()).collect::<Vec<u8>>());
     let mut fields = Vec::new();
     let mut point_stride = 0;
     let mut add_field = |name: &str, number: NumberType| {

@@ -116,14 +116,7 @@ fn listed(proposal: &Proposal, track: Option<u32>) -> ListedBox {
 fn kitti_labels(proposals: &[Proposal]) -> String {
     let mut labels = String::new();
     for Proposal { bounding_box, score } in proposals {
-        let annotation = Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: Vec::new(),
-            track: None,
-            occlusion: None,
-            truncation: None,
-        };
+        let annotation = Annotation::of(AnnotationClass::Car);
         let line = label_line(&annotation, bounding_box, "-1");
         let score = score.map(|it| format!(" {it}")).unwrap_or_default();
         writeln!(labels, "{line}{score}").expect("a string takes all that is written");

@@ -145,14 +145,8 @@ mod tests {
         let mut cloud = PointCloud::default();
         cloud.push([1.0, 2.0, 3.0], 0.5);
         cloud.push([4.0, 5.0, 6.0], 0.25);
-        let car = Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: vec![1],
-            track: Some(7),
-            occlusion: None,
-            truncation: None,
-        };
+        let car =
+            Annotation { point_indices: vec![1], track: Some(7), ..Annotation::of(AnnotationClass::Car) };
         LabeledScan {
             id: ScanId { sequence: "0000".to_owned(), index: 3 },
             cloud,

@@ -259,12 +259,10 @@ mod tests {
             let ground = (0..9).map(|it| [20.0 - driven_m + 0.1 * it as f32, -2.6, -1.7]);
             let cloud: PointCloud = car.into_iter().chain(pole).chain(ground).collect();
             let annotation = |class, bounding_box, point_indices, track| Annotation {
-                class,
                 bounding_box,
                 point_indices,
                 track,
-                occlusion: None,
-                truncation: None,
+                ..Annotation::of(class)
             };
             Ok(LabeledScan {
                 id: self.listing.scan_ids[scan_idx].clone(),

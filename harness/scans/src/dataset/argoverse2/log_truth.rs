@@ -182,12 +182,6 @@ fn annotation(
 ) -> Annotation {
     let center_m = car_from_box.translation.vector - car_from_sensor_m;
     let sensor_from_box = Isometry3::from_parts(center_m.into(), car_from_box.rotation);
-    Annotation {
-        class,
-        bounding_box: Some(upright_box(&sensor_from_box, size_m)),
-        point_indices: Vec::new(),
-        track,
-        occlusion: None,
-        truncation: None,
-    }
+    let bounding_box = Some(upright_box(&sensor_from_box, size_m));
+    Annotation { bounding_box, track, ..Annotation::of(class) }
 }

@@ -16,12 +16,7 @@ pub fn point_region_file(name: &str) -> String {
 
 /// The content of such a file.
 pub fn region_bytes(regions: &[PointRegion]) -> Vec<u8> {
-    let byte = |region: &PointRegion| match region {
-        PointRegion::Labeled => 0,
-        PointRegion::Unscorable => 1,
-        PointRegion::Outside => 2,
-    };
-    regions.iter().map(byte).collect()
+    regions.iter().map(|it| it.number()).collect()
 }
 
 /// The scan called `name` with the regions that the file beside it says.
@@ -45,14 +40,9 @@ fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion
     if bytes.len() != n_points {
         return Err(DatasetError::label_count(path, bytes.len(), n_points));
     }
-    let region = |byte: &u8| match byte {
-        0 => Ok(PointRegion::Labeled),
-        1 => Ok(PointRegion::Unscorable),
-        2 => Ok(PointRegion::Outside),
-        other => {
-            let problem = format!("has the byte {other}; allowed are 0, 1 and 2");
-            Err(DatasetError::damaged(path, problem))
-        }
+    let region = |byte: &u8| {
+        let problem = || DatasetError::damaged(path, format!("has the byte {byte}; allowed are 0, 1 and 2"));
+        PointRegion::of_number(*byte).ok_or_else(problem)
     };
     let regions: Vec<PointRegion> = bytes.iter().map(region).collect::<Result<_, _>>()?;
     Ok(values_of_kept(&regions, &scan.points_left_out))

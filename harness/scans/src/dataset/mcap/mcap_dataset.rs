@@ -12,7 +12,7 @@ use reports::vocabulary::class::AnnotationClass;
 use super::frame_tree::FrameTree;
 use super::mcap_file::McapFile;
 use super::mcap_index::{McapIndex, MessagePlace, index_mcap, window};
-use super::recorded_cloud::{RecordedCloud, region_of};
+use super::recorded_cloud::RecordedCloud;
 use super::recorded_messages::{Channel, RecordedMessages};
 use super::scene_objects::SceneObject;
 use super::topics::{ChosenChannel, MessageKind, choose_channels};
@@ -160,7 +160,10 @@ impl Dataset for McapDataset {
         }
         let n_points = recorded.cloud.len();
         let (point_regions, labeled_area) = match &recorded.regions {
-            Some(regions) => (regions.iter().copied().map(region_of).collect(), LabeledArea::AsPoints),
+            Some(regions) => {
+                let region_of = |it: &f64| PointRegion::of_number(*it as u8).unwrap_or(PointRegion::Outside);
+                (regions.iter().map(region_of).collect(), LabeledArea::AsPoints)
+            }
             None if is_annotated => (vec![PointRegion::Labeled; n_points], LabeledArea::Everywhere),
             None => (vec![PointRegion::Outside; n_points], LabeledArea::AsPoints),
         };

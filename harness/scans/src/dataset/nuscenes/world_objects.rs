@@ -38,12 +38,10 @@ impl WorldObject {
     pub fn annotation(&self, world_from_sensor: &Isometry3<f64>) -> Option<Annotation> {
         let sensor_from_box = world_from_sensor.inverse() * self.world_from_box;
         Some(Annotation {
-            class: self.class?,
             bounding_box: Some(upright_box(&sensor_from_box, self.length_width_height_m)),
-            point_indices: Vec::new(),
             track: Some(self.track),
             occlusion: self.occlusion,
-            truncation: None,
+            ..Annotation::of(self.class?)
         })
     }
 

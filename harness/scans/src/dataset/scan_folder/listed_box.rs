@@ -52,16 +52,13 @@ impl ListedBox {
         }
         let center_m = std::array::from_fn(|axis| (self.center_m[axis] - origin_m[axis]) as f32);
         Ok(Annotation {
-            class,
             bounding_box: Some(OrientedBox {
                 center_m,
                 length_width_height_m: self.length_width_height_m,
                 yaw_rad: self.yaw_rad,
             }),
-            point_indices: Vec::new(),
             track: self.track,
-            occlusion: None,
-            truncation: None,
+            ..Annotation::of(class)
         })
     }
 }
