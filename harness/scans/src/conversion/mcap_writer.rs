@@ -15,7 +15,6 @@ use prost::Message;
 use reports::files::whole_file::WholeFile;
 use serde::Serialize;
 
-use super::foxglove_schema::file_descriptor_set;
 use super::scene::{SENSOR_FRAME, entities_of, scene_of};
 use super::stable_summary::{Ending, StableSummary};
 use super::{ConversionError, ScanToWrite, ScanWriter};
@@ -34,6 +33,9 @@ use crate::dataset::points_of_boxes::points_of_boxes;
 
 /// The topic of the clouds.
 pub const CLOUD_TOPIC: &str = "/lidar/points";
+
+/// The messages that are written, so that others can read them: `foxglove.proto` as a serialised `FileDescriptorSet`.
+const DESCRIPTIONS: &[u8] = include_bytes!("foxglove.desc");
 
 const TRANSFORM_TOPIC: &str = "/tf";
 
@@ -101,7 +103,7 @@ impl McapWriter {
         message: &impl Message,
     ) -> Result<(), ConversionError> {
         let announce = |writer: &mut McapFile| {
-            let schema = writer.add_schema(schema, "protobuf", &file_descriptor_set())?;
+            let schema = writer.add_schema(schema, "protobuf", DESCRIPTIONS)?;
             writer.add_channel(schema, topic, "protobuf", &BTreeMap::new())
         };
         self.write_bytes(topic, announce, time_ns, &message.encode_to_vec())

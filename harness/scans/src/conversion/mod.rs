@@ -8,7 +8,6 @@ use crate::annotation::LabeledScan;
 
 pub mod error;
 pub mod output_format;
-pub mod foxglove_schema;
 pub mod scene;
 pub mod stable_summary;
 pub mod mcap_writer;
