@@ -23,6 +23,15 @@ pub struct LabeledScan {
     pub points_left_out: Vec<u32>,
 }
 
+impl LabeledScan {
+    /// A scan of which everything is labelled, all round.
+    pub fn everywhere(id: ScanId, cloud: PointCloud, annotations: Vec<Annotation>) -> Self {
+        let point_regions = vec![PointRegion::Labeled; cloud.len()];
+        let labeled_area = LabeledArea::Everywhere;
+        Self { id, cloud, annotations, point_regions, labeled_area, points_left_out: Vec::new() }
+    }
+}
+
 /// Names a scan within its data set.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ScanId {

@@ -128,12 +128,9 @@ mod tests {
     use crate::road_axis::RoadAxis;
 
     const DRAWN: RoadAxisShape = RoadAxisShape {
-        origin_m: [0.0; 2],
-        heading_rad: 0.0,
-        reach_m: [0.0, 400.0],
-        bends: Wave::FLAT,
         gradient: 0.03,
         hills: Wave { amplitude_m: 1.0, length_m: 200.0, phase: 0.2 },
+        ..RoadAxisShape::straight([0.0, 400.0])
     };
 
     fn gradients(conditions: &StreetConditions) -> Vec<f32> {

@@ -9,7 +9,7 @@ use std::path::Path;
 use detector::PointCloud;
 
 use super::DatasetError;
-use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledScan, ScanId};
 
 /// A coordinate farther from the origin than this, in metres, is damage.
 pub const MAX_COORDINATE_M: f64 = 10_000.0;
@@ -119,9 +119,7 @@ impl PositionedPoints {
     /// The scan of these points, of which everything is labelled.
     pub fn labeled_everywhere(self, id: ScanId, annotations: Vec<Annotation>) -> LabeledScan {
         let (cloud, points_left_out) = self.into_parts();
-        let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        let labeled_area = LabeledArea::Everywhere;
-        LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out }
+        LabeledScan { points_left_out, ..LabeledScan::everywhere(id, cloud, annotations) }
     }
 
     /// These, if there are any; `path` is named in errors.
