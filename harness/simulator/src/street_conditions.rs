@@ -67,12 +67,7 @@ impl StreetConditions {
             ("kerb_height_m", self.kerb_height_m, KERB_HEIGHTS_M),
             ("truck_ahead_height_m", self.truck_ahead_height_m, TRUCK_HEIGHTS_M),
         ];
-        for (name, value, range) in values {
-            if let Some(value) = value.filter(|value| !range.contains(value)) {
-                let (least, most) = (range.start(), range.end());
-                return Err(format!("{name} is {value}, which is not within {least} to {most}"));
-            }
-        }
+        values.into_iter().try_for_each(|(name, value, range)| check_range(name, value, &range))?;
         if self.gradient.is_some() && self.hill_gradient.is_some() {
             return Err("a street has either an even gradient or hills".to_owned());
         }
@@ -119,6 +114,15 @@ impl StreetConditions {
     /// A cross-section like this under the conditions.
     pub(super) fn section(&self, drawn: CrossSection) -> CrossSection {
         CrossSection { kerb_height_m: self.kerb_height_m.unwrap_or(drawn.kerb_height_m), ..drawn }
+    }
+}
+
+/// Refuses a value that is set and not within `range`; the text says so.
+pub(crate) fn check_range(name: &str, value: Option<f32>, range: &RangeInclusive<f32>) -> Result<(), String> {
+    let (least, most) = (range.start(), range.end());
+    match value.filter(|value| !range.contains(value)) {
+        Some(value) => Err(format!("{name} is {value}, which is not within {least} to {most}")),
+        None => Ok(()),
     }
 }
 

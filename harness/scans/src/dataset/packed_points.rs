@@ -96,6 +96,18 @@ pub fn time_field(fields: &[PackedField]) -> Option<(&PackedField, f64)> {
     })
 }
 
+impl<'a> PackedPoints<'a> {
+    /// `n_points` in a single row.
+    pub fn in_a_row(
+        fields: Vec<PackedField>,
+        (n_points, point_step): (usize, usize),
+        byte_order: ByteOrder,
+        data: &'a [u8],
+    ) -> Self {
+        Self { fields, n_columns: n_points, n_rows: 1, point_step, row_step: 0, byte_order, data }
+    }
+}
+
 impl PackedPoints<'_> {
     /// Makes sure that every number lies within the data. Errors are the rest of a sentence about the file.
     fn check(&self) -> Result<(), String> {

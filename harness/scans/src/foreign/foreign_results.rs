@@ -13,7 +13,7 @@ use super::points_in_boxes::PointsAlongX;
 use super::recorded_detections::{RecordedDetections, split_topic};
 use super::result_files::ResultFiles;
 use super::result_format::{ResultFormat, format_of};
-use super::result_reader::{ResultReader, ResultsOf};
+use super::result_reader::{OpenResults, ResultsOf};
 use super::semantic_labels::{self, SemanticLabels};
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
@@ -64,7 +64,7 @@ pub struct ForeignResults {
     format: ResultFormat,
     dataset: String,
     checksum: String,
-    reader: Box<dyn ResultReader>,
+    opened: OpenResults,
     asked: BTreeMap<ScanId, usize>,
     missing: MissingResults,
     n_missing: usize,
@@ -122,15 +122,13 @@ fn open_at(
     let rules = ClassRules { table: request.classes.clone(), ..ClassRules::default() };
     let of = ResultsOf::new(dataset, request.scan_indices, &rules)?;
     let (format, file) = format_of(&files, dataset)?;
-    let reader: Box<dyn ResultReader> = match format {
-        ResultFormat::KittiText => Box::new(KittiText::open(&files, of)?),
-        ResultFormat::NuScenesJson => Box::new(NuScenesJson::open(&file, &of)?),
-        ResultFormat::Argoverse2Tables => {
-            Box::new(Argoverse2Tables::open(&path, &format.files(&files, dataset), of)?)
-        }
-        ResultFormat::SemanticLabels => Box::new(SemanticLabels::open(&files, &of)),
-        ResultFormat::OwnFiles => Box::new(OwnFiles::open(&files, &of)),
-        ResultFormat::Recording => Box::new(RecordedDetections::open(&file, topic.as_deref(), &of)?),
+    let opened = match format {
+        ResultFormat::KittiText => KittiText::open(&files, of)?,
+        ResultFormat::NuScenesJson => NuScenesJson::open(&file, &of)?,
+        ResultFormat::Argoverse2Tables => Argoverse2Tables::open(&path, &format.files(&files, dataset), of)?,
+        ResultFormat::SemanticLabels => SemanticLabels::open(&files, &of),
+        ResultFormat::OwnFiles => OwnFiles::open(&files, &of),
+        ResultFormat::Recording => RecordedDetections::open(&file, topic.as_deref(), &of)?,
     };
     let id_of = |&scan_idx: &usize| (dataset.scan_ids()[scan_idx].clone(), scan_idx);
     let mut results = ForeignResults {
@@ -138,7 +136,7 @@ fn open_at(
         format,
         dataset: dataset.description().id.clone(),
         checksum: checksum_of(format, &files, dataset, request.scan_indices)?,
-        reader,
+        opened,
         asked: request.scan_indices.iter().map(id_of).collect(),
         missing: request.missing,
         n_missing: 0,
@@ -166,7 +164,7 @@ impl ForeignResults {
         let Some(&scan_idx) = self.asked.get(&scan.id) else {
             return Err(self.lacks(&[&scan.id], 1));
         };
-        let Some(found) = self.reader.read(scan_idx, scan)? else {
+        let Some(found) = self.opened.reader.read(scan_idx, scan)? else {
             return match self.missing {
                 MissingResults::Refuse => Err(self.lacks(&[&scan.id], 1)),
                 MissingResults::AreEmpty => Ok(None),
@@ -184,13 +182,13 @@ impl ForeignResults {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let path = &self.path;
-        let left_over = self.reader.left_over();
+        let OpenResults { left_over, oddities, .. } = &self.opened;
         if !left_over.is_empty() {
-            let (n, names) = (left_over.len(), listed(&left_over));
+            let (n, names) = (left_over.len(), listed(left_over));
             warnings
                 .push(format!("{path:?} has results for {n} scans that the data set does not have: {names}"));
         }
-        warnings.extend(self.reader.oddities().into_iter().map(|it| format!("{path:?}: {it}")));
+        warnings.extend(oddities.iter().map(|it| format!("{path:?}: {it}")));
         if self.n_missing > 0 {
             warnings.push(format!(
                 "{path:?} has no results for {} scans, which count as nothing found",
@@ -208,7 +206,7 @@ impl ForeignResults {
     }
 
     fn check_presence(&mut self) -> Result<(), DatasetError> {
-        let missing = self.asked.iter().filter(|(_, scan_idx)| !self.reader.has(**scan_idx));
+        let missing = self.asked.iter().filter(|(_, scan_idx)| !self.opened.reader.has(**scan_idx));
         let missing: Vec<&ScanId> = missing.map(|(id, _)| id).collect();
         self.n_missing = missing.len();
         match self.missing {
@@ -219,8 +217,7 @@ impl ForeignResults {
 
     fn lacks(&self, missing: &[&ScanId], n_asked: usize) -> DatasetError {
         let names: Vec<String> = missing.iter().map(ToString::to_string).collect();
-        let left_over = self.reader.left_over();
-        let others = match &left_over[..] {
+        let others = match &self.opened.left_over[..] {
             [] => String::new(),
             left_over => format!("; it has others: {}", listed(left_over)),
         };

@@ -19,7 +19,7 @@ use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
 
 use super::detections::{ForeignBox, ForeignDetections};
-use super::result_reader::{ResultReader, ResultsOf};
+use super::result_reader::{FoundInScan, OpenResults, ResultReader, ResultsOf};
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
@@ -41,12 +41,11 @@ pub const WITH_RIDER: &str = "cycle.with_rider";
 /// The results of a submission.
 pub struct NuScenesJson {
     found: BTreeMap<usize, ForeignDetections>,
-    left_over: Vec<String>,
 }
 
 impl NuScenesJson {
     /// Reads the file at `path`.
-    pub fn open(path: &Path, of: &ResultsOf<'_>) -> Result<Self, DatasetError> {
+    pub fn open(path: &Path, of: &ResultsOf<'_>) -> Result<OpenResults, DatasetError> {
         let words = ("names scans by the tokens of nuScenes", "has none");
         of.require(path, |it| matches!(it, ForeignFrame::World { .. }), words)?;
         let mut scans = BTreeMap::new();
@@ -76,7 +75,7 @@ impl NuScenesJson {
         }
         let Submission { found, left_over, .. } = submission;
         classes.unknown().refuse(&path.display().to_string())?;
-        Ok(Self { found, left_over })
+        Ok(OpenResults::new(Self { found }, left_over))
     }
 }
 
@@ -85,16 +84,8 @@ impl ResultReader for NuScenesJson {
         self.found.contains_key(&scan_idx)
     }
 
-    fn read(
-        &mut self,
-        scan_idx: usize,
-        _scan: &LabeledScan,
-    ) -> Result<Option<ForeignDetections>, DatasetError> {
+    fn read(&mut self, scan_idx: usize, _scan: &LabeledScan) -> FoundInScan {
         Ok(self.found.get(&scan_idx).cloned())
-    }
-
-    fn left_over(&self) -> Vec<String> {
-        self.left_over.clone()
     }
 }
 

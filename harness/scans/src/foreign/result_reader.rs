@@ -15,18 +15,26 @@ pub trait ResultReader: Send {
     fn has(&self, scan_idx: usize) -> bool;
 
     /// Reads what was found in scan `scan_idx`, which is `scan`; `None` if there is nothing for it.
-    fn read(
-        &mut self,
-        scan_idx: usize,
-        scan: &LabeledScan,
-    ) -> Result<Option<ForeignDetections>, DatasetError>;
+    fn read(&mut self, scan_idx: usize, scan: &LabeledScan) -> FoundInScan;
+}
 
+/// What was found in a scan, if there is anything for it.
+pub type FoundInScan = Result<Option<ForeignDetections>, DatasetError>;
+
+/// Results that were opened.
+pub struct OpenResults {
+    /// Reads them.
+    pub reader: Box<dyn ResultReader>,
     /// The names of what is there for scans that the data set does not have.
-    fn left_over(&self) -> Vec<String>;
-
+    pub left_over: Vec<String>,
     /// What may be wrong with the results as a whole, a line each.
-    fn oddities(&self) -> Vec<String> {
-        Vec::new()
+    pub oddities: Vec<String>,
+}
+
+impl OpenResults {
+    /// Those of `reader`, with nothing odd about them.
+    pub fn new(reader: impl ResultReader + 'static, left_over: Vec<String>) -> Self {
+        Self { reader: Box::new(reader), left_over, oddities: Vec::new() }
     }
 }
 

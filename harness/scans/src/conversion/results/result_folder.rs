@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use detector::Detections;
+use detector::{DetectedClass, Detections};
 
 use super::argoverse2_results::Argoverse2Results;
 use super::kitti_results::KittiResults;
@@ -90,6 +90,10 @@ impl ResultFolder {
         let layout = self.dataset.as_ref().map_or(KittiLayout::Tracking, |(_, layout)| *layout);
         let output = self.output;
         let writer = self.writers.entry(detector.to_owned()).or_insert_with(|| writer_of(output, layout));
+        if !writer.has_objects() {
+            let left_out = detections.iter().filter(|it| it.class != DetectedClass::Vehicle);
+            self.n_left_out += left_out.count() as u64;
+        }
         let files = writer.add(scan, frame, detections)?;
         self.write(detector, &files)
     }
@@ -97,7 +101,6 @@ impl ResultFolder {
     /// Ends the data set.
     pub fn end_dataset(&mut self) -> Result<(), ConversionError> {
         for (detector, writer) in std::mem::take(&mut self.writers) {
-            self.n_left_out += writer.n_left_out();
             let files = writer.finish()?;
             self.write(&detector, &files)?;
         }

@@ -19,9 +19,8 @@ use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
 use crate::dataset::kitti::calibration::parse_calibration;
-use crate::dataset::kitti::label::{
-    KITTI_VOCABULARY, KittiLabel, KittiObject, Truncation, parse_object_labels,
-};
+use crate::dataset::kitti::ground_truth::annotation_of;
+use crate::dataset::kitti::label::{KITTI_VOCABULARY, KittiLabel, KittiObject, parse_object_labels};
 
 /// The labels of a scan with what they need.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -100,17 +99,7 @@ impl LabelFile {
                     for (axis, origin_m) in origin_m.iter().enumerate() {
                         bounding_box.center_m[axis] -= *origin_m as f32;
                     }
-                    Annotation {
-                        class: object.class,
-                        bounding_box: Some(bounding_box),
-                        point_indices: Vec::new(),
-                        track: object.track,
-                        occlusion: object.occlusion,
-                        truncation: match object.truncation {
-                            Truncation::Share(share) => Some(share),
-                            Truncation::Unknown | Truncation::Ignored => None,
-                        },
-                    }
+                    annotation_of(&object, bounding_box, Vec::new())
                 };
                 Ok(objects.map(annotation).collect())
             }

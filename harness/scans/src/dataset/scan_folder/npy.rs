@@ -54,16 +54,8 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let names = ["x", "y", "z", "intensity"].into_iter().take(n_columns);
     let field =
         |(place, name): (usize, &str)| PackedField { name: name.to_owned(), offset: place * n_bytes, number };
-    PackedPoints {
-        fields: names.enumerate().map(field).collect(),
-        n_columns: n_points,
-        n_rows: 1,
-        point_step: n_columns * n_bytes,
-        row_step: 0,
-        byte_order,
-        data,
-    }
-    .positioned()
+    let fields = names.enumerate().map(field).collect();
+    PackedPoints::in_a_row(fields, (n_points, n_columns * n_bytes), byte_order, data).positioned()
 }
 
 /// What the header says about `key`; nothing if it says nothing.

@@ -42,15 +42,8 @@ pub fn parse_ply(bytes: &[u8]) -> Result<PositionedPoints, String> {
         }
     }
     let n_points = n_points.ok_or("has no vertices")?;
-    let packed = |byte_order| PackedPoints {
-        fields: fields.clone(),
-        n_columns: n_points,
-        n_rows: 1,
-        point_step,
-        row_step: 0,
-        byte_order,
-        data: rest,
-    };
+    let packed =
+        |byte_order| PackedPoints::in_a_row(fields.clone(), (n_points, point_step), byte_order, rest);
     match format {
         Some("binary_little_endian") => packed(ByteOrder::Little).positioned(),
         Some("binary_big_endian") => packed(ByteOrder::Big).positioned(),
@@ -97,15 +90,9 @@ fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<Po
         offset: place * NumberType::F64.n_bytes(),
         number: NumberType::F64,
     };
-    let packed = PackedPoints {
-        fields: fields.iter().enumerate().map(field).collect(),
-        n_columns: n_rows,
-        n_rows: 1,
-        point_step: fields.len() * NumberType::F64.n_bytes(),
-        row_step: 0,
-        byte_order: ByteOrder::Little,
-        data: &rows,
-    };
+    let of_rows = fields.iter().enumerate().map(field).collect();
+    let size = (n_rows, fields.len() * NumberType::F64.n_bytes());
+    let packed = PackedPoints::in_a_row(of_rows, size, ByteOrder::Little, &rows);
     let mut points = packed.positioned()?;
     packed.take_lasers_and_times(fields, &mut points)?;
     Ok(points)

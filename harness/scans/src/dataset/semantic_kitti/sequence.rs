@@ -84,9 +84,7 @@ impl Dataset for SemanticKitti {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let id = self.listing.scan_ids[scan_idx].clone();
-        let root = self.listing.description.root.as_deref().expect("it was recorded");
-        let sequence = root.join(SEQUENCES).join(&id.sequence);
-        let points = read_velodyne_bin(&numbered_file(&sequence.join(SCANS), id.index, "bin"))?;
+        let points = read_velodyne_bin(&self.file(&id, SCANS, "bin"))?;
         let path = self.label_file(&id);
         let labels = parse_label_file(&path, &bytes_of(&path)?, points.n_in_file())?;
         let mut classes = ClassReader::new(&self.classes, &[]);
@@ -108,9 +106,7 @@ impl Dataset for SemanticKitti {
     }
 
     fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
-        let id = &self.listing.scan_ids[scan_idx];
-        let scans = self.listing.description.root.as_deref()?.join(SEQUENCES).join(&id.sequence).join(SCANS);
-        Some(numbered_file(&scans, id.index, "bin").metadata().ok()?.len())
+        Some(self.file(&self.listing.scan_ids[scan_idx], SCANS, "bin").metadata().ok()?.len())
     }
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
@@ -120,9 +116,13 @@ impl Dataset for SemanticKitti {
 }
 
 impl SemanticKitti {
-    fn label_file(&self, id: &ScanId) -> PathBuf {
+    fn file(&self, id: &ScanId, kind: &str, extension: &str) -> PathBuf {
         let root = self.listing.description.root.as_deref().expect("it was recorded");
-        numbered_file(&root.join(SEQUENCES).join(&id.sequence).join(LABELS), id.index, "label")
+        numbered_file(&root.join(SEQUENCES).join(&id.sequence).join(kind), id.index, extension)
+    }
+
+    fn label_file(&self, id: &ScanId) -> PathBuf {
+        self.file(id, LABELS, "label")
     }
 
     /// Of all labels that can be read, so that they are said at once.

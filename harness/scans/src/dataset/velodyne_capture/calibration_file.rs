@@ -79,6 +79,11 @@ fn check_step(step_m: f32) -> Result<(), String> {
     Err(format!("has distances in steps of {step_m} m; only {DISTANCE_STEP_M} is supported"))
 }
 
+fn begin_laser(lasers: &mut Vec<Values>) -> Result<(), String> {
+    lasers.push(Values::new());
+    if lasers.len() > MAX_LASERS { Err(format!("has more than {MAX_LASERS} lasers")) } else { Ok(()) }
+}
+
 /// A list of items, each with names and numbers, whether in lines or between braces. Not all of YAML: what such files have.
 fn parse_yaml(text: &str) -> Result<Vec<Values>, String> {
     let mut lasers: Vec<Values> = Vec::new();
@@ -86,10 +91,7 @@ fn parse_yaml(text: &str) -> Result<Vec<Values>, String> {
         let line = line.split('#').next().unwrap_or_default().trim();
         let begins = line == "-" || line.starts_with("- ");
         if begins {
-            lasers.push(Values::new());
-            if lasers.len() > MAX_LASERS {
-                return Err(format!("has more than {MAX_LASERS} lasers"));
-            }
+            begin_laser(&mut lasers)?;
         }
         for pair in line.trim_start_matches("- ").split([',', '{', '}']) {
             let Some((name, value)) = pair.split_once(':') else { continue };
@@ -116,10 +118,7 @@ fn parse_xml(text: &str) -> Result<Vec<Values>, String> {
                 content.clear();
                 if element.name().as_ref() == b"px" {
                     is_in_laser = true;
-                    lasers.push(Values::new());
-                    if lasers.len() > MAX_LASERS {
-                        return Err(format!("has more than {MAX_LASERS} lasers"));
-                    }
+                    begin_laser(&mut lasers)?;
                 }
             }
             Event::Text(text) => {
