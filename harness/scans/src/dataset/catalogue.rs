@@ -85,20 +85,19 @@ pub fn read_catalogue<S: SimulatedEntry>(path: &Path) -> Result<Catalogue<S>, Da
 pub fn parse_catalogue<S: SimulatedEntry>(name: &str, text: &str) -> Result<Catalogue<S>, DatasetError> {
     let source = CatalogueText { name, text };
     let written: WrittenCatalogue<S> = toml::from_str(text)
-        .map_err(|error| source.error(error.span().map_or(0, |it| it.start), error.message().to_owned()))?;
+        .map_err(|error| source.error(error.span().map_or(0, |it| it.start), error.message()))?;
     let mut catalogue =
         Catalogue { recorded: BTreeMap::new(), simulated: BTreeMap::new(), groups: BTreeMap::new() };
     for (id, drive) in written.simulated {
-        drive.get_ref().check().map_err(|problem| source.error(drive.span().start, problem))?;
+        drive.get_ref().check().map_err(|problem| source.error(drive.span().start, &problem))?;
         let drive = drive.into_inner();
         catalogue.simulated.insert(checked_id(&id, &source)?, drive);
     }
     for (id, entry) in written.recorded {
         let checked = checked_id(&id, &source)?;
         if catalogue.simulated.contains_key(&checked) {
-            return Err(
-                source.error(id.span().start, format!("a simulated data set has the id {checked:?} already"))
-            );
+            let problem = format!("a simulated data set has the id {checked:?} already");
+            return Err(source.error(id.span().start, &problem));
         }
         catalogue.recorded.insert(checked, entry_from_written(&id, entry, &source)?);
     }
@@ -107,11 +106,11 @@ pub fn parse_catalogue<S: SimulatedEntry>(name: &str, text: &str) -> Result<Cata
         if let Some(unknown) =
             members.get_ref().iter().find(|member| !catalogue.ids().any(|it| it == *member))
         {
-            return Err(source.error(members.span().start, format!("there is no data set {unknown:?}")));
+            return Err(source.error(members.span().start, &format!("there is no data set {unknown:?}")));
         }
         if members.get_ref().is_empty() || catalogue.ids().any(|it| *it == checked) {
             let problem = format!("the group {checked:?} is empty, or a data set has this id");
-            return Err(source.error(id.span().start, problem));
+            return Err(source.error(id.span().start, &problem));
         }
         catalogue.groups.insert(checked, members.into_inner());
     }
@@ -123,7 +122,7 @@ fn checked_id(id: &Spanned<String>, source: &CatalogueText<'_>) -> Result<String
         return Ok(id.get_ref().clone());
     }
     let problem = format!("{:?} is not an id: use letters, digits, - and _", id.get_ref());
-    Err(source.error(id.span().start, problem))
+    Err(source.error(id.span().start, &problem))
 }
 
 #[derive(Deserialize)]
@@ -170,10 +169,10 @@ struct CatalogueText<'a> {
 }
 
 impl CatalogueText<'_> {
-    fn error(&self, byte_offset: usize, problem: String) -> DatasetError {
+    fn error(&self, byte_offset: usize, problem: &str) -> DatasetError {
         let before = self.text.as_bytes().iter().take(byte_offset);
         let line = 1 + before.filter(|byte| **byte == b'\n').count();
-        DatasetError::Usage(format!("{}, line {line}: {}", shown(self.name), shown(&problem)))
+        DatasetError::Usage(format!("{}, line {line}: {}", shown(self.name), shown(problem)))
     }
 }
 
@@ -194,20 +193,20 @@ fn entry_from_written(
         (written.format, &written.root, &written.annotated_classes, &written.sensor_height_m)
     else {
         let problem = format!("[recorded.{}] lacks {}", id.get_ref(), missing.join(", "));
-        return Err(source.error(id.span().start, problem));
+        return Err(source.error(id.span().start, &problem));
     };
     let root_at = root.span().start;
-    let root = RootTemplate::parse(root.get_ref()).map_err(|problem| source.error(root_at, problem))?;
+    let root = RootTemplate::parse(root.get_ref()).map_err(|problem| source.error(root_at, &problem))?;
     let sensor_height_m = *height_m.get_ref();
     if !(sensor_height_m > 0.0 && sensor_height_m.is_finite()) {
         let problem = format!("sensor_height_m is {sensor_height_m}, but must be greater than 0");
-        return Err(source.error(height_m.span().start, problem));
+        return Err(source.error(height_m.span().start, &problem));
     }
     if let Some(checksum) = &written.checksum
         && !is_sha256(checksum.get_ref())
     {
         let problem = format!("checksum {:?} is not 64 lower-case hexadecimal digits", checksum.get_ref());
-        return Err(source.error(checksum.span().start, problem));
+        return Err(source.error(checksum.span().start, &problem));
     }
     let texts = [
         ("sensor", Some(&written.sensor)),
@@ -217,11 +216,11 @@ fn entry_from_written(
     let said = texts.into_iter().filter_map(|(field, text)| Some((field, text?)));
     if let Some((field, text)) = { said }.find(|(_, it)| !it.chars().all(is_printable)) {
         let problem = format!("{field} {text:?} has a control character");
-        return Err(source.error(root_at, problem));
+        return Err(source.error(root_at, &problem));
     }
     let mut classes = ClassTable::default();
     for (name, word) in &written.classes {
-        let class = class_of_word(word.get_ref()).map_err(|it| source.error(word.span().start, it))?;
+        let class = class_of_word(word.get_ref()).map_err(|it| source.error(word.span().start, &it))?;
         classes.insert(name, class);
     }
     Ok(CatalogueEntry {
@@ -256,25 +255,25 @@ fn parts(
     for (field, span, _) in fields.into_iter().filter(|(.., exists)| !exists) {
         if let Some(span) = span {
             let problem = format!("{field} does not exist for the format {format}");
-            return Err(source.error(span.start, problem));
+            return Err(source.error(span.start, &problem));
         }
     }
     if let Some(chosen) = sequences
         && let Some(name) = chosen.get_ref().iter().find(|name| !is_file_name(name))
     {
         let problem = format!("{name:?} is not the name of a folder");
-        return Err(source.error(chosen.span().start, problem));
+        return Err(source.error(chosen.span().start, &problem));
     }
     if let Some(list) = scan_list {
         let path = list.get_ref();
         let is_below = path.components().all(|it| matches!(it, Component::Normal(_)));
         if scans.is_some() {
             let problem = "scans are given, and a scan_list, too".to_owned();
-            return Err(source.error(list.span().start, problem));
+            return Err(source.error(list.span().start, &problem));
         }
         if !is_below || path.as_os_str().is_empty() {
             let problem = format!("scan_list {path:?} is not a file below the root");
-            return Err(source.error(list.span().start, problem));
+            return Err(source.error(list.span().start, &problem));
         }
     }
     let of = |topic: &Option<Spanned<String>>| topic.as_ref().map(|it| it.get_ref().clone());

@@ -23,14 +23,17 @@ use super::velodyne_capture::capture_file::is_capture;
 use super::velodyne_capture::revolutions::open_velodyne_capture;
 use super::{AnnotatedClasses, Dataset, DatasetError};
 
+type Recognises = fn(&Path) -> bool;
+type Opens = fn(DatasetSource) -> Result<Box<dyn Dataset>, DatasetError>;
+
 /// What is done with a format.
 pub struct FormatEntry {
     /// Whether data in it lie at a path.
-    pub is_at: fn(&Path) -> bool,
+    pub is_at: Recognises,
     /// What its files do not say, as it is in its benchmark.
     pub benchmark: Benchmark,
     /// Opens the data set of a source.
-    pub open: fn(DatasetSource) -> Result<Box<dyn Dataset>, DatasetError>,
+    pub open: Opens,
 }
 
 /// What data in a format are taken to be like, unless they or the catalogue say otherwise.
@@ -74,7 +77,7 @@ const RECORDING: Benchmark = Benchmark { classes: Some(&AnnotationClass::ALL), .
 
 /// The entry of `format`.
 pub fn entry_of(format: DatasetFormat) -> FormatEntry {
-    let (is_at, benchmark, open): (fn(&Path) -> bool, _, fn(_) -> _) = match format {
+    let (is_at, benchmark, open): (Recognises, _, Opens) = match format {
         DatasetFormat::KittiTracking => (is_kitti_tracking, KITTI, open_kitti_tracking),
         DatasetFormat::KittiObject => (is_kitti_object, KITTI, open_kitti_object),
         DatasetFormat::SemanticKitti => (is_semantic_kitti, SEMANTIC_KITTI, open_semantic_kitti),

@@ -93,7 +93,7 @@ pub trait Dataset: Send + Sync {
 
     /// What tells which scans are near one another.
     fn nearness(&self) -> Nearness {
-        self.inner().map_or(Nearness::Times, |it| it.nearness())
+        self.inner().map_or(Nearness::Times, Dataset::nearness)
     }
 
     /// The drive, or the block that the user has named, that scan `scan_idx` is of when intervals are estimated; `None` where that is
@@ -117,7 +117,7 @@ pub trait Dataset: Send + Sync {
     ///
     /// Files may have to be read through for it.
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
-        self.inner().map_or_else(|| Ok(Vec::new()), |it| it.oddities())
+        self.inner().map_or_else(|| Ok(Vec::new()), Dataset::oddities)
     }
 
     /// Where the sensor was at scan `scan_idx`, in a frame that rests, as far as the files say.

@@ -118,7 +118,7 @@ impl RecordedDetections {
         let left_over = by_stamp.keys().filter(|it| are_all && !taken.contains(it));
         let left_over = left_over.map(|it| format!("{it} ns")).collect();
         let (name, classes) = (path.display().to_string(), of.classes.clone());
-        let results = Self { stamp_by_scan, name, classes, messages, channel, by_stamp, asked };
+        let results = Self { name, classes, messages, channel, by_stamp, asked, stamp_by_scan };
         Ok(OpenResults::new(results, left_over))
     }
 

@@ -55,8 +55,7 @@ impl LabelFile {
         } else if of_all.is_file() {
             Ok(Some(Self::Kitti { labels: text, calibration: of_all }))
         } else {
-            let scan = scan.to_path_buf();
-            Err(DatasetError::without_calibration(&scan, &of_scan))
+            Err(DatasetError::without_calibration(scan, &of_scan))
         }
     }
 

@@ -188,7 +188,7 @@ fn open_sequence(
         Some(text) => {
             let scan = folder.path_of(&format!("{SEQUENCES}/{name}/{SCANS}"));
             let calibration = folder.read_text(&file("calib"), |calibration| {
-                DatasetError::without_calibration(&scan, &calibration)
+                DatasetError::without_calibration(&scan, calibration)
             })?;
             let camera_from_sensor = parse_camera_from_sensor(&folder.path_of(&file("calib")), &calibration)?;
             let poses = parse_poses(&folder.path_of(&file("poses")), &text)?;

@@ -250,10 +250,7 @@ fn lasers_beside(
     }
     let Some(file) = candidates.iter().find(|it| it.is_file()) else {
         return match model {
-            VelodyneModel::Hdl64e => {
-                let scan = path.to_path_buf();
-                Err(DatasetError::without_calibration(&scan, &of_folder))
-            }
+            VelodyneModel::Hdl64e => Err(DatasetError::without_calibration(path, &of_folder)),
             _ => Ok(lasers_of(model)),
         };
     };
