@@ -23,6 +23,15 @@ pub struct LabeledScan {
     pub points_left_out: Vec<u32>,
 }
 
+impl LabeledScan {
+    /// A scan of which everything is labelled, all round.
+    pub fn everywhere(id: ScanId, cloud: PointCloud, annotations: Vec<Annotation>) -> Self {
+        let point_regions = vec![PointRegion::Labeled; cloud.len()];
+        let labeled_area = LabeledArea::Everywhere;
+        Self { id, cloud, annotations, point_regions, labeled_area, points_left_out: Vec::new() }
+    }
+}
+
 /// Names a scan within its data set.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ScanId {
@@ -56,6 +65,18 @@ pub struct Annotation {
 }
 
 impl Annotation {
+    /// One of `class`, of which no more is known.
+    pub fn of(class: AnnotationClass) -> Self {
+        Self {
+            class,
+            bounding_box: None,
+            point_indices: Vec::new(),
+            track: None,
+            occlusion: None,
+            truncation: None,
+        }
+    }
+
     /// What it is called on screens, such as `car 7`.
     pub fn label(&self) -> String {
         match self.track {
@@ -100,6 +121,18 @@ pub enum PointRegion {
     Outside,
 }
 
+impl PointRegion {
+    /// The number that stands for it in files of scanbench's own.
+    pub fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// The region of such a number, if there is one.
+    pub fn of_number(number: u8) -> Option<Self> {
+        [Self::Labeled, Self::Unscorable, Self::Outside].get(usize::from(number)).copied()
+    }
+}
+
 /// The part of the ground plan in which objects were labelled, as a data set tells it. Said of places, not of points: heights
 /// do not matter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,14 +174,7 @@ mod tests {
             [f32::NAN, 0.0, 0.0],
             [90.0, 90.0, 90.0],
         ]);
-        let unboxed = Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: vec![0, 1, 2],
-            track: None,
-            occlusion: None,
-            truncation: None,
-        };
+        let unboxed = Annotation { point_indices: vec![0, 1, 2], ..Annotation::of(AnnotationClass::Car) };
         assert_eq!(unboxed.center_m(&cloud), Some([2.0, 1.0, 0.5]));
         let nowhere = Annotation { point_indices: vec![2], ..unboxed.clone() };
         assert_eq!(nowhere.center_m(&cloud), None);

@@ -4,6 +4,7 @@ use parry3d::math::Vector;
 
 use super::portable_math;
 use super::solid::PlacedSolid;
+use super::world::sine_and_cosine;
 
 /// The directions in which an object may be seen.
 #[derive(Debug, Clone, Copy)]
@@ -25,8 +26,7 @@ impl AngularWindow {
         let n_corners = corners.clone().count() as f32;
         let center = corners.clone().sum::<Vector>() / n_corners;
         let middle_rad = portable_math::atan2(f64::from(center.y), f64::from(center.x));
-        let (sine, cosine) = portable_math::sin_cos(middle_rad);
-        let (sine, cosine) = (sine as f32, cosine as f32);
+        let (sine, cosine) = sine_and_cosine(middle_rad);
         let mut window = Self { middle_rad, half_width_rad: 0.0, least_rise: 1.0, greatest_rise: -1.0 };
         for corner in corners.clone() {
             let ahead = corner.x * cosine + corner.y * sine;

@@ -5,6 +5,7 @@ use scans::dataset::catalogue::{SimulatedEntry, parse_catalogue};
 
 use super::rain::RAIN_RATES_MM_PER_H;
 use super::simulated_street::StreetDrive;
+use super::street_conditions::check_range;
 
 /// How high a simulated sensor may be mounted above the road, in metres.
 const SENSOR_HEIGHTS_M: std::ops::RangeInclusive<f32> = 0.3..=5.0;
@@ -19,10 +20,6 @@ pub const DEFAULT_DATASETS: &str = "streets";
 pub type Catalogue = scans::dataset::catalogue::Catalogue<StreetDrive>;
 
 /// The catalogue that is part of the program.
-///
-/// # Errors
-///
-/// [`DatasetError::Catalogue`] if its file was broken when the program was compiled.
 pub fn built_in_catalogue() -> Result<Catalogue, DatasetError> {
     parse_catalogue("built-in datasets.toml", BUILT_IN)
 }
@@ -36,18 +33,8 @@ impl SimulatedEntry for StreetDrive {
         if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
             return Err(format!("{n_scans} scans with {turns_per_scan} turns each are not a drive"));
         }
-        if let Some(mm_per_h) = self.rain_mm_per_h
-            && !RAIN_RATES_MM_PER_H.contains(&mm_per_h)
-        {
-            let (least, most) = (RAIN_RATES_MM_PER_H.start(), RAIN_RATES_MM_PER_H.end());
-            return Err(format!("rain_mm_per_h is {mm_per_h}, which is not within {least} to {most}"));
-        }
-        if let Some(height_m) = self.sensor_height_m
-            && !SENSOR_HEIGHTS_M.contains(&height_m)
-        {
-            let (least, most) = (SENSOR_HEIGHTS_M.start(), SENSOR_HEIGHTS_M.end());
-            return Err(format!("sensor_height_m is {height_m}, which is not within {least} to {most}"));
-        }
+        check_range("rain_mm_per_h", self.rain_mm_per_h, &RAIN_RATES_MM_PER_H)?;
+        check_range("sensor_height_m", self.sensor_height_m, &SENSOR_HEIGHTS_M)?;
         self.conditions.check()?;
         if let Some(limit_deg) = self.labeled_to_either_side_deg
             && !(0.0..=180.0).contains(&limit_deg)
@@ -64,7 +51,6 @@ impl SimulatedEntry for StreetDrive {
 mod tests {
     use super::*;
     use scans::dataset::AnnotatedClasses;
-    use scans::dataset::catalogue::CataloguedParts;
     use scans::dataset::kitti::label::KITTI_CLASSES;
 
     fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError> {
@@ -99,9 +85,7 @@ mod tests {
         let recorded = built_in_catalogue().unwrap().recorded;
         let list = recorded["kitti-object-val"].scan_list.clone();
         assert_eq!(list, Some("ImageSets/val.txt".into()));
-        let CataloguedParts::NuScenes { sequences: Some(scenes) } = &recorded["nuscenes-val"].parts else {
-            panic!("all scenes");
-        };
+        let scenes = recorded["nuscenes-val"].parts.sequences.as_ref().expect("not all scenes");
         assert_eq!((scenes.len(), scenes.contains("scene-0003")), (150, true));
         for (split, whole) in [
             ("kitti-object-val", "kitti-object"),
@@ -114,17 +98,19 @@ mod tests {
         }
     }
 
+    /// A drive of whose entry, `simulated.wet`, these are the last lines.
+    fn parse(lines: &str) -> Result<StreetDrive, DatasetError> {
+        let text = format!(
+            "[simulated.wet]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\
+             sensor = \"vlp-16\"\n{lines}"
+        );
+        parse_catalogue("my.toml", &text).map(|it| it.simulated["wet"].clone())
+    }
+
     #[test]
     fn it_rains_as_hard_as_it_can() {
-        let parse = |rain: &str| {
-            let text = format!(
-                "[simulated.wet]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\
-                 sensor = \"vlp-16\"\n{rain}"
-            );
-            parse_catalogue("my.toml", &text).map(|it| it.simulated["wet"].rain_mm_per_h)
-        };
-        assert_eq!(parse("rain_mm_per_h = 10.0").unwrap(), Some(10.0));
-        assert_eq!(parse("").unwrap(), None);
+        assert_eq!(parse("rain_mm_per_h = 10.0").unwrap().rain_mm_per_h, Some(10.0));
+        assert_eq!(parse("").unwrap().rain_mm_per_h, None);
         for refused in ["0.0", "-1.0", "nan", "1000.0"] {
             let message = parse(&format!("rain_mm_per_h = {refused}")).expect_err("no rain").to_string();
             assert!(message.contains("0.1 to 150"), "{message}");
@@ -133,19 +119,12 @@ mod tests {
 
     #[test]
     fn a_drive_may_have_conditions_that_can_be() {
-        let parse = |conditions: &str| {
-            let text = format!(
-                "[simulated.steep]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\
-                 sensor = \"vlp-16\"\n{conditions}"
-            );
-            parse_catalogue("my.toml", &text).map(|it| it.simulated["steep"].clone())
-        };
-        let steep = parse("sensor_height_m = 2.5\n[simulated.steep.conditions]\ngradient = 0.1").unwrap();
+        let steep = parse("sensor_height_m = 2.5\n[simulated.wet.conditions]\ngradient = 0.1").unwrap();
         assert_eq!((steep.sensor_height_m, steep.conditions.gradient), (Some(2.5), Some(0.1)));
         for (refused, part) in [
             ("sensor_height_m = 0.0", "0.3 to 5"),
-            ("[simulated.steep.conditions]\ngradient = 1.0", "-0.2 to 0.2"),
-            ("[simulated.steep.conditions]\nslope = 0.1", "unknown field `slope`"),
+            ("[simulated.wet.conditions]\ngradient = 1.0", "-0.2 to 0.2"),
+            ("[simulated.wet.conditions]\nslope = 0.1", "unknown field `slope`"),
         ] {
             let message = parse(refused).expect_err("no such street").to_string();
             assert!(message.contains(part), "{message}");

@@ -341,12 +341,10 @@ mod tests {
 
     fn ground(gradient: f32) -> Ground {
         let axis = RoadAxis::new(&RoadAxisShape {
-            origin_m: [0.0, 0.0],
-            heading_rad: 0.0,
-            reach_m: [-200.0, 200.0],
             bends: Wave { amplitude_m: 3.0, length_m: 300.0, phase: 0.1 },
             gradient,
             hills: Wave { amplitude_m: 0.5, length_m: 200.0, phase: 0.2 },
+            ..RoadAxisShape::straight([-200.0, 200.0])
         });
         let section = CrossSection { left_kerb_m: 5.0, right_kerb_m: 7.0, crown: 0.02, kerb_height_m: 0.12 };
         let banks = Banks { from_axis_m: 11.0, fall: [0.05, 0.12] };

@@ -9,13 +9,12 @@ use super::house_row::{HouseRowParams, house_row};
 use super::parked_row::{ParkedRowParams, parked_row};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
 use super::pavement_people::{PavementPeopleParams, pavement_people};
-use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
+use super::road_axis::{RoadAxis, RoadAxisShape, Wave};
 use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::{Roadside, Side};
 use super::street_conditions::StreetConditions;
-use super::traffic::{Lane, TurningOff, lane_traffic};
-use super::waiting_queue::{WaitingQueueParams, waiting_queue};
-use super::world::{Course, RightTurn, Stance, World};
+use super::traffic::{Lane, TurningOff, WaitingQueueParams, lane_traffic, waiting_queue};
+use super::world::{RightTurn, World};
 
 const DRIVE_DURATION_S: f32 = 20.0;
 const MAIN: usize = 0;
@@ -37,14 +36,7 @@ struct Plans {
 pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
     let speed_m_per_s = rng.random_range(4.0_f32..8.0);
     let plans = plans(speed_m_per_s, conditions, rng);
-    let ego = Course {
-        road_idx: MAIN,
-        start: RoadPosition { along_m: 0.0, left_m: -plans.main.lanes_m / 2.0 },
-        speed_m_per_s,
-        reach_m: plans.main.reach_m,
-        right_turn: None,
-        stance: Stance::OnSlope,
-    };
+    let ego = plans.main.drive(-plans.main.lanes_m / 2.0, speed_m_per_s);
     let mut world =
         World::new(ground(&plans, conditions, rng), ego, DRIVE_DURATION_S, conditions.vehicle_mix());
     for side in [Side::Left, Side::Right] {
@@ -78,20 +70,15 @@ fn plans(ego_speed_m_per_s: f32, conditions: &StreetConditions, rng: &mut ChaCha
 
 fn ground(plans: &Plans, conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Ground {
     let main = RoadAxis::new(&conditions.road(RoadAxisShape {
-        origin_m: [0.0, 0.0],
-        heading_rad: 0.0,
-        reach_m: plans.main.reach_m,
-        bends: Wave::FLAT,
         gradient: rng.random_range(-0.05..0.05),
         hills: Wave::any(0.2..1.5, 160.0..350.0, rng),
+        ..RoadAxisShape::straight(plans.main.reach_m)
     }));
     let crossing = RoadAxis::new(&conditions.road(RoadAxisShape {
         origin_m: [plans.crossed_at_m, 0.0],
         heading_rad: std::f32::consts::FRAC_PI_2,
-        reach_m: plans.crossing.reach_m,
-        bends: Wave::FLAT,
         gradient: rng.random_range(-0.03..0.03),
-        hills: Wave::FLAT,
+        ..RoadAxisShape::straight(plans.crossing.reach_m)
     }));
     let main_section = conditions.section(plans.main.cross_section(rng));
     let mut crossing_section = plans.crossing.cross_section(rng);

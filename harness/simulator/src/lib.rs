@@ -8,16 +8,18 @@
 //! Simulated is not real. What the simulator leaves out: snow, fog, spray behind wheels, second echoes, and the
 //! vibration of the car. It is dry unless a street is put [in the rain](rain).
 
+#![expect(clippy::missing_errors_doc, reason = "the types of errors say it once for all functions")]
+
 pub use detector::portable_math;
 
 pub mod sensor;
 pub mod material;
 pub mod solid;
 pub mod facade;
+pub mod object_shape;
 pub mod scene;
 pub mod road_axis;
 pub mod ground;
-pub mod object_shape;
 mod vehicle_parts;
 mod body_style;
 mod car_shape;
@@ -30,12 +32,10 @@ pub mod roadside;
 pub mod overhead;
 pub mod street_conditions;
 pub mod road_plan;
+pub mod pavement_people;
 pub mod parked_row;
 pub mod pavement_furniture;
-pub mod pavement_people;
 pub mod traffic;
-pub mod waiting_queue;
-pub mod leading_truck;
 pub mod house_row;
 pub mod main_road;
 pub mod narrow_street;

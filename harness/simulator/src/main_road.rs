@@ -8,12 +8,12 @@ use super::house_row::{HouseRowParams, house_row};
 use super::parked_row::{ParkedRowParams, parked_row, second_row_dice};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
 use super::pavement_people::{PavementPeopleParams, pavement_people};
-use super::road_axis::{RoadAxisShape, RoadPosition, Wave};
+use super::road_axis::{RoadAxisShape, Wave};
 use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::{Roadside, Side};
 use super::street_conditions::StreetConditions;
 use super::traffic::{Lane, bicycle_traffic, lane_traffic};
-use super::world::{Course, Stance, World};
+use super::world::World;
 
 const DRIVE_DURATION_S: f32 = 40.0;
 
@@ -30,14 +30,7 @@ pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };
     let lanes = lanes(&plan, n_lanes_each_way, speed_m_per_s, rng);
-    let ego = Course {
-        road_idx: plan.road_idx,
-        start: RoadPosition { along_m: 0.0, left_m: lanes.with_ego[0].left_m },
-        speed_m_per_s,
-        reach_m: plan.reach_m,
-        right_turn: None,
-        stance: Stance::OnSlope,
-    };
+    let ego = plan.drive(lanes.with_ego[0].left_m, speed_m_per_s);
     let mut world =
         World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S, conditions.vehicle_mix());
     for side in [Side::Left, Side::Right] {
@@ -65,12 +58,10 @@ fn parking(rng: &mut ChaCha8Rng) -> Parking {
 
 fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Ground {
     let shape = RoadAxisShape {
-        origin_m: [0.0, 0.0],
-        heading_rad: 0.0,
-        reach_m: plan.reach_m,
         bends: Wave::any(0.0..7.0, 350.0..700.0, rng),
         gradient: rng.random_range(-0.05..0.05),
         hills: Wave::any(0.3..2.2, 160.0..350.0, rng),
+        ..RoadAxisShape::straight(plan.reach_m)
     };
     plan.ground(shape, conditions, rng)
 }

@@ -8,12 +8,12 @@ use super::house_row::{HouseRowParams, house_row};
 use super::parked_row::{ParkedRowParams, parked_row};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
 use super::pavement_people::{PavementPeopleParams, pavement_people};
-use super::road_axis::{RoadAxisShape, RoadPosition, Wave};
+use super::road_axis::{RoadAxisShape, Wave};
 use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::Side;
 use super::street_conditions::StreetConditions;
 use super::traffic::{Lane, bicycle_traffic, lane_traffic};
-use super::world::{Course, Stance, World};
+use super::world::World;
 
 const DRIVE_DURATION_S: f32 = 40.0;
 
@@ -27,16 +27,8 @@ pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Wor
         pavement_width_m: rng.random_range(1.2..2.6),
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };
-    let ego = Course {
-        road_idx: plan.road_idx,
-        start: RoadPosition { along_m: 0.0, left_m: 0.0 },
-        speed_m_per_s,
-        reach_m: plan.reach_m,
-        right_turn: None,
-        stance: Stance::OnSlope,
-    };
-    let mut world =
-        World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S, conditions.vehicle_mix());
+    let (ground, ego) = (ground(&plan, conditions, rng), plan.drive(0.0, speed_m_per_s));
+    let mut world = World::new(ground, ego, DRIVE_DURATION_S, conditions.vehicle_mix());
     for side in [Side::Left, Side::Right] {
         furnish(&mut world, &plan, (side, conditions.avenue), rng);
     }
@@ -56,12 +48,10 @@ fn parking(rng: &mut ChaCha8Rng) -> [Parking; 2] {
 
 fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Ground {
     let shape = RoadAxisShape {
-        origin_m: [0.0, 0.0],
-        heading_rad: 0.0,
-        reach_m: plan.reach_m,
         bends: Wave::any(1.0..6.0, 150.0..300.0, rng),
         gradient: rng.random_range(-0.1..0.1),
         hills: Wave::any(0.0..1.0, 150.0..300.0, rng),
+        ..RoadAxisShape::straight(plan.reach_m)
     };
     plan.ground(shape, conditions, rng)
 }

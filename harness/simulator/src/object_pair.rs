@@ -8,9 +8,9 @@ use rand_chacha::ChaCha8Rng;
 use super::furniture_shape::{bin, sign};
 use super::object_shape::ObjectShape;
 use super::person_shape::{any_build, pedestrian};
-use super::portable_math;
 use super::staged_scene::{StagedObject, on_the_road};
 use super::vehicle_shape::car;
+use super::world::sine_and_cosine;
 
 /// What stands next to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -162,8 +162,7 @@ fn bounds_at(shape: &ObjectShape, pose: &Pose) -> Aabb {
 
 /// Sine and cosine.
 fn unit(angle_rad: f32) -> [f32; 2] {
-    let (sine, cosine) = portable_math::sin_cos(f64::from(angle_rad));
-    [sine as f32, cosine as f32]
+    sine_and_cosine(angle_rad.into()).into()
 }
 
 fn turned([x, y]: [f32; 2], [sine, cosine]: [f32; 2]) -> [f32; 2] {

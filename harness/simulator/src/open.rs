@@ -3,10 +3,9 @@
 use nalgebra::Isometry3;
 use scans::dataset::class_table::ClassRules;
 use scans::dataset::dataset_format::DatasetFormat;
-use scans::dataset::mcap::topics::TopicChoice;
 use scans::dataset::mounting::Mounting;
 use scans::dataset::open::{ReadOptions, open_recorded};
-use scans::dataset::source::DamagePolicy;
+use scans::dataset::source::{DamagePolicy, TopicChoice};
 use scans::dataset::{Dataset, DatasetError};
 
 use super::catalogue::Catalogue;
@@ -47,11 +46,6 @@ impl OpenOptions {
 
 /// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path, as
 /// [`open_recorded`] does.
-///
-/// # Errors
-///
-/// [`DatasetError`] if there is no such data set, or it is damaged or not the one of the catalogue, or was made by a
-/// simulation that this simulator does not know.
 pub fn open_dataset(
     id_or_path: &str,
     options: &OpenOptions,
@@ -66,10 +60,8 @@ pub fn open_dataset(
         && let Err(error) = simulation.read::<StreetDrive>()
     {
         let path = description.root.clone().unwrap_or_default();
-        return Err(DatasetError::Damaged {
-            path,
-            problem: format!("has a description of its simulation that cannot be read: {error}"),
-        });
+        let problem = format!("has a description of its simulation that cannot be read: {error}");
+        return Err(DatasetError::damaged(path, problem));
     }
     Ok(dataset)
 }
@@ -80,11 +72,7 @@ fn open_drive(
     drive: &StreetDrive,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     if let Some(asked_for) = options.format {
-        return Err(DatasetError::FormatContradictsCatalogue {
-            id: id.to_owned(),
-            catalogued: "simulated".to_owned(),
-            asked_for: asked_for.to_string(),
-        });
+        return Err(DatasetError::other_format(id, "simulated", asked_for.name()));
     }
     let drive = StreetDrive {
         seed: options.seed.unwrap_or(drive.seed),

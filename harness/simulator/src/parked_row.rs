@@ -3,11 +3,10 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::person_shape;
-use super::portable_math;
+use super::pavement_people::stand_person;
 use super::road_plan::Parking;
 use super::roadside::Roadside;
-use super::world::{Placement, Stance, World};
+use super::world::{Stance, World, sine_and_cosine};
 
 /// How full the kerb is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,8 +37,7 @@ fn row_askew(
     turned_rad: f32,
     rng: &mut ChaCha8Rng,
 ) {
-    let (sine, cosine) = portable_math::sin_cos(f64::from(turned_rad));
-    let (sine, cosine) = (sine as f32, cosine as f32);
+    let (sine, cosine) = sine_and_cosine(turned_rad.into());
     let [mut along_m, end_m] = roadside.reach_m;
     while along_m < end_m - 5.0 {
         // Vans would stand in the way of the traffic.
@@ -172,23 +170,11 @@ impl SecondRow {
 /// Distance between a parked vehicle and one in the second row, in metres.
 const SECOND_ROW_GAP_M: std::ops::Range<f32> = 0.3..0.7;
 
-fn stand_person(
-    world: &mut World,
-    roadside: &Roadside,
-    [along_m, from_axis_m]: [f32; 2],
-    rng: &mut ChaCha8Rng,
-) {
-    let build = person_shape::any_build(rng);
-    let upright = roadside.facing_road(along_m, from_axis_m);
-    let turned_rad = rng.random_range(-3.1..3.1);
-    world.stand(person_shape::pedestrian(&build, 0.0), &Placement { turned_rad, ..upright });
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::ground::{Banks, CrossSection, Ground, Road};
     use super::super::object_shape::ObjectShape;
-    use super::super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
+    use super::super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition};
     use super::super::roadside::Side;
     use super::super::world::{Body, Course, Motion};
     use super::*;
@@ -202,26 +188,12 @@ mod tests {
     /// A straight, level road along x, and vehicles parked to the right of it.
     fn parked(parking: Parking, seed: u8) -> World {
         let kerb_m = LANES_M + parking.width_m();
-        let axis = RoadAxis::new(&RoadAxisShape {
-            origin_m: [0.0, 0.0],
-            heading_rad: 0.0,
-            reach_m: REACH_M,
-            bends: Wave::FLAT,
-            gradient: 0.0,
-            hills: Wave::FLAT,
-        });
+        let axis = RoadAxis::new(&RoadAxisShape::straight(REACH_M));
         let section =
             CrossSection { left_kerb_m: kerb_m, right_kerb_m: kerb_m, crown: 0.0, kerb_height_m: 0.1 };
         let roads = vec![Road { axis, section, banks: Banks::LEVEL }];
         let ground = Ground { roads, pavement_width_m: 3.0, corner_radius_m: 0.0 };
-        let ego = Course {
-            road_idx: 0,
-            start: RoadPosition { along_m: 0.0, left_m: 0.0 },
-            speed_m_per_s: 1.0,
-            reach_m: REACH_M,
-            right_turn: None,
-            stance: Stance::OnSlope,
-        };
+        let ego = Course::along(0, RoadPosition { along_m: 0.0, left_m: 0.0 }, 1.0, REACH_M);
         let mut world = World::new(ground, ego, 1.0, VehicleMix::Town);
         let roadside = Roadside {
             road_idx: 0,

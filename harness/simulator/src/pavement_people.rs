@@ -49,26 +49,30 @@ pub fn pavement_people(
     }
 }
 
+/// Lets a person stand `along_m` along the road and `from_axis_m` from its axis, facing any way.
+pub fn stand_person(
+    world: &mut World,
+    roadside: &Roadside,
+    [along_m, from_axis_m]: [f32; 2],
+    rng: &mut ChaCha8Rng,
+) {
+    let build = person_shape::any_build(rng);
+    let turned_rad = rng.random_range(-3.1..3.1);
+    let upright = roadside.facing_road(along_m, from_axis_m);
+    world.stand(person_shape::pedestrian(&build, 0.0), &Placement { turned_rad, ..upright });
+}
+
 fn person(
     world: &mut World,
     roadside: &Roadside,
     [along_m, from_axis_m, speed_m_per_s]: [f32; 3],
     rng: &mut ChaCha8Rng,
 ) {
-    let build = person_shape::any_build(rng);
     if speed_m_per_s == 0.0 {
-        let turned_rad = rng.random_range(-3.1..3.1);
-        let upright = roadside.facing_road(along_m, from_axis_m);
-        world.stand(person_shape::pedestrian(&build, 0.0), &Placement { turned_rad, ..upright });
-        return;
+        return stand_person(world, roadside, [along_m, from_axis_m], rng);
     }
-    let course = Course {
-        road_idx: roadside.road_idx,
-        start: roadside.position(along_m, from_axis_m),
-        speed_m_per_s,
-        reach_m: roadside.reach_m,
-        right_turn: None,
-        stance: Stance::Upright,
-    };
-    world.follow(Body::Walker(build), course);
+    let build = person_shape::any_build(rng);
+    let start = roadside.position(along_m, from_axis_m);
+    let course = Course::along(roadside.road_idx, start, speed_m_per_s, roadside.reach_m);
+    world.follow(Body::Walker(build), Course { stance: Stance::Upright, ..course });
 }

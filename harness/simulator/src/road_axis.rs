@@ -46,6 +46,14 @@ pub struct RoadAxis {
     heights_m: Vec<f32>,
 }
 
+impl RoadAxisShape {
+    /// A level road along x that goes straight on.
+    pub const fn straight(reach_m: [f32; 2]) -> Self {
+        let (bends, hills) = (Wave::FLAT, Wave::FLAT);
+        Self { origin_m: [0.0; 2], heading_rad: 0.0, reach_m, bends, gradient: 0.0, hills }
+    }
+}
+
 const STEP_M: f32 = 1.0;
 
 /// A place on the plan of a road.
@@ -141,10 +149,9 @@ mod tests {
             let axis = RoadAxis::new(&RoadAxisShape {
                 origin_m: [5.0, -3.0],
                 heading_rad: 1.1,
-                reach_m: [-100.0, 400.0],
                 bends: Wave { amplitude_m: 5.0, length_m: 400.0, phase: 0.3 },
                 gradient: 0.05,
-                hills: Wave::FLAT,
+                ..RoadAxisShape::straight([-100.0, 400.0])
             });
             let (plan, direction) = axis.world_plan(RoadPosition { along_m, left_m });
             let found = axis.road_position(plan);

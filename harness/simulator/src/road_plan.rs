@@ -4,9 +4,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::ground::{Banks, CrossSection, Ground, Road};
-use super::road_axis::{RoadAxis, RoadAxisShape};
+use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition};
 use super::roadside::{Roadside, Side};
 use super::street_conditions::StreetConditions;
+use super::world::Course;
 
 /// How far a street goes on before and after the drive, in metres: what a sensor can see.
 pub const MARGIN_M: f32 = 130.0;
@@ -57,6 +58,11 @@ impl RoadPlan {
             Side::Left => self.parking[0],
             Side::Right => self.parking[1],
         }
+    }
+
+    /// The drive along the road, from its beginning and `left_m` to the left of its axis.
+    pub fn drive(&self, left_m: f32, speed_m_per_s: f32) -> Course {
+        Course::along(self.road_idx, RoadPosition { along_m: 0.0, left_m }, speed_m_per_s, self.reach_m)
     }
 
     /// One side of the road over its whole length.

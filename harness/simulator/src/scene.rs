@@ -1,11 +1,12 @@
 //! Solid things at their places, and the first of them that a pulse meets.
 
-use parry3d::math::Vector;
+use parry3d::math::{Pose, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::Ray;
 
 use super::facade::PlacedFacade;
 use super::material::{Material, PaneFate, Passage, pane_fate};
+use super::object_shape::ObjectShape;
 use super::portable_math;
 use super::solid::PlacedSolid;
 
@@ -27,6 +28,21 @@ pub enum LeafForm {
     Solid(PlacedSolid),
     /// The street side of a house.
     Facade(PlacedFacade),
+}
+
+impl Leaf {
+    /// Those of the parts of `shape`, object number `object_idx`, at its place.
+    pub fn of_object(
+        shape: &ObjectShape,
+        world_from_object: &Pose,
+        object_idx: u32,
+    ) -> impl Iterator<Item = Self> {
+        shape.parts.iter().map(move |part| Self {
+            form: LeafForm::Solid(part.solid.placed(world_from_object)),
+            material: part.material,
+            object_idx: Some(object_idx),
+        })
+    }
 }
 
 /// Side of the cubes within which a pane does the same to all pulses, in metres.
@@ -189,7 +205,6 @@ pub fn chance(dice: u32, leaf_idx: u32) -> f32 {
 mod tests {
     use super::super::solid::Solid;
     use super::*;
-    use parry3d::math::Pose;
 
     fn leaf(least_m: [f32; 3], greatest_m: [f32; 3], material: Material, object_idx: u32) -> Leaf {
         let solid = Solid::cuboid(least_m, greatest_m).placed(&Pose::IDENTITY);

@@ -81,10 +81,6 @@ const FORMAT: &str = "simulated-street";
 
 /// Opens the drive as the data set called `id`. Where a street ends, or has given as many scans as it may, the drive goes on in
 /// the street of the next seed.
-///
-/// # Errors
-///
-/// [`DatasetError`] if there is no such sensor, or its description makes no sense.
 pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Dataset>, DatasetError> {
     let described = sensor_named(&drive.sensor)?;
     let height_above_road_m = drive.sensor_height_m.unwrap_or(described.height_above_road_m);
@@ -189,18 +185,16 @@ fn scans_of(drive: &StreetDrive, sensor: &SensorModel) -> (Vec<u64>, Vec<ScanId>
 }
 
 /// The embedded sensor with this id, or the one described in the file at this path.
-///
-/// # Errors
-///
-/// [`DatasetError`] if there is neither, or the description makes no sense.
 pub fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
     if let Some(sensor) = SensorModel::embedded(id_or_path) {
         return Ok(sensor);
     }
     let path = Path::new(id_or_path);
     if !path.exists() {
-        let known = EMBEDDED_SENSORS.map(|(id, _)| id.to_owned()).to_vec();
-        return Err(DatasetError::UnknownSensor { name: id_or_path.to_owned(), known });
+        let known = EMBEDDED_SENSORS.map(|(id, _)| id).join(", ");
+        return Err(DatasetError::Usage(format!(
+            "there is no sensor {id_or_path:?}: it is neither one of {known} nor a file"
+        )));
     }
     let described = SensorModel::from_toml(&read_text_file(path)?);
     described.map_err(|error| DatasetError::Sensor { path: path.to_owned(), source: error.into() })

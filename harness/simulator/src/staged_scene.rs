@@ -3,15 +3,15 @@
 use parry3d::math::{Pose, Vector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
+use scans::annotation::{LabeledScan, ScanId};
 
 use super::ground::{Banks, CrossSection, Ground, Road};
 use super::labeling::{VisibleObject, annotation};
 use super::object_shape::ObjectShape;
 use super::pulse_path::Surroundings;
-use super::road_axis::{RoadAxis, RoadAxisShape, Wave};
+use super::road_axis::{RoadAxis, RoadAxisShape};
 use super::scan::{beam_errors, turn};
-use super::scene::{Leaf, LeafForm, Scene};
+use super::scene::{Leaf, Scene};
 use super::sensor::SensorModel;
 
 /// A thing and where it stands: world from object, the sensor above the world's origin, which lies on the road.
@@ -29,13 +29,8 @@ const REACH_M: f32 = 200.0;
 /// Takes one scan of `objects`, with the noise that `seed` draws. Their tracks are their places in the list; those
 /// without a point are not annotated.
 pub fn staged_scan(objects: &[StagedObject], sensor: &SensorModel, seed: u64) -> LabeledScan {
-    let leaves = objects.iter().zip(0..).flat_map(|(object, object_idx)| {
-        object.shape.parts.iter().map(move |part| Leaf {
-            form: LeafForm::Solid(part.solid.placed(&object.world_from_object)),
-            material: part.material,
-            object_idx: Some(object_idx),
-        })
-    });
+    let leaves =
+        objects.iter().zip(0..).flat_map(|(it, idx)| Leaf::of_object(&it.shape, &it.world_from_object, idx));
     let surroundings = Surroundings {
         ground: &level_road(),
         standing: &Scene::new(leaves.collect()),
@@ -58,14 +53,8 @@ pub fn staged_scan(objects: &[StagedObject], sensor: &SensorModel, seed: u64) ->
         let visible = VisibleObject { object_idx, shape: &object.shape, sensor_from_object, point_indices };
         (!visible.point_indices.is_empty()).then(|| annotation(visible, &turn, sensor))
     });
-    LabeledScan {
-        id: ScanId { sequence: format!("staged-{seed}"), index: 0 },
-        annotations: annotations.collect(),
-        point_regions: vec![PointRegion::Labeled; turn.cloud.len()],
-        labeled_area: LabeledArea::Everywhere,
-        points_left_out: Vec::new(),
-        cloud: turn.cloud,
-    }
+    let annotations = annotations.collect();
+    LabeledScan::everywhere(ScanId { sequence: format!("staged-{seed}"), index: 0 }, turn.cloud, annotations)
 }
 
 /// A pose on the road: `plan_m` in front of and to the left of the sensor, turned counter-clockwise by sine and cosine.
@@ -78,14 +67,7 @@ pub fn on_the_road(plan_m: [f32; 2], [sine, cosine]: [f32; 2]) -> Pose {
 
 /// A level plain as far as any sensor sees.
 pub fn level_road() -> Ground {
-    let axis = RoadAxis::new(&RoadAxisShape {
-        origin_m: [0.0, 0.0],
-        heading_rad: 0.0,
-        reach_m: [-REACH_M, REACH_M],
-        bends: Wave::FLAT,
-        gradient: 0.0,
-        hills: Wave::FLAT,
-    });
+    let axis = RoadAxis::new(&RoadAxisShape::straight([-REACH_M, REACH_M]));
     let section =
         CrossSection { left_kerb_m: REACH_M, right_kerb_m: REACH_M, crown: 0.0, kerb_height_m: 0.0 };
     Ground {

@@ -60,10 +60,6 @@ const HILL_LENGTH_M: f32 = 120.0;
 
 impl StreetConditions {
     /// Whether all values can be; the text says which cannot.
-    ///
-    /// # Errors
-    ///
-    /// The first value outside of its range.
     pub fn check(&self) -> Result<(), String> {
         let values = [
             ("gradient", self.gradient, GRADIENTS),
@@ -71,12 +67,7 @@ impl StreetConditions {
             ("kerb_height_m", self.kerb_height_m, KERB_HEIGHTS_M),
             ("truck_ahead_height_m", self.truck_ahead_height_m, TRUCK_HEIGHTS_M),
         ];
-        for (name, value, range) in values {
-            if let Some(value) = value.filter(|value| !range.contains(value)) {
-                let (least, most) = (range.start(), range.end());
-                return Err(format!("{name} is {value}, which is not within {least} to {most}"));
-            }
-        }
+        values.into_iter().try_for_each(|(name, value, range)| check_range(name, value, &range))?;
         if self.gradient.is_some() && self.hill_gradient.is_some() {
             return Err("a street has either an even gradient or hills".to_owned());
         }
@@ -126,18 +117,24 @@ impl StreetConditions {
     }
 }
 
+/// Refuses a value that is set and not within `range`; the text says so.
+pub(crate) fn check_range(name: &str, value: Option<f32>, range: &RangeInclusive<f32>) -> Result<(), String> {
+    let (least, most) = (range.start(), range.end());
+    match value.filter(|value| !range.contains(value)) {
+        Some(value) => Err(format!("{name} is {value}, which is not within {least} to {most}")),
+        None => Ok(()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::road_axis::RoadAxis;
 
     const DRAWN: RoadAxisShape = RoadAxisShape {
-        origin_m: [0.0; 2],
-        heading_rad: 0.0,
-        reach_m: [0.0, 400.0],
-        bends: Wave::FLAT,
         gradient: 0.03,
         hills: Wave { amplitude_m: 1.0, length_m: 200.0, phase: 0.2 },
+        ..RoadAxisShape::straight([0.0, 400.0])
     };
 
     fn gradients(conditions: &StreetConditions) -> Vec<f32> {

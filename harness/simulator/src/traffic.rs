@@ -1,11 +1,13 @@
-//! Vehicles and bicycles that drive along a road.
+//! Vehicles and bicycles that drive along a road or wait at a stop line, and the truck that may drive ahead of the sensor.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::person_shape;
 use super::road_axis::RoadPosition;
-use super::world::{Body, Course, RightTurn, Stance, World};
+use super::roadside::Roadside;
+use super::vehicle_shape::truck_of_height;
+use super::world::{Body, Course, Motion, RightTurn, Stance, StreetObject, World};
 
 /// One lane and how it is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,12 +94,65 @@ fn for_each_start(
 }
 
 fn course(lane: &Lane, start_m: f32) -> Course {
-    Course {
-        road_idx: lane.road_idx,
-        start: RoadPosition { along_m: start_m, left_m: lane.left_m },
-        speed_m_per_s: lane.speed_m_per_s,
-        reach_m: lane.reach_m,
-        right_turn: None,
-        stance: Stance::OnSlope,
+    let start = RoadPosition { along_m: start_m, left_m: lane.left_m };
+    Course::along(lane.road_idx, start, lane.speed_m_per_s, lane.reach_m)
+}
+
+/// A queue at the crossing at 0 m along a road.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WaitingQueueParams {
+    /// Distance of the stop line from the crossing, in metres along the road.
+    pub stop_line_m: f32,
+    /// Middle of the lane, in metres from the axis.
+    pub from_axis_m: f32,
+    /// How many wait.
+    pub n_vehicles: u32,
+}
+
+/// Lets vehicles wait in the lane of `roadside` that leads to the crossing.
+pub fn waiting_queue(
+    world: &mut World,
+    roadside: &Roadside,
+    params: &WaitingQueueParams,
+    rng: &mut ChaCha8Rng,
+) {
+    // On the right, traffic goes along the road: what waits stands at negative distances, head first.
+    let backward = roadside.side.sign();
+    let mut front_m = params.stop_line_m;
+    for _ in 0..params.n_vehicles {
+        let shape = world.vehicle_mix.driven(rng);
+        let length_m = shape.length_m();
+        let along_m = backward * (front_m + length_m / 2.0);
+        front_m += length_m + rng.random_range(0.8..2.5);
+        world.stand(shape, &roadside.along_traffic(along_m, params.from_axis_m, Stance::OnSlope));
     }
+}
+
+/// From the sensor to the truck's rear, in metres.
+const REAR_AHEAD_M: f32 = 9.0;
+/// What the truck's place takes before and behind it, in metres.
+const CLEARANCE_M: f32 = 2.5;
+/// What is nearer than this to the middle of the lane drives in it, in metres.
+const HALF_LANE_M: f32 = 1.7;
+
+/// Puts a truck of `height_m` ahead of the sensor, at its speed. What drives at that place makes room.
+pub fn leading_truck(world: &mut World, height_m: f32, rng: &mut ChaCha8Rng) {
+    let shape = truck_of_height(height_m, rng);
+    let length_m = shape.length_m();
+    let rear_m = world.ego.start.along_m + REAR_AHEAD_M;
+    let middle_m = rear_m + length_m / 2.0;
+    let ego = world.ego;
+    let is_in_place = |object: &StreetObject| match (&object.motion, &object.body) {
+        (Motion::Following(course), Body::Rigid(other)) => {
+            course.road_idx == ego.road_idx
+                && course.speed_m_per_s == ego.speed_m_per_s
+                && (course.start.left_m - ego.start.left_m).abs() < HALF_LANE_M
+                && (course.start.along_m - middle_m).abs()
+                    < f32::midpoint(length_m, other.length_m()) + CLEARANCE_M
+        }
+        _ => false,
+    };
+    world.objects.retain(|object| !is_in_place(object));
+    let start = RoadPosition { along_m: middle_m, left_m: ego.start.left_m };
+    world.follow(Body::Rigid(shape), Course { start, ..ego });
 }

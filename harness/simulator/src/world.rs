@@ -153,6 +153,11 @@ impl StreetObject {
 }
 
 impl Course {
+    /// A vehicle's, straight on along road number `road_idx`.
+    pub fn along(road_idx: usize, start: RoadPosition, speed_m_per_s: f32, reach_m: [f32; 2]) -> Self {
+        Self { road_idx, start, speed_m_per_s, reach_m, right_turn: None, stance: Stance::OnSlope }
+    }
+
     /// The place at `time_s` from the start of the drive; `None` beyond the reach.
     pub fn placement_at(&self, time_s: f32) -> Option<Placement> {
         let along_m = self.start.along_m + self.speed_m_per_s * time_s;
@@ -174,10 +179,10 @@ impl Course {
             return straight_on;
         }
         let angle_rad = (past_m / turn.radius_m).min(std::f32::consts::FRAC_PI_2);
-        let (sine, cosine) = portable_math::sin_cos(f64::from(angle_rad));
+        let (sine, cosine) = sine_and_cosine(angle_rad.into());
         let after_m = past_m - angle_rad * turn.radius_m;
-        let ahead_m = turn.radius_m * sine as f32;
-        let aside_m = turn.radius_m * (1.0 - cosine as f32) + after_m;
+        let ahead_m = turn.radius_m * sine;
+        let aside_m = turn.radius_m * (1.0 - cosine) + after_m;
         let position = RoadPosition {
             along_m: turn.from_m + direction * ahead_m,
             left_m: straight_on.position.left_m - direction * aside_m,
@@ -189,8 +194,7 @@ impl Course {
 /// The frame that stands at `placement`: x ahead, y to the left, z up, the origin on the ground.
 pub fn world_from_placement(ground: &Ground, placement: &Placement) -> Pose {
     let (plan, [along_x, along_y]) = ground.roads[placement.road_idx].axis.world_plan(placement.position);
-    let (sine, cosine) = portable_math::sin_cos(f64::from(placement.turned_rad));
-    let (sine, cosine) = (sine as f32, cosine as f32);
+    let (sine, cosine) = sine_and_cosine(placement.turned_rad.into());
     let ahead = Vector::new(cosine * along_x - sine * along_y, sine * along_x + cosine * along_y, 0.0);
     let up = match placement.stance {
         Stance::Upright => Vector::Z,
@@ -199,6 +203,12 @@ pub fn world_from_placement(ground: &Ground, placement: &Placement) -> Pose {
     let left = up.cross(ahead).normalize();
     let position = Vector::new(plan[0], plan[1], ground.height_m(plan));
     Pose::from_parts(position, rotation_from_axes(left.cross(up), left, up))
+}
+
+/// Sine and cosine in the precision of places.
+pub fn sine_and_cosine(angle_rad: f64) -> (f32, f32) {
+    let (sine, cosine) = portable_math::sin_cos(angle_rad);
+    (sine as f32, cosine as f32)
 }
 
 /// The rotation whose x, y and z axes are these unit vectors.
@@ -213,14 +223,9 @@ mod tests {
     /// Where a car is that turns right at 20 m along the road, with a radius of 8 m, and its heading.
     #[track_caller]
     fn check(speed_m_per_s: f32, time_s: f32, expected: [f32; 3]) {
-        let course = Course {
-            road_idx: 0,
-            start: RoadPosition { along_m: if speed_m_per_s > 0.0 { 10.0 } else { 30.0 }, left_m: -2.0 },
-            speed_m_per_s,
-            reach_m: [0.0, 100.0],
-            right_turn: Some(RightTurn { from_m: 20.0, radius_m: 8.0 }),
-            stance: Stance::OnSlope,
-        };
+        let start = RoadPosition { along_m: if speed_m_per_s > 0.0 { 10.0 } else { 30.0 }, left_m: -2.0 };
+        let right_turn = Some(RightTurn { from_m: 20.0, radius_m: 8.0 });
+        let course = Course { right_turn, ..Course::along(0, start, speed_m_per_s, [0.0, 100.0]) };
         let Placement { position, turned_rad, .. } = course.placement_at(time_s).unwrap();
         let found = [position.along_m, position.left_m, turned_rad];
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?}");

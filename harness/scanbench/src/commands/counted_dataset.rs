@@ -3,11 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use nalgebra::Isometry3;
 use scans::annotation::LabeledScan;
-use scans::dataset::foreign_frame::ForeignFrame;
-use scans::dataset::kitti::label::KittiLabel;
-use scans::dataset::official::OfficialScan;
 use scans::dataset::{Dataset, DatasetError, Listing, Nearness};
 
 /// How many points without a position each scan has, of the scans that were read and have any.
@@ -62,22 +58,14 @@ impl Dataset for CountedDataset {
         self.dataset.listing()
     }
 
+    fn inner(&self) -> Option<&dyn Dataset> {
+        Some(&*self.dataset)
+    }
+
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let scan = self.dataset.read_scan(scan_idx)?;
         self.points_left_out.note(scan_idx, scan.points_left_out.len());
         Ok(scan)
-    }
-
-    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        self.dataset.scan_time_ns(scan_idx)
-    }
-
-    fn point_labels(&self, scan_idx: usize, scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
-        self.dataset.point_labels(scan_idx, scan)
-    }
-
-    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
-        self.dataset.oddities()
     }
 
     fn nearness(&self) -> Nearness {
@@ -89,29 +77,5 @@ impl Dataset for CountedDataset {
             Some(blocks) => blocks[scan_idx].as_deref(),
             None => self.dataset.scan_block(scan_idx),
         }
-    }
-
-    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
-        self.dataset.scan_n_bytes(scan_idx)
-    }
-
-    fn left_out(&self) -> Option<&str> {
-        self.dataset.left_out()
-    }
-
-    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
-        self.dataset.world_from_sensor(scan_idx)
-    }
-
-    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
-        self.dataset.foreign_frame(scan_idx)
-    }
-
-    fn kitti_labels(&self, scan_idx: usize) -> Option<&[KittiLabel]> {
-        self.dataset.kitti_labels(scan_idx)
-    }
-
-    fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
-        self.dataset.official_scan(scan_idx)
     }
 }

@@ -73,8 +73,8 @@ mod tests {
 
     #[test]
     fn data_that_are_missing_and_data_that_do_not_exist_differ() {
-        let missing = || DatasetError::NoScans { path: "velodyne".into() };
-        let unknown = || DatasetError::UnknownDataset { name: "kity".to_owned(), known: Vec::new() };
+        let missing = || DatasetError::no_scans("velodyne");
+        let unknown = || DatasetError::unknown_dataset("kity", &[]);
         check(missing(), 3);
         check(RunError::from(missing()), 3);
         check(unknown(), 2);

@@ -5,13 +5,12 @@ use std::path::Path;
 use detector::PointCloud;
 use detector::grid::density_curve::DensityCurve;
 use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
-use scans::dataset::catalogue::KITTI_SENSOR;
 use scans::dataset::class_table::ClassTable;
-use scans::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
+use scans::dataset::kitti::split_folder::{KITTI_SENSOR, KITTI_SENSOR_HEIGHT_M};
 use scans::dataset::mcap::mcap_dataset::is_mcap;
 use scans::dataset::scan_folder::any_scan_file::read_scan_file;
 use scans::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, scan_extension};
-use scans::dataset::velodyne_capture::revolutions::is_velodyne_capture;
+use scans::dataset::velodyne_capture::capture_file::is_capture;
 use scans::dataset::{AnnotatedClasses, DatasetDescription};
 use simulator::open::open_dataset;
 
@@ -52,7 +51,7 @@ pub fn open_scan(
         if scan_extension(path).is_some() {
             return open_file(input, id, source);
         }
-        if path.is_file() && !is_mcap(path) && !is_velodyne_capture(path) {
+        if path.is_file() && !is_mcap(path) && !is_capture(path) {
             return Err(Usage(format!(
                 "cannot read {input:?} as a scan: give a file that ends in .{}, or an MCAP recording or a \
                  packet capture with --scan",

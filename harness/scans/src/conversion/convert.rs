@@ -28,9 +28,7 @@ pub struct Output<'a> {
 /// Writes the scans of `dataset` at `scan_indices`; `on_scan` is called after each, and of a scan that cannot be
 /// read `on_damage` says whether to go on without it.
 ///
-/// # Errors
-///
-/// [`ConversionError`] if a scan cannot be read or written; nothing is left behind then. Whatever `on_scan` returns.
+/// Nothing is left behind after an error.
 pub fn convert<E: From<ConversionError>>(
     dataset: &dyn Dataset,
     scan_indices: &[usize],

@@ -67,14 +67,7 @@ mod tests {
     use std::path::Path;
 
     fn annotation(class: AnnotationClass) -> Annotation {
-        Annotation {
-            class,
-            bounding_box: None,
-            point_indices: Vec::new(),
-            track: None,
-            occlusion: Some(Occlusion::Largely),
-            truncation: None,
-        }
+        Annotation { occlusion: Some(Occlusion::Largely), ..Annotation::of(class) }
     }
 
     fn read_back(line: &str) -> (AnnotationClass, Option<Occlusion>, OrientedBox) {

@@ -42,10 +42,6 @@ pub struct KittiWriter {
 
 impl KittiWriter {
     /// Begins the folder `path`, with what `sheet` says about the scans.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if it exists or cannot be written.
     pub fn create(path: &Path, layout: KittiLayout, sheet: DataSheet) -> Result<Self, ConversionError> {
         let sheet = DataSheet { labeled_region: LabeledRegion::PerPoint, ..sheet };
         Ok(Self {

@@ -15,7 +15,6 @@ use prost::Message;
 use reports::files::whole_file::WholeFile;
 use serde::Serialize;
 
-use super::foxglove_schema::file_descriptor_set;
 use super::scene::{SENSOR_FRAME, entities_of, scene_of};
 use super::stable_summary::{Ending, StableSummary};
 use super::{ConversionError, ScanToWrite, ScanWriter};
@@ -27,13 +26,16 @@ use crate::dataset::mcap::foxglove_messages::{
 };
 use crate::dataset::mcap::foxglove_scene::SceneUpdate;
 use crate::dataset::mcap::mcap_dataset::own_metadata;
-use crate::dataset::mcap::recorded_cloud::{number_of_region, own_fields};
+use crate::dataset::mcap::recorded_cloud::own_fields;
 use crate::dataset::mcap::topics::ANNOTATION_TOPIC;
 use crate::dataset::packed_points::{NumberType, RING, TIME_OFFSET};
 use crate::dataset::points_of_boxes::points_of_boxes;
 
 /// The topic of the clouds.
 pub const CLOUD_TOPIC: &str = "/lidar/points";
+
+/// The messages that are written, so that others can read them: `foxglove.proto` as a serialised `FileDescriptorSet`.
+const DESCRIPTIONS: &[u8] = include_bytes!("foxglove.desc");
 
 const TRANSFORM_TOPIC: &str = "/tf";
 
@@ -76,10 +78,6 @@ pub struct McapWriter {
 
 impl McapWriter {
     /// Begins the recording `path`, with what `sheet` says about the scans.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if nothing can be written there.
     pub fn create(
         path: &Path,
         compression: ChunkCompression,
@@ -97,10 +95,6 @@ impl McapWriter {
     }
 
     /// Appends a message in protobuf; its topic is announced if it is the first.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
     pub fn write_message(
         &mut self,
         topic: &str,
@@ -109,17 +103,13 @@ impl McapWriter {
         message: &impl Message,
     ) -> Result<(), ConversionError> {
         let announce = |writer: &mut McapFile| {
-            let schema = writer.add_schema(schema, "protobuf", &file_descriptor_set())?;
+            let schema = writer.add_schema(schema, "protobuf", DESCRIPTIONS)?;
             writer.add_channel(schema, topic, "protobuf", &BTreeMap::new())
         };
         self.write_bytes(topic, announce, time_ns, &message.encode_to_vec())
     }
 
     /// Appends a message in JSON, which `schema` describes by its name and as JSON schema.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
     pub fn write_json(
         &mut self,
         topic: &str,
@@ -158,10 +148,6 @@ impl McapWriter {
     }
 
     /// Appends a scene on `topic`.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
     pub fn write_scene(
         &mut self,
         topic: &str,
@@ -235,7 +221,7 @@ fn cloud_of(scan: &LabeledScan, time_ns: u64) -> PointCloud {
         .point_regions
         .iter()
         .any(|it| *it != PointRegion::Labeled)
-        .then(|| scan.point_regions.iter().map(|it| number_of_region(*it)).collect::<Vec<u8>>());
+        .then(|| scan.point_regions.iter().map(|it| it.number()).collect::<Vec<u8>>());
     let mut fields = Vec::new();
     let mut point_stride = 0;
     let mut add_field = |name: &str, number: NumberType| {

@@ -8,7 +8,6 @@ use crate::annotation::LabeledScan;
 
 pub mod error;
 pub mod output_format;
-pub mod foxglove_schema;
 pub mod scene;
 pub mod stable_summary;
 pub mod mcap_writer;
@@ -39,16 +38,8 @@ pub struct ScanToWrite<'a> {
 /// A data set that is being written.
 pub trait ScanWriter {
     /// Appends a scan.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it, or the format cannot hold it.
     fn write(&mut self, scan: &ScanToWrite<'_>) -> Result<(), ConversionError>;
 
     /// Ends the data set, which appears under its name now.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
     fn finish(self: Box<Self>) -> Result<(), ConversionError>;
 }

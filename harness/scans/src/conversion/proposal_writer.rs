@@ -43,10 +43,6 @@ pub struct ProposalWriter {
 
 impl ProposalWriter {
     /// Begins the folder `path`, with what `sheet` says about the scans.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if it exists or cannot be written.
     pub fn create(path: &Path, format: ProposalFormat, sheet: DataSheet) -> Result<Self, ConversionError> {
         // Whoever corrects proposals looks all round.
         let sheet = DataSheet { labeled_region: LabeledRegion::Everywhere, ..sheet };
@@ -56,10 +52,6 @@ impl ProposalWriter {
     }
 
     /// Appends a scan with its proposals.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
     pub fn write(&mut self, scan: &LabeledScan, proposals: &[Proposal]) -> Result<(), ConversionError> {
         let name = match self.format {
             ProposalFormat::Kitti => format!("{:06}", self.n_written),
@@ -97,10 +89,6 @@ impl ProposalWriter {
     }
 
     /// Ends the project, which appears under its name now.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
     pub fn finish(self) -> Result<(), ConversionError> {
         self.folder.write(DATA_SHEET, self.sheet.to_json().as_bytes())?;
         if self.format == ProposalFormat::Labelcloud {
@@ -128,14 +116,7 @@ fn listed(proposal: &Proposal, track: Option<u32>) -> ListedBox {
 fn kitti_labels(proposals: &[Proposal]) -> String {
     let mut labels = String::new();
     for Proposal { bounding_box, score } in proposals {
-        let annotation = Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: Vec::new(),
-            track: None,
-            occlusion: None,
-            truncation: None,
-        };
+        let annotation = Annotation::of(AnnotationClass::Car);
         let line = label_line(&annotation, bounding_box, "-1");
         let score = score.map(|it| format!(" {it}")).unwrap_or_default();
         writeln!(labels, "{line}{score}").expect("a string takes all that is written");

@@ -43,10 +43,6 @@ struct Drive {
 
 impl SemanticKittiWriter {
     /// Begins the folder `path`, with what `sheet` says about the scans.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if it exists or cannot be written.
     pub fn create(path: &Path, sheet: DataSheet) -> Result<Self, ConversionError> {
         Ok(Self { folder: WholeFolder::create(path)?, sheet, drives: BTreeMap::new() })
     }

@@ -43,10 +43,6 @@ impl<W: Write> StableSummary<W> {
     }
 
     /// Passes on what was kept, in order.
-    ///
-    /// # Errors
-    ///
-    /// If the disk does not take it.
     pub fn finish(mut self) -> io::Result<W> {
         // What is not as it should be is left as it is: it is no worse than before.
         let _ = sort_summary(&mut self.end, self.n_passed_on);

@@ -21,10 +21,6 @@ pub struct WholeFolder {
 
 impl WholeFolder {
     /// Begins the folder `target`, which must not exist.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if it does, somebody else is writing it, or nothing can be written there.
     pub fn create(target: &Path) -> Result<Self, ConversionError> {
         if target.exists() {
             return Err(ConversionError::Occupied { path: target.to_path_buf() });
@@ -51,9 +47,7 @@ impl WholeFolder {
 
     /// Writes the file `name`, with its folders.
     ///
-    /// # Errors
-    ///
-    /// [`ConversionError::Write`], also if there is a file of that name already: two names may be one where upper and lower case are not told apart.
+    /// A file of that name that is there already is an error: two names may be one where upper and lower case are not told apart.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<(), ConversionError> {
         use std::io::Write as _;
         let path = self.partial.path().join(name);
@@ -66,10 +60,6 @@ impl WholeFolder {
     }
 
     /// Gives the folder its name.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if something of that name has appeared.
     pub fn finish(self) -> Result<(), ConversionError> {
         let Self { partial, unfinished, target, _name } = self;
         if target.exists() {

@@ -9,14 +9,12 @@ use toml::Spanned;
 
 use super::class_table::{ClassTable, class_of_word};
 use super::dataset_format::DatasetFormat;
-use super::mcap::topics::TopicChoice;
+use super::kitti::split_folder::KITTI_SENSOR;
 use super::root_template::RootTemplate;
-use super::shown_name::is_printable;
+use super::shown_name::{is_printable, shown};
+use super::source::{ChosenParts, TopicChoice};
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, DatasetError};
-
-/// The sensor of the KITTI recordings.
-pub const KITTI_SENSOR: &str = "hdl-64e-s2";
 
 /// What a catalogue says of a simulated data set, in the simulator's own words.
 pub trait SimulatedEntry: DeserializeOwned {
@@ -54,8 +52,10 @@ impl<S> Catalogue<S> {
 /// One data set on disk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CatalogueEntry {
-    /// Its format, and which part of it is meant.
-    pub parts: CataloguedParts,
+    /// Its format.
+    pub format: DatasetFormat,
+    /// Which part of it is meant.
+    pub parts: ChosenParts,
     /// Where it lies.
     pub root: RootTemplate,
     /// A text file below the root that lists the numbers of the scans to read, one a line, if it has one.
@@ -76,124 +76,41 @@ pub struct CatalogueEntry {
     pub classes: ClassTable,
 }
 
-/// Which part of a data set is meant, in terms of its format.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum CataloguedParts {
-    /// KITTI tracking.
-    KittiTracking {
-        /// These drives, or all.
-        sequences: Option<BTreeSet<String>>,
-    },
-    /// KITTI object.
-    KittiObject {
-        /// The scans of these numbers, or all.
-        scans: Option<BTreeSet<u32>>,
-    },
-    /// SemanticKITTI.
-    SemanticKitti {
-        /// These drives, or all that have labels.
-        sequences: Option<BTreeSet<String>>,
-    },
-    /// A recording.
-    Mcap(TopicChoice),
-    /// A folder of scans.
-    ScanFolder,
-    /// Argoverse 2.
-    Argoverse2 {
-        /// These logs, or all that have annotations.
-        sequences: Option<BTreeSet<String>>,
-    },
-    /// KITTI raw.
-    KittiRaw {
-        /// These drives, such as `2011_09_26_drive_0001_sync`, or all.
-        sequences: Option<BTreeSet<String>>,
-    },
-    /// nuScenes.
-    NuScenes {
-        /// These scenes, such as `scene-0061`, or all.
-        sequences: Option<BTreeSet<String>>,
-    },
-    /// A capture of packets.
-    VelodynePcap,
-}
-
-impl CataloguedParts {
-    /// All of a data set in this format.
-    pub fn all(format: DatasetFormat) -> Self {
-        match format {
-            DatasetFormat::KittiTracking => Self::KittiTracking { sequences: None },
-            DatasetFormat::KittiObject => Self::KittiObject { scans: None },
-            DatasetFormat::SemanticKitti => Self::SemanticKitti { sequences: None },
-            DatasetFormat::Mcap => Self::Mcap(TopicChoice::default()),
-            DatasetFormat::Argoverse2 => Self::Argoverse2 { sequences: None },
-            DatasetFormat::KittiRaw => Self::KittiRaw { sequences: None },
-            DatasetFormat::NuScenes => Self::NuScenes { sequences: None },
-            DatasetFormat::VelodynePcap => Self::VelodynePcap,
-            DatasetFormat::ScanFolder => Self::ScanFolder,
-        }
-    }
-
-    /// The format in whose terms this is.
-    pub fn format(&self) -> DatasetFormat {
-        match self {
-            Self::KittiTracking { .. } => DatasetFormat::KittiTracking,
-            Self::KittiObject { .. } => DatasetFormat::KittiObject,
-            Self::SemanticKitti { .. } => DatasetFormat::SemanticKitti,
-            Self::Mcap(_) => DatasetFormat::Mcap,
-            Self::ScanFolder => DatasetFormat::ScanFolder,
-            Self::Argoverse2 { .. } => DatasetFormat::Argoverse2,
-            Self::KittiRaw { .. } => DatasetFormat::KittiRaw,
-            Self::NuScenes { .. } => DatasetFormat::NuScenes,
-            Self::VelodynePcap => DatasetFormat::VelodynePcap,
-        }
-    }
-}
-
 /// Reads the catalogue at `path`.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`], [`DatasetError::NotText`], or [`DatasetError::Catalogue`] with the line of the first mistake.
 pub fn read_catalogue<S: SimulatedEntry>(path: &Path) -> Result<Catalogue<S>, DatasetError> {
     parse_catalogue(&path.display().to_string(), &read_text_file(path)?)
 }
 
 /// Reads the catalogue in `text`, which errors call `name`.
-///
-/// # Errors
-///
-/// [`DatasetError::Catalogue`] with the line of the first mistake.
 pub fn parse_catalogue<S: SimulatedEntry>(name: &str, text: &str) -> Result<Catalogue<S>, DatasetError> {
     let source = CatalogueText { name, text };
     let written: WrittenCatalogue<S> = toml::from_str(text)
-        .map_err(|error| source.error(error.span().map_or(0, |it| it.start), error.message().to_owned()))?;
+        .map_err(|error| source.error(error.span().map_or(0, |it| it.start), error.message()))?;
     let mut catalogue =
         Catalogue { recorded: BTreeMap::new(), simulated: BTreeMap::new(), groups: BTreeMap::new() };
     for (id, drive) in written.simulated {
-        drive.get_ref().check().map_err(|problem| source.error(drive.span().start, problem))?;
+        drive.get_ref().check().map_err(|problem| source.error(drive.span().start, &problem))?;
         let drive = drive.into_inner();
         catalogue.simulated.insert(checked_id(&id, &source)?, drive);
     }
     for (id, entry) in written.recorded {
         let checked = checked_id(&id, &source)?;
-        let entry = complete(&id, entry, &source)?;
         if catalogue.simulated.contains_key(&checked) {
-            return Err(
-                source.error(id.span().start, format!("a simulated data set has the id {checked:?} already"))
-            );
+            let problem = format!("a simulated data set has the id {checked:?} already");
+            return Err(source.error(id.span().start, &problem));
         }
-        catalogue.recorded.insert(checked, entry_from_written(entry, &source)?);
+        catalogue.recorded.insert(checked, entry_from_written(&id, entry, &source)?);
     }
     for (id, members) in written.groups {
         let checked = checked_id(&id, &source)?;
         if let Some(unknown) =
             members.get_ref().iter().find(|member| !catalogue.ids().any(|it| it == *member))
         {
-            return Err(source.error(members.span().start, format!("there is no data set {unknown:?}")));
+            return Err(source.error(members.span().start, &format!("there is no data set {unknown:?}")));
         }
         if members.get_ref().is_empty() || catalogue.ids().any(|it| *it == checked) {
             let problem = format!("the group {checked:?} is empty, or a data set has this id");
-            return Err(source.error(id.span().start, problem));
+            return Err(source.error(id.span().start, &problem));
         }
         catalogue.groups.insert(checked, members.into_inner());
     }
@@ -205,14 +122,14 @@ fn checked_id(id: &Spanned<String>, source: &CatalogueText<'_>) -> Result<String
         return Ok(id.get_ref().clone());
     }
     let problem = format!("{:?} is not an id: use letters, digits, - and _", id.get_ref());
-    Err(source.error(id.span().start, problem))
+    Err(source.error(id.span().start, &problem))
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, bound(deserialize = "S: DeserializeOwned"))]
 struct WrittenCatalogue<S> {
     #[serde(default)]
-    recorded: BTreeMap<Spanned<String>, WrittenFields>,
+    recorded: BTreeMap<Spanned<String>, WrittenEntry>,
     #[serde(default)]
     simulated: BTreeMap<Spanned<String>, Spanned<S>>,
     #[serde(default)]
@@ -222,7 +139,7 @@ struct WrittenCatalogue<S> {
 /// An entry as it is written, of which fields may be missing, with the positions of what can be wrong.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WrittenFields {
+struct WrittenEntry {
     format: Option<DatasetFormat>,
     root: Option<Spanned<String>>,
     sequences: Option<Spanned<BTreeSet<String>>>,
@@ -241,74 +158,6 @@ struct WrittenFields {
     classes: BTreeMap<String, Spanned<String>>,
 }
 
-/// An entry that lacks nothing.
-struct WrittenEntry {
-    format: DatasetFormat,
-    root: Spanned<String>,
-    sequences: Option<Spanned<BTreeSet<String>>>,
-    scans: Option<Spanned<BTreeSet<u32>>>,
-    scan_list: Option<Spanned<PathBuf>>,
-    topic: Option<Spanned<String>>,
-    annotation_topic: Option<Spanned<String>>,
-    annotated_classes: AnnotatedClasses,
-    sensor_height_m: Spanned<f32>,
-    sensor: String,
-    licence: Option<String>,
-    url: Option<String>,
-    checksum: Option<Spanned<String>>,
-    classes: BTreeMap<String, Spanned<String>>,
-}
-
-/// `written`, if it lacks nothing that is needed; all that it lacks is named at once.
-fn complete(
-    id: &Spanned<String>,
-    written: WrittenFields,
-    source: &CatalogueText<'_>,
-) -> Result<WrittenEntry, DatasetError> {
-    let WrittenFields {
-        sequences,
-        scans,
-        scan_list,
-        topic,
-        annotation_topic,
-        sensor,
-        licence,
-        url,
-        checksum,
-        classes,
-        ..
-    } = written;
-    match (written.format, written.root, written.annotated_classes, written.sensor_height_m) {
-        (Some(format), Some(root), Some(annotated_classes), Some(sensor_height_m)) => Ok(WrittenEntry {
-            format,
-            root,
-            sequences,
-            scans,
-            scan_list,
-            topic,
-            annotation_topic,
-            annotated_classes,
-            sensor_height_m,
-            sensor,
-            licence,
-            url,
-            checksum,
-            classes,
-        }),
-        (format, root, annotated_classes, sensor_height_m) => {
-            let fields = [
-                ("format", format.is_none()),
-                ("root", root.is_none()),
-                ("annotated_classes", annotated_classes.is_none()),
-                ("sensor_height_m", sensor_height_m.is_none()),
-            ];
-            let missing: Vec<&str> = fields.into_iter().filter(|it| it.1).map(|it| it.0).collect();
-            let problem = format!("[recorded.{}] lacks {}", id.get_ref(), missing.join(", "));
-            Err(source.error(id.span().start, problem))
-        }
-    }
-}
-
 fn kitti_sensor() -> String {
     KITTI_SENSOR.to_owned()
 }
@@ -320,29 +169,44 @@ struct CatalogueText<'a> {
 }
 
 impl CatalogueText<'_> {
-    fn error(&self, byte_offset: usize, problem: String) -> DatasetError {
+    fn error(&self, byte_offset: usize, problem: &str) -> DatasetError {
         let before = self.text.as_bytes().iter().take(byte_offset);
         let line = 1 + before.filter(|byte| **byte == b'\n').count();
-        DatasetError::Catalogue { catalogue: self.name.to_owned(), line, problem }
+        DatasetError::Usage(format!("{}, line {line}: {}", shown(self.name), shown(problem)))
     }
 }
 
+/// What `written` says, if it lacks nothing that is needed; all that it lacks is named at once.
 fn entry_from_written(
+    id: &Spanned<String>,
     written: WrittenEntry,
     source: &CatalogueText<'_>,
 ) -> Result<CatalogueEntry, DatasetError> {
-    let root = RootTemplate::parse(written.root.get_ref())
-        .map_err(|problem| source.error(written.root.span().start, problem))?;
-    let sensor_height_m = *written.sensor_height_m.get_ref();
+    let fields = [
+        ("format", written.format.is_none()),
+        ("root", written.root.is_none()),
+        ("annotated_classes", written.annotated_classes.is_none()),
+        ("sensor_height_m", written.sensor_height_m.is_none()),
+    ];
+    let missing: Vec<&str> = fields.into_iter().filter(|it| it.1).map(|it| it.0).collect();
+    let (Some(format), Some(root), Some(annotated), Some(height_m)) =
+        (written.format, &written.root, &written.annotated_classes, &written.sensor_height_m)
+    else {
+        let problem = format!("[recorded.{}] lacks {}", id.get_ref(), missing.join(", "));
+        return Err(source.error(id.span().start, &problem));
+    };
+    let root_at = root.span().start;
+    let root = RootTemplate::parse(root.get_ref()).map_err(|problem| source.error(root_at, &problem))?;
+    let sensor_height_m = *height_m.get_ref();
     if !(sensor_height_m > 0.0 && sensor_height_m.is_finite()) {
         let problem = format!("sensor_height_m is {sensor_height_m}, but must be greater than 0");
-        return Err(source.error(written.sensor_height_m.span().start, problem));
+        return Err(source.error(height_m.span().start, &problem));
     }
     if let Some(checksum) = &written.checksum
         && !is_sha256(checksum.get_ref())
     {
         let problem = format!("checksum {:?} is not 64 lower-case hexadecimal digits", checksum.get_ref());
-        return Err(source.error(checksum.span().start, problem));
+        return Err(source.error(checksum.span().start, &problem));
     }
     let texts = [
         ("sensor", Some(&written.sensor)),
@@ -352,18 +216,19 @@ fn entry_from_written(
     let said = texts.into_iter().filter_map(|(field, text)| Some((field, text?)));
     if let Some((field, text)) = { said }.find(|(_, it)| !it.chars().all(is_printable)) {
         let problem = format!("{field} {text:?} has a control character");
-        return Err(source.error(written.root.span().start, problem));
+        return Err(source.error(root_at, &problem));
     }
     let mut classes = ClassTable::default();
     for (name, word) in &written.classes {
-        let class = class_of_word(word.get_ref()).map_err(|it| source.error(word.span().start, it))?;
+        let class = class_of_word(word.get_ref()).map_err(|it| source.error(word.span().start, &it))?;
         classes.insert(name, class);
     }
     Ok(CatalogueEntry {
-        parts: parts(&written, source)?,
+        format,
+        parts: parts(&written, format, source)?,
         root,
         scan_list: written.scan_list.map(Spanned::into_inner),
-        annotated: written.annotated_classes,
+        annotated: annotated.clone(),
         sensor_height_m,
         sensor: written.sensor,
         licence: written.licence,
@@ -373,60 +238,50 @@ fn entry_from_written(
     })
 }
 
-fn parts(written: &WrittenEntry, source: &CatalogueText<'_>) -> Result<CataloguedParts, DatasetError> {
-    let format = written.format;
-    let misplaced = |field: &str, byte_offset: usize| {
-        source.error(byte_offset, format!("{field} does not exist for the format {format}"))
-    };
-    let mut parts = CataloguedParts::all(format);
-    if let Some(chosen) = &written.sequences {
-        let (CataloguedParts::KittiTracking { sequences }
-        | CataloguedParts::SemanticKitti { sequences }
-        | CataloguedParts::Argoverse2 { sequences }
-        | CataloguedParts::KittiRaw { sequences }
-        | CataloguedParts::NuScenes { sequences }) = &mut parts
-        else {
-            return Err(misplaced("sequences", chosen.span().start));
-        };
-        if let Some(name) = chosen.get_ref().iter().find(|name| !is_file_name(name)) {
-            let problem = format!("{name:?} is not the name of a folder");
-            return Err(source.error(chosen.span().start, problem));
+fn parts(
+    written: &WrittenEntry,
+    format: DatasetFormat,
+    source: &CatalogueText<'_>,
+) -> Result<ChosenParts, DatasetError> {
+    let WrittenEntry { sequences, scans, scan_list, topic, annotation_topic, .. } = written;
+    let (is_object, is_recording) = (format == DatasetFormat::KittiObject, format == DatasetFormat::Mcap);
+    let fields = [
+        ("sequences", sequences.as_ref().map(Spanned::span), format.has_sequences()),
+        ("scans", scans.as_ref().map(Spanned::span), is_object),
+        ("scan_list", scan_list.as_ref().map(Spanned::span), is_object),
+        ("topic", topic.as_ref().map(Spanned::span), is_recording),
+        ("annotation_topic", annotation_topic.as_ref().map(Spanned::span), is_recording),
+    ];
+    for (field, span, _) in fields.into_iter().filter(|(.., exists)| !exists) {
+        if let Some(span) = span {
+            let problem = format!("{field} does not exist for the format {format}");
+            return Err(source.error(span.start, &problem));
         }
-        *sequences = Some(chosen.get_ref().clone());
     }
-    if let Some(chosen) = &written.scans {
-        let CataloguedParts::KittiObject { scans } = &mut parts else {
-            return Err(misplaced("scans", chosen.span().start));
-        };
-        *scans = Some(chosen.get_ref().clone());
+    if let Some(chosen) = sequences
+        && let Some(name) = chosen.get_ref().iter().find(|name| !is_file_name(name))
+    {
+        let problem = format!("{name:?} is not the name of a folder");
+        return Err(source.error(chosen.span().start, &problem));
     }
-    if let Some(list) = &written.scan_list {
-        check_scan_list(list.get_ref(), &parts).map_err(|it| source.error(list.span().start, it))?;
-    }
-    for (field, chosen) in [("topic", &written.topic), ("annotation_topic", &written.annotation_topic)] {
-        let Some(chosen) = chosen else { continue };
-        let CataloguedParts::Mcap(choice) = &mut parts else {
-            return Err(misplaced(field, chosen.span().start));
-        };
-        let slot = if field == "topic" { &mut choice.cloud } else { &mut choice.annotations };
-        *slot = Some(chosen.get_ref().clone());
-    }
-    Ok(parts)
-}
-
-/// Makes sure that a list of scans goes with the rest of an entry; if not, says why.
-fn check_scan_list(list: &Path, parts: &CataloguedParts) -> Result<(), String> {
-    let is_below = list.components().all(|it| matches!(it, Component::Normal(_)));
-    match parts {
-        CataloguedParts::KittiObject { scans: None } if is_below && !list.as_os_str().is_empty() => Ok(()),
-        CataloguedParts::KittiObject { scans: None } => {
-            Err(format!("scan_list {list:?} is not a file below the root"))
+    if let Some(list) = scan_list {
+        let path = list.get_ref();
+        let is_below = path.components().all(|it| matches!(it, Component::Normal(_)));
+        if scans.is_some() {
+            let problem = "scans are given, and a scan_list, too".to_owned();
+            return Err(source.error(list.span().start, &problem));
         }
-        CataloguedParts::KittiObject { scans: Some(_) } => {
-            Err("scans are given, and a scan_list, too".to_owned())
+        if !is_below || path.as_os_str().is_empty() {
+            let problem = format!("scan_list {path:?} is not a file below the root");
+            return Err(source.error(list.span().start, &problem));
         }
-        other => Err(format!("scan_list does not exist for the format {}", other.format())),
     }
+    let of = |topic: &Option<Spanned<String>>| topic.as_ref().map(|it| it.get_ref().clone());
+    Ok(ChosenParts {
+        sequences: sequences.as_ref().map(|it| it.get_ref().clone()),
+        scans: scans.as_ref().map(|it| it.get_ref().clone()),
+        topics: TopicChoice { cloud: of(topic), annotations: of(annotation_topic) },
+    })
 }
 
 /// Whether `name` is one name, that leads neither up nor elsewhere.
@@ -489,8 +344,10 @@ url = "https://example.org"
     fn an_entry_is_read() {
         let catalogue = parse(ENTRY).unwrap();
         let expected = CatalogueEntry {
-            parts: CataloguedParts::KittiTracking {
+            format: DatasetFormat::KittiTracking,
+            parts: ChosenParts {
                 sequences: Some(BTreeSet::from(["0001".to_owned(), "0003".to_owned()])),
+                ..ChosenParts::default()
             },
             root: RootTemplate::parse("/data").unwrap(),
             scan_list: None,
@@ -626,7 +483,7 @@ url = "https://example.org"
             .replace("sequences = [\"0003\", \"0001\"]", "topic = \"/top\"\nannotation_topic = \"/labels\"");
         let catalogue = parse(&recording).unwrap();
         let choice = TopicChoice { cloud: Some("/top".to_owned()), annotations: Some("/labels".to_owned()) };
-        assert_eq!(catalogue.recorded["my-drive"].parts, CataloguedParts::Mcap(choice));
+        assert_eq!(catalogue.recorded["my-drive"].parts.topics, choice);
         check_refused("url", "topic = \"/top\"\nurl", 9, "topic does not exist for the format");
     }
 

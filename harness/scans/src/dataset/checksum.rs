@@ -10,8 +10,12 @@
 //!
 //! Names of files are relative to the folder of the data set, with `/` between folders, so that it may lie anywhere.
 
+use std::path::Path;
+
 use sha2::{Digest as _, Sha256};
 
+use super::DatasetError;
+use super::on_disk::n_bytes_of;
 use crate::annotation::{Annotation, LabeledScan};
 
 /// Collects what a data set is made of.
@@ -24,6 +28,12 @@ impl DatasetChecksum {
     /// Adds a scan file by its size.
     pub fn add_scan(&mut self, name: &str, n_bytes: u64) {
         self.lines.push(format!("scan {name} {n_bytes}\n"));
+    }
+
+    /// Adds the file at `path` by its size.
+    pub fn add_file(&mut self, name: &str, path: &Path) -> Result<(), DatasetError> {
+        self.add_scan(name, n_bytes_of(path)?);
+        Ok(())
     }
 
     /// Adds a label or calibration file, or one of results, by its content.
@@ -135,14 +145,8 @@ mod tests {
         let mut cloud = PointCloud::default();
         cloud.push([1.0, 2.0, 3.0], 0.5);
         cloud.push([4.0, 5.0, 6.0], 0.25);
-        let car = Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: vec![1],
-            track: Some(7),
-            occlusion: None,
-            truncation: None,
-        };
+        let car =
+            Annotation { point_indices: vec![1], track: Some(7), ..Annotation::of(AnnotationClass::Car) };
         LabeledScan {
             id: ScanId { sequence: "0000".to_owned(), index: 3 },
             cloud,

@@ -44,10 +44,6 @@ impl ClassTable {
 }
 
 /// The class that a user calls `word`. Errors say which there are.
-///
-/// # Errors
-///
-/// If none is called so.
 pub fn class_of_word(word: &str) -> Result<AnnotationClass, String> {
     class_named(word).ok_or_else(|| format!("{word:?} is not a class; classes are {}", all_classes()))
 }
@@ -193,19 +189,12 @@ impl UnknownClasses {
     }
 
     /// Nothing if all names are known, else the error that lists those that are not, with the lines that would map them. `id` is the data set.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::UnknownClasses`].
     pub fn refuse(&self, id: &str) -> Result<(), DatasetError> {
         if self.is_empty() {
             return Ok(());
         }
-        Err(DatasetError::UnknownClasses {
-            id: id.to_owned(),
-            n_names: self.by_name.len(),
-            listing: self.listing(),
-        })
+        let (n_names, listing) = (self.by_name.len(), self.listing());
+        Err(DatasetError::Usage(format!("the labels of {id:?} have {n_names} unknown classes:\n{listing}")))
     }
 
     fn listing(&self) -> String {

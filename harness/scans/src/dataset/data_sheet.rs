@@ -49,10 +49,6 @@ pub enum LabeledRegion {
 
 impl DataSheet {
     /// The sheet in the folder of a data set, if there is one.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Io`] or [`DatasetError::NotText`]; [`DatasetError::Damaged`] if it is no data sheet.
     pub fn in_folder(folder: &Path) -> Result<Option<Self>, DatasetError> {
         let path = folder.join(DATA_SHEET);
         if !path.is_file() {
@@ -65,10 +61,6 @@ impl DataSheet {
     }
 
     /// The sheet that `text` is. Errors say what is wrong with it.
-    ///
-    /// # Errors
-    ///
-    /// If it is none.
     pub fn from_json(text: &str) -> Result<Self, String> {
         let sheet: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
         if let Some(text) = sheet.texts().find(|it| !it.chars().all(is_printable)) {

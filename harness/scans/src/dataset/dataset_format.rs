@@ -45,6 +45,11 @@ impl DatasetFormat {
         Self::ScanFolder,
     ];
 
+    /// Whether data in this format are in drives, logs or scenes of which some can be chosen.
+    pub fn has_sequences(self) -> bool {
+        self.is_of_benchmark() && self != Self::KittiObject
+    }
+
     /// Whether data in this format are of one benchmark, whose sensor is known.
     pub fn is_of_benchmark(self) -> bool {
         !matches!(self, Self::Mcap | Self::VelodynePcap | Self::ScanFolder)
@@ -81,10 +86,10 @@ impl FromStr for DatasetFormat {
     type Err = DatasetError;
 
     fn from_str(name: &str) -> Result<Self, DatasetError> {
-        Self::ALL
-            .into_iter()
-            .find(|format| format.name() == name)
-            .ok_or_else(|| DatasetError::UnknownFormat { name: name.to_owned(), known: Self::names() })
+        Self::ALL.into_iter().find(|format| format.name() == name).ok_or_else(|| {
+            let known = Self::names().join(", ");
+            DatasetError::Usage(format!("unknown format {name:?}; formats are {known}"))
+        })
     }
 }
 

@@ -4,17 +4,10 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use super::DatasetError;
-use super::argoverse2::sensor_logs::is_argoverse2;
 use super::dataset_format::DatasetFormat;
-use super::kitti::object::is_kitti_object;
-use super::kitti::tracking::is_kitti_tracking;
-use super::kitti_raw::drives::is_kitti_raw;
-use super::mcap::mcap_dataset::is_mcap;
-use super::numbered_files::is_hidden;
-use super::nuscenes::keyframes::is_nuscenes;
+use super::formats::entry_of;
+use super::on_disk::entries_of;
 use super::scan_folder::folder::is_scan_folder;
-use super::semantic_kitti::sequence::is_semantic_kitti;
-use super::velodyne_capture::revolutions::is_velodyne_capture;
 
 /// So many folders are looked into for one that may not be read.
 const MOST_FOLDERS: usize = 1000;
@@ -32,11 +25,6 @@ pub struct FoundDataset {
 /// only one among the files and folders in it.
 ///
 /// Only `formats` are looked for.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`] if `path` cannot be read as a folder, or nothing is found and a folder in it cannot be read; [`DatasetError::UnrecognizedFormat`] if it holds nothing known;
-/// [`DatasetError::SeveralDatasets`] if it cannot be told which data set is meant.
 pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundDataset, DatasetError> {
     let mut found = found_in(path, formats);
     if found.is_empty() && !path.is_file() {
@@ -54,10 +42,11 @@ pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundData
             formats: formats.iter().map(|format| format.name().to_owned()).collect(),
         }),
         1 => Ok(found.remove(0)),
-        _ => Err(DatasetError::SeveralDatasets {
-            path: path.to_path_buf(),
-            found: found.iter().map(|it| format!("{} {}", it.format, it.path.display())).collect(),
-        }),
+        _ => {
+            let found: Vec<String> =
+                found.iter().map(|it| format!("{} {}", it.format, it.path.display())).collect();
+            Err(DatasetError::several_datasets(path, &found))
+        }
     }
 }
 
@@ -65,25 +54,10 @@ pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundData
 fn found_in(path: &Path, formats: &[DatasetFormat]) -> Vec<FoundDataset> {
     let folders = [path.to_path_buf(), path.join("training"), path.join("testing")];
     let found = folders.into_iter().map(|folder| -> Vec<FoundDataset> {
-        let fitting = formats.iter().filter(|format| recognizes(**format, &folder));
+        let fitting = formats.iter().filter(|format| (entry_of(**format).is_at)(&folder));
         fitting.map(|&format| FoundDataset { format, path: folder.clone() }).collect()
     });
     found.into_iter().find(|found| !found.is_empty()).unwrap_or_default()
-}
-
-fn recognizes(format: DatasetFormat, folder: &Path) -> bool {
-    match format {
-        DatasetFormat::KittiTracking => is_kitti_tracking(folder),
-        DatasetFormat::KittiObject => is_kitti_object(folder),
-        DatasetFormat::SemanticKitti => is_semantic_kitti(folder),
-        DatasetFormat::Mcap => is_mcap(folder),
-        DatasetFormat::Argoverse2 => is_argoverse2(folder),
-        DatasetFormat::KittiRaw => is_kitti_raw(folder),
-        DatasetFormat::NuScenes => is_nuscenes(folder),
-        DatasetFormat::VelodynePcap => is_velodyne_capture(folder),
-        // Parts of other layouts are folders of scans as well, so that it counts only where it is named.
-        DatasetFormat::ScanFolder => false,
-    }
 }
 
 /// A folder at `path` or below that may not be looked into is an error of its own: nobody knows what is in it.
@@ -96,16 +70,6 @@ fn refuse_unreadable(path: &Path) -> Result<(), DatasetError> {
         folders.extend(entries_of(&folder)?.into_iter().filter(is_folder));
     }
     Ok(())
-}
-
-fn entries_of(path: &Path) -> Result<Vec<PathBuf>, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
-    let entries = std::fs::read_dir(path).map_err(io_error)?;
-    let mut paths: Vec<PathBuf> =
-        entries.map(|entry| entry.map(|it| it.path())).collect::<Result<_, _>>().map_err(io_error)?;
-    paths.retain(|path| !is_hidden(path));
-    paths.sort();
-    Ok(paths)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use arrow_ipc::{CompressionType, Field, Footer, Precision, RecordBatch, Type};
 use half::f16;
 
 use super::DatasetError;
+use super::on_disk::bytes_of;
 
 const MAGIC: &[u8; 6] = b"ARROW1";
 
@@ -39,31 +40,16 @@ pub struct FeatherTable {
 
 impl FeatherTable {
     /// Reads the columns called `names` of the file at `path`; others are not looked at.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Io`]; [`DatasetError::Damaged`] if one is missing or the file is no such file.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, DatasetError> {
         Self::read_some(path, names, &[])
     }
 
     /// Reads the columns called `names`, and those of `optional` that there are.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::read`].
     pub fn read_some(path: &Path, names: &[&str], optional: &[&str]) -> Result<Self, DatasetError> {
-        let bytes =
-            std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-        Self::parse(&bytes, names, optional)
-            .map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })
+        Self::parse(&bytes_of(path)?, names, optional).map_err(|problem| DatasetError::damaged(path, problem))
     }
 
     /// The columns called `names` in `bytes`, and those of `optional` that there are. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If one is missing or the file is no such file.
     pub fn parse(bytes: &[u8], names: &[&str], optional: &[&str]) -> Result<Self, String> {
         let footer = footer_of(bytes)?;
         let fields: Vec<Field<'_>> =
@@ -112,10 +98,6 @@ impl FeatherTable {
     }
 
     /// Takes the column called `name`, as numbers.
-    ///
-    /// # Errors
-    ///
-    /// If it was not read or holds texts; the rest of a sentence about the file. The same holds below.
     pub fn take_numbers(&mut self, name: &str) -> Result<Vec<f64>, String> {
         match self.columns.remove(name) {
             Some(Column::Numbers(numbers)) => Ok(numbers),
@@ -125,10 +107,6 @@ impl FeatherTable {
     }
 
     /// Takes the column called `name`, as whole numbers.
-    ///
-    /// # Errors
-    ///
-    /// If it was not read or holds anything else.
     pub fn take_integers(&mut self, name: &str) -> Result<Vec<i64>, String> {
         match self.columns.remove(name) {
             Some(Column::Integers(numbers)) => Ok(numbers),
@@ -137,10 +115,6 @@ impl FeatherTable {
     }
 
     /// Takes the column called `name`, as texts.
-    ///
-    /// # Errors
-    ///
-    /// If it was not read or holds anything else.
     pub fn take_texts(&mut self, name: &str) -> Result<Vec<String>, String> {
         match self.columns.remove(name) {
             Some(Column::Texts(texts)) => Ok(texts),
@@ -268,55 +242,44 @@ fn append_numbers(
     n_rows: usize,
     column: &mut Column,
 ) -> Result<(), String> {
-    fn rows<const N: usize>(values: &[u8], n_rows: usize) -> Result<&[[u8; N]], String> {
-        let (rows, _) = values.as_chunks::<N>();
-        rows.get(..n_rows).ok_or_else(|| format!("has a column of {} rows, not {n_rows}", rows.len()))
-    }
     match column {
-        Column::Integers(integers) => {
+        Column::Integers(to) => {
             let int = field.type_as_int().ok_or("has a column without a width")?;
             match (int.bitWidth(), int.is_signed()) {
-                (8, true) => {
-                    integers.extend(rows::<1>(values, n_rows)?.iter().map(|it| i64::from(it[0] as i8)));
-                }
-                (8, false) => integers.extend(rows::<1>(values, n_rows)?.iter().map(|it| i64::from(it[0]))),
-                (16, true) => {
-                    integers
-                        .extend(rows(values, n_rows)?.iter().map(|it| i64::from(i16::from_le_bytes(*it))));
-                }
-                (16, false) => {
-                    integers
-                        .extend(rows(values, n_rows)?.iter().map(|it| i64::from(u16::from_le_bytes(*it))));
-                }
-                (32, true) => {
-                    integers
-                        .extend(rows(values, n_rows)?.iter().map(|it| i64::from(i32::from_le_bytes(*it))));
-                }
-                (32, false) => {
-                    integers
-                        .extend(rows(values, n_rows)?.iter().map(|it| i64::from(u32::from_le_bytes(*it))));
-                }
-                (64, _) => integers.extend(rows(values, n_rows)?.iter().map(|it| i64::from_le_bytes(*it))),
-                (width, _) => return Err(format!("has a column of whole numbers of {width} bits")),
+                (8, true) => append_rows(to, values, n_rows, |it| i64::from(i8::from_le_bytes(it))),
+                (8, false) => append_rows(to, values, n_rows, |it| i64::from(u8::from_le_bytes(it))),
+                (16, true) => append_rows(to, values, n_rows, |it| i64::from(i16::from_le_bytes(it))),
+                (16, false) => append_rows(to, values, n_rows, |it| i64::from(u16::from_le_bytes(it))),
+                (32, true) => append_rows(to, values, n_rows, |it| i64::from(i32::from_le_bytes(it))),
+                (32, false) => append_rows(to, values, n_rows, |it| i64::from(u32::from_le_bytes(it))),
+                (64, _) => append_rows(to, values, n_rows, i64::from_le_bytes),
+                (width, _) => Err(format!("has a column of whole numbers of {width} bits")),
             }
         }
-        Column::Numbers(numbers) => {
+        Column::Numbers(to) => {
             let float = field.type_as_floating_point().ok_or("has a column without a width")?;
             match float.precision() {
-                Precision::HALF => {
-                    numbers.extend(rows(values, n_rows)?.iter().map(|it| f16::from_le_bytes(*it).to_f64()));
-                }
-                Precision::SINGLE => {
-                    numbers.extend(rows(values, n_rows)?.iter().map(|it| f64::from(f32::from_le_bytes(*it))));
-                }
-                Precision::DOUBLE => {
-                    numbers.extend(rows(values, n_rows)?.iter().map(|it| f64::from_le_bytes(*it)));
-                }
-                other => return Err(format!("has a column of numbers of the precision {other:?}")),
+                Precision::HALF => append_rows(to, values, n_rows, |it| f16::from_le_bytes(it).to_f64()),
+                Precision::SINGLE => append_rows(to, values, n_rows, |it| f64::from(f32::from_le_bytes(it))),
+                Precision::DOUBLE => append_rows(to, values, n_rows, f64::from_le_bytes),
+                other => Err(format!("has a column of numbers of the precision {other:?}")),
             }
         }
-        Column::Texts(_) => {}
+        Column::Texts(_) => Ok(()),
     }
+}
+
+/// Appends the first `n_rows` of `values`, of `N` bytes each.
+fn append_rows<T, const N: usize>(
+    to: &mut Vec<T>,
+    values: &[u8],
+    n_rows: usize,
+    number_of: impl Fn([u8; N]) -> T,
+) -> Result<(), String> {
+    let (rows, _) = values.as_chunks::<N>();
+    let wanted = rows.get(..n_rows);
+    let wanted = wanted.ok_or_else(|| format!("has a column of {} rows, not {n_rows}", rows.len()))?;
+    to.extend(wanted.iter().map(|it| number_of(*it)));
     Ok(())
 }
 

@@ -14,8 +14,9 @@ use self::unpaired_files::few_of;
 use crate::annotation::{LabeledScan, ScanId};
 
 pub mod shown_name;
-pub mod unpaired_files;
 pub mod error;
+pub mod on_disk;
+pub mod unpaired_files;
 
 // What several formats have in common.
 pub mod text_file;
@@ -27,6 +28,7 @@ pub mod feather;
 pub mod png_size;
 pub mod points_of_boxes;
 pub mod upright_box;
+pub mod pose;
 pub mod checksum;
 pub mod class_name;
 pub mod class_table;
@@ -49,6 +51,7 @@ pub mod nuscenes;
 pub mod velodyne_capture;
 pub mod scan_folder;
 pub mod mounting;
+pub mod formats;
 
 // From what the user names to an open data set, and to the scans of it that are run.
 pub mod detect_format;
@@ -65,6 +68,11 @@ pub trait Dataset: Send + Sync {
     /// What it is, and its scans.
     fn listing(&self) -> &Listing;
 
+    /// The data set that this one is made of, scan by scan; its word counts wherever this one has none of its own.
+    fn inner(&self) -> Option<&dyn Dataset> {
+        None
+    }
+
     /// What is known about it without reading a scan.
     fn description(&self) -> &DatasetDescription {
         &self.listing().description
@@ -76,91 +84,67 @@ pub trait Dataset: Send + Sync {
     }
 
     /// Reads scan `scan_idx` of [`Self::scan_ids`].
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file is missing, damaged or contradicts another.
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError>;
 
     /// When scan `scan_idx` was taken, in nanoseconds since some start of time, as far as the files say.
-    fn scan_time_ns(&self, _scan_idx: usize) -> Option<u64> {
-        None
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        self.inner()?.scan_time_ns(scan_idx)
     }
 
     /// What tells which scans are near one another.
     fn nearness(&self) -> Nearness {
-        Nearness::Times
+        self.inner().map_or(Nearness::Times, Dataset::nearness)
     }
 
     /// The drive, or the block that the user has named, that scan `scan_idx` is of when intervals are estimated; `None` where that is
     /// its sequence.
-    fn scan_block(&self, _scan_idx: usize) -> Option<&str> {
-        None
+    fn scan_block(&self, scan_idx: usize) -> Option<&str> {
+        self.inner()?.scan_block(scan_idx)
     }
 
     /// Size of the file that scan `scan_idx` has for itself, in bytes: how much work it is, without reading it. `None` where scans share a
     /// file, or have none.
-    fn scan_n_bytes(&self, _scan_idx: usize) -> Option<u64> {
-        None
+    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
+        self.inner()?.scan_n_bytes(scan_idx)
     }
 
     /// What was left out when it was opened, since it is damaged and that was to be skipped.
     fn left_out(&self) -> Option<&str> {
-        None
+        self.inner()?.left_out()
     }
 
     /// What may be wrong with labels and names as a whole, a line each: labels of scans that are not there, names that were not taken over.
     ///
     /// Files may have to be read through for it.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if one of them is damaged.
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
-        Ok(Vec::new())
+        self.inner().map_or_else(|| Ok(Vec::new()), Dataset::oddities)
     }
 
     /// Where the sensor was at scan `scan_idx`, in a frame that rests, as far as the files say.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file that says so is damaged.
-    fn world_from_sensor(&self, _scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
-        Ok(None)
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        self.inner().map_or(Ok(None), |it| it.world_from_sensor(scan_idx))
     }
 
     /// The labels of the points of scan `scan_idx`, which is `scan`, as SemanticKITTI's format has them; `None` of other formats.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if the file that has them cannot be read or is damaged.
-    fn point_labels(&self, _scan_idx: usize, _scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
-        Ok(None)
+    fn point_labels(&self, scan_idx: usize, scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
+        self.inner().map_or(Ok(None), |it| it.point_labels(scan_idx, scan))
     }
 
     /// How results that other programs made of scan `scan_idx` name it, and the frame that they give boxes in.
     ///
     /// The scan may be read for it.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file that says so is damaged.
-    fn foreign_frame(&self, _scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
-        Ok(ForeignFrame::Sensor)
+    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        self.inner().map_or(Ok(ForeignFrame::Sensor), |it| it.foreign_frame(scan_idx))
     }
 
     /// What KITTI's label files say about scan `scan_idx`, in their own frame and order; `None` in other formats.
-    fn kitti_labels(&self, _scan_idx: usize) -> Option<&[KittiLabel]> {
-        None
+    fn kitti_labels(&self, scan_idx: usize) -> Option<&[KittiLabel]> {
+        self.inner()?.kitti_labels(scan_idx)
     }
 
     /// The labels of scan `scan_idx` as its makers evaluate them; `None` where files say no more than annotations do.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file that says so is damaged.
-    fn official_scan(&self, _scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
-        Ok(None)
+    fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
+        self.inner().map_or(Ok(None), |it| it.official_scan(scan_idx))
     }
 }
 

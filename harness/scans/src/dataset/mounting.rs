@@ -1,16 +1,15 @@
 //! How a sensor is mounted, where the files do not say so or are wrong about it.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use detector::OrientedBox;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::foreign_frame::ForeignFrame;
-use super::kitti::label::KittiLabel;
-use super::official::OfficialScan;
+use super::shown_name::shown;
 use super::upright_box::{pose_of_box, upright_box};
-use super::{Dataset, DatasetDescription, DatasetError, Listing, Nearness};
-use crate::annotation::{LabeledArea, LabeledScan, ScanId};
+use super::{Dataset, DatasetDescription, DatasetError, Listing};
+use crate::annotation::{LabeledArea, LabeledScan};
 
 /// What is known better than files, catalogue and format have it.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -65,52 +64,19 @@ impl Dataset for MountedDataset {
         &self.listing
     }
 
+    fn inner(&self) -> Option<&dyn Dataset> {
+        Some(&*self.dataset)
+    }
+
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let mut scan = self.dataset.read_scan(scan_idx)?;
         self.mounting.move_scan(&mut scan);
         Ok(scan)
     }
 
-    fn scan_ids(&self) -> &[ScanId] {
-        self.dataset.scan_ids()
-    }
-
-    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        self.dataset.scan_time_ns(scan_idx)
-    }
-
-    fn nearness(&self) -> Nearness {
-        self.dataset.nearness()
-    }
-
-    fn scan_block(&self, scan_idx: usize) -> Option<&str> {
-        self.dataset.scan_block(scan_idx)
-    }
-
-    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
-        self.dataset.scan_n_bytes(scan_idx)
-    }
-
-    fn point_labels(&self, scan_idx: usize, scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
-        self.dataset.point_labels(scan_idx, scan)
-    }
-
-    fn left_out(&self) -> Option<&str> {
-        self.dataset.left_out()
-    }
-
-    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
-        self.dataset.oddities()
-    }
-
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         let world_from_file = self.dataset.world_from_sensor(scan_idx)?;
         Ok(world_from_file.map(|it| it * self.file_from_sensor()))
-    }
-
-    /// In the frame of the camera, which does not move.
-    fn kitti_labels(&self, scan_idx: usize) -> Option<&[KittiLabel]> {
-        self.dataset.kitti_labels(scan_idx)
     }
 
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
@@ -139,10 +105,6 @@ impl Dataset for MountedDataset {
                 ForeignFrame::Recording { stamp_ns, log_time_ns, frame, sensor_from_frame }
             }
         })
-    }
-
-    fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
-        self.dataset.official_scan(scan_idx)
     }
 }
 
@@ -183,19 +145,13 @@ const ROTATION_TOLERANCE: f64 = 1e-3;
 /// Reads a rigid transform from a text file: a matrix of 4 × 4 or 3 × 4 numbers row by row; or x y z and a quaternion x y z w; or x
 /// y z and roll, pitch and yaw in radians about fixed axes, as ROS has them. Metres; commas, brackets and what follows `#` do not
 /// matter.
-///
-/// # Errors
-///
-/// [`DatasetError`] if the file cannot be read or says no such transform.
 pub fn read_transform(path: &Path) -> Result<Isometry3<f64>, DatasetError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|source| DatasetError::Io { path: path.to_owned(), source })?;
-    let numbers = numbers_of(&text).map_err(|problem| damaged(path, problem))?;
-    transform_of(&numbers).map_err(|problem| damaged(path, problem))
+    let text = std::fs::read_to_string(path).map_err(DatasetError::io(path))?;
+    numbers_of(&text).and_then(|numbers| transform_of(&numbers)).map_err(|problem| refused(path, &problem))
 }
 
-fn damaged(path: &Path, problem: String) -> DatasetError {
-    DatasetError::Transform { path: PathBuf::from(path), problem }
+fn refused(path: &Path, problem: &str) -> DatasetError {
+    DatasetError::Usage(format!("{path:?} {}", shown(problem)))
 }
 
 fn numbers_of(text: &str) -> Result<Vec<f64>, String> {

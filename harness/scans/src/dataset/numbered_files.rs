@@ -4,28 +4,30 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::DatasetError;
+use super::on_disk::{entries_of, has_extension};
+
+/// How a format writes numbers in names of files.
+#[derive(Debug, Clone, Copy)]
+pub struct Digits {
+    n: usize,
+    said: &'static str,
+}
+
+/// As most of KITTI's benchmarks do.
+pub const SIX_DIGITS: Digits = Digits { n: 6, said: "a number of six digits, such as 000123" };
+
+/// As KITTI's raw recordings do.
+pub const TEN_DIGITS: Digits = Digits { n: 10, said: "a number of ten digits, such as 0000000123" };
 
 /// The numbers of the files `NNNNNN.extension` in `folder`.
 ///
-/// Files with other extensions and hidden files are not looked at.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`] if the folder cannot be read; [`DatasetError::FileName`] for a file of this extension that is not
-/// named after a number of six digits, since its place among the others cannot be known.
-pub fn numbered_files(folder: &Path, extension: &str) -> Result<BTreeSet<u32>, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: folder.to_path_buf(), source };
-    let mut numbers = BTreeSet::new();
-    for entry in std::fs::read_dir(folder).map_err(io_error)? {
-        let path = entry.map_err(io_error)?.path();
-        if is_hidden(&path) || path.extension().is_none_or(|it| it != extension) {
-            continue;
-        }
-        let number = number_of(&path)
-            .ok_or(DatasetError::FileName { path, expected: "a number of six digits, such as 000123" })?;
-        numbers.insert(number);
-    }
-    Ok(numbers)
+/// Files with other extensions and hidden files are not looked at. A file of this extension that is named otherwise is refused, since
+/// its place among the others cannot be known.
+pub fn numbered_files(folder: &Path, extension: &str, digits: Digits) -> Result<BTreeSet<u32>, DatasetError> {
+    let files = entries_of(folder)?.into_iter().filter(|it| has_extension(it, extension));
+    files
+        .map(|path| number_of(&path, digits).ok_or_else(|| DatasetError::file_name(path, digits.said)))
+        .collect()
 }
 
 /// The file of `number` in `folder`.
@@ -33,15 +35,10 @@ pub fn numbered_file(folder: &Path, number: u32, extension: &str) -> PathBuf {
     folder.join(format!("{number:06}.{extension}"))
 }
 
-/// Whether the name begins with a dot, as those of the copies that some systems leave beside a file.
-pub fn is_hidden(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
-}
-
-fn number_of(path: &Path) -> Option<u32> {
+fn number_of(path: &Path, digits: Digits) -> Option<u32> {
     let stem = path.file_stem()?.to_str()?;
     let number = stem.parse().ok()?;
-    (stem == format!("{number:06}")).then_some(number)
+    (stem == format!("{number:0width$}", width = digits.n)).then_some(number)
 }
 
 #[cfg(test)]
@@ -54,10 +51,10 @@ mod tests {
         for name in names {
             std::fs::write(folder.path().join(name), []).unwrap();
         }
-        let numbers = numbered_files(folder.path(), "bin");
+        let numbers = numbered_files(folder.path(), "bin", SIX_DIGITS);
         match expected {
             Some(expected) => assert!(numbers.unwrap().iter().eq(expected)),
-            None => assert!(matches!(numbers, Err(DatasetError::FileName { .. })), "{names:?}"),
+            None => assert!(numbers.unwrap_err().to_string().contains("has a wrong name"), "{names:?}"),
         }
     }
 

@@ -1,38 +1,21 @@
 //! From what the user names to an open data set.
 
-use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use reports::vocabulary::class::AnnotationClass;
-
-use super::argoverse2::sensor_logs::{
-    ARGOVERSE2_CLASSES, ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M, open_argoverse2,
-};
-use super::catalogue::{Catalogue, CatalogueEntry, CataloguedParts, KITTI_SENSOR};
+use super::catalogue::{Catalogue, CatalogueEntry};
 use super::class_table::ClassRules;
 use super::data_sheet::{DataSheet, LabeledRegion};
 use super::dataset_format::DatasetFormat;
 use super::detect_format::{FoundDataset, detect_format};
-use super::kitti::label::KITTI_CLASSES;
-use super::kitti::object::open_kitti_object;
+use super::formats::entry_of;
 use super::kitti::scan_list::read_scan_list;
-use super::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
-use super::kitti::tracking::open_kitti_tracking;
-use super::kitti_raw::drives::open_kitti_raw;
-use super::mcap::mcap_dataset::open_mcap;
-use super::mcap::topics::TopicChoice;
 use super::mounting::Mounting;
-use super::nuscenes::keyframes::{
-    NUSCENES_CLASSES, NUSCENES_SENSOR, NUSCENES_SENSOR_HEIGHT_M, open_nuscenes,
-};
+use super::on_disk::stem_of;
 use super::root_template::UnsetVariable;
-use super::scan_folder::folder::open_scan_folder;
-use super::semantic_kitti::sequence::open_semantic_kitti;
 use super::shown_name::is_printable;
-use super::source::{DamagePolicy, DatasetSource, StatedBy};
-use super::velodyne_capture::revolutions::open_velodyne_capture;
-use super::{AnnotatedClasses, Dataset, DatasetError};
+use super::source::{ChosenParts, DamagePolicy, DatasetSource, StatedBy, TopicChoice};
+use super::{Dataset, DatasetError};
 
 /// How a data set is opened other than the catalogue says.
 #[derive(Debug, Clone, Default)]
@@ -63,10 +46,6 @@ impl ReadOptions {
 /// A folder that has the name of a catalogued data set is reached as `./name`. At a path the format is detected unless
 /// `format` says what to look for; what the files do not say (the classes and the height of the sensor) is taken to be
 /// as in the benchmark of the format.
-///
-/// # Errors
-///
-/// [`DatasetError`] if there is no such data set, it is damaged or not the one of the catalogue, or two of its scans have one name.
 pub fn open_recorded<S>(
     id_or_path: &str,
     options: &ReadOptions,
@@ -85,15 +64,16 @@ fn check_names(dataset: &dyn Dataset) -> Result<(), DatasetError> {
         if name.chars().all(is_printable) {
             return Ok(());
         }
-        Err(DatasetError::UnprintableName { path: path(), kind, name: name.to_owned() })
+        let path = path();
+        let message = format!("{path:?}: the {kind} {name:?} has a control character in its name; rename it");
+        Err(DatasetError::Unsound(message))
     };
     check_printable("data set", &description.id)?;
     let mut seen = BTreeSet::new();
     for id in dataset.scan_ids() {
         check_printable("drive", &id.sequence)?;
         if !seen.insert((&id.sequence, id.index)) {
-            let name = id.to_string();
-            return Err(DatasetError::SameName { kind: "scans", name, paths: vec![path()] });
+            return Err(DatasetError::same_name("scans", &id.to_string(), &[&path()]));
         }
     }
     Ok(())
@@ -119,29 +99,36 @@ fn open_catalogued(
     entry: &CatalogueEntry,
     options: &ReadOptions,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
-    let catalogued = entry.parts.format();
-    if let Some(asked_for) = options.format
-        && asked_for != catalogued
-    {
-        return Err(DatasetError::FormatContradictsCatalogue {
-            id: id.to_owned(),
-            catalogued: catalogued.to_string(),
-            asked_for: asked_for.to_string(),
-        });
+    if let Some(asked_for) = options.format.filter(|it| *it != entry.format) {
+        return Err(DatasetError::other_format(id, entry.format.name(), asked_for.name()));
     }
+    let download = entry.url.as_ref().map_or_else(String::new, |it| format!(" (download: {it})"));
     let root = entry.root.expand(|name| std::env::var_os(name)).map_err(|UnsetVariable(variable)| {
-        DatasetError::UnsetVariable { id: id.to_owned(), variable, url: entry.url.clone() }
+        DatasetError::Unsound(format!("the folder of {id:?} is not known: set {variable} to it{download}"))
     })?;
     if !root.exists() {
         let remedy = match entry.root.variable() {
             Some(variable) => format!("set {variable} to its folder"),
             None => "correct its root in the catalogue".to_owned(),
         };
-        return Err(DatasetError::MissingRoot { id: id.to_owned(), root, remedy, url: entry.url.clone() });
+        return Err(DatasetError::Unsound(format!("{id:?} is not at {root:?}: {remedy}{download}")));
+    }
+    let path = detect_format(&root, &[entry.format])?.path;
+    let mut parts = entry.parts.clone();
+    if let Some(list) = &entry.scan_list {
+        let list = root.join(list);
+        if !list.exists() {
+            return Err(DatasetError::Unsound(format!(
+                "the data set {id:?} reads the numbers of its scans, one a line, from {list:?}, which does not exist; put the list \
+                 there"
+            )));
+        }
+        parts.scans = Some(read_scan_list(&list)?);
     }
     let source = DatasetSource {
         id: id.to_owned(),
-        path: detect_format(&root, &[catalogued])?.path,
+        path,
+        parts,
         annotated: entry.annotated.clone(),
         sensor_height_m: entry.sensor_height_m,
         sensor: entry.sensor.clone(),
@@ -152,23 +139,12 @@ fn open_catalogued(
         damage: options.damage,
         classes: options.classes.clone(),
     };
-    let parts = match &entry.scan_list {
-        None => entry.parts.clone(),
-        Some(list) => {
-            let path = root.join(list);
-            if !path.exists() {
-                return Err(DatasetError::MissingScanList { id: id.to_owned(), path });
-            }
-            CataloguedParts::KittiObject { scans: Some(read_scan_list(&path)?) }
-        }
-    };
-    let dataset = open_parts(source, &parts, &options.topics)?;
+    let dataset = open_source(source, entry.format, options)?;
     match (&entry.checksum, &dataset.description().checksum) {
-        (Some(expected), Some(found)) if expected != found => Err(DatasetError::Checksum {
-            id: id.to_owned(),
-            expected: expected.clone(),
-            found: found.clone(),
-        }),
+        (Some(expected), Some(found)) if expected != found => {
+            let message = format!("{id:?} has checksum {found}, the catalogue says {expected}");
+            Err(DatasetError::Unsound(message))
+        }
         _ => Ok(dataset),
     }
 }
@@ -180,22 +156,19 @@ fn open_path<S>(
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let is_a_word = !path.contains(std::path::is_separator);
     if is_a_word && !Path::new(path).exists() {
-        let known = catalogue.groups.keys().chain(catalogue.ids()).cloned().collect();
-        return Err(DatasetError::UnknownDataset { name: path.to_owned(), known });
+        let known: Vec<String> = catalogue.groups.keys().chain(catalogue.ids()).cloned().collect();
+        return Err(DatasetError::unknown_dataset(path, &known));
     }
     let formats = options.format.map_or_else(|| DatasetFormat::ALL.to_vec(), |format| vec![format]);
     let found = detect_format(Path::new(path), &formats)?;
-    let (sensor, sensor_height_m) = match found.format {
-        DatasetFormat::Argoverse2 => (ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M),
-        DatasetFormat::NuScenes => (NUSCENES_SENSOR, NUSCENES_SENSOR_HEIGHT_M),
-        _ => (KITTI_SENSOR, KITTI_SENSOR_HEIGHT_M),
-    };
+    let benchmark = entry_of(found.format).benchmark;
     let source = DatasetSource {
         id: name_of(&found),
         path: found.path,
-        annotated: annotated_by(found.format),
-        sensor_height_m,
-        sensor: sensor.to_owned(),
+        parts: ChosenParts::default(),
+        annotated: benchmark.annotated(),
+        sensor_height_m: benchmark.sensor_height_m,
+        sensor: benchmark.sensor.to_owned(),
         licence: None,
         stated_by: StatedBy::Nobody,
         labeled_region: LabeledRegion::Camera,
@@ -203,68 +176,30 @@ fn open_path<S>(
         damage: options.damage,
         classes: options.classes.clone(),
     };
-    open_parts(source, &CataloguedParts::all(found.format), &options.topics)
+    open_source(source, found.format, options)
 }
 
-/// What the benchmark of the format annotates.
-fn annotated_by(format: DatasetFormat) -> AnnotatedClasses {
-    match format {
-        DatasetFormat::KittiTracking | DatasetFormat::KittiObject | DatasetFormat::KittiRaw => {
-            AnnotatedClasses::Only(KITTI_CLASSES.to_vec())
-        }
-        // Every point has a label, and those that leave open whether they are an object are not judged.
-        DatasetFormat::SemanticKitti => AnnotatedClasses::EveryObject,
-        DatasetFormat::Argoverse2 => AnnotatedClasses::Only(ARGOVERSE2_CLASSES.to_vec()),
-        DatasetFormat::NuScenes => AnnotatedClasses::Only(NUSCENES_CLASSES.to_vec()),
-        // Whoever labels a recording labels its vehicles; whether everything else too, nobody said.
-        DatasetFormat::Mcap | DatasetFormat::VelodynePcap | DatasetFormat::ScanFolder => {
-            AnnotatedClasses::Only(AnnotationClass::ALL.to_vec())
-        }
-    }
-}
-
-fn open_parts(
+fn open_source(
     mut source: DatasetSource,
-    parts: &CataloguedParts,
-    topics: &TopicChoice,
+    format: DatasetFormat,
+    options: &ReadOptions,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
+    source.parts.topics = options.topics.or(&source.parts.topics);
     if let Some(sheet) = DataSheet::in_folder(&source.path)? {
         source.take_sheet(sheet);
     }
-    Ok(match parts {
-        CataloguedParts::KittiTracking { sequences } => {
-            Box::new(open_kitti_tracking(source, sequences.as_ref())?)
-        }
-        CataloguedParts::KittiObject { scans } => Box::new(open_kitti_object(source, scans.as_ref())?),
-        CataloguedParts::SemanticKitti { sequences } => {
-            Box::new(open_semantic_kitti(source, sequences.as_ref())?)
-        }
-        CataloguedParts::Argoverse2 { sequences } => Box::new(open_argoverse2(source, sequences.as_ref())?),
-        CataloguedParts::KittiRaw { sequences } => Box::new(open_kitti_raw(source, sequences.as_ref())?),
-        CataloguedParts::NuScenes { sequences } => Box::new(open_nuscenes(source, sequences.as_ref())?),
-        CataloguedParts::VelodynePcap => Box::new(open_velodyne_capture(source)?),
-        CataloguedParts::ScanFolder => Box::new(open_scan_folder(source)?),
-        CataloguedParts::Mcap(catalogued) => {
-            let choice = TopicChoice {
-                cloud: topics.cloud.clone().or_else(|| catalogued.cloud.clone()),
-                annotations: topics.annotations.clone().or_else(|| catalogued.annotations.clone()),
-            };
-            Box::new(open_mcap(source, &choice)?)
-        }
-    })
+    (entry_of(format).open)(source)
 }
 
 /// The name of the folder, or of the one above if it is only called after its split.
 fn name_of(found: &FoundDataset) -> String {
+    // A recording is called after its file.
+    if found.path.is_file() {
+        return stem_of(&found.path);
+    }
     // A relative folder may end in `..` or be `.`, which is no name.
     let folder = found.path.canonicalize().unwrap_or_else(|_| found.path.clone());
     let mut names = folder.ancestors().filter_map(|it| it.file_name()).map(|name| name.to_string_lossy());
     let name = names.find(|name| name != "training" && name != "testing");
-    // A recording is called after its file.
-    let name = if found.path.is_file() {
-        Path::new(&found.path).file_stem().map(|it| it.to_string_lossy())
-    } else {
-        name
-    };
-    name.map_or_else(|| found.format.to_string(), Cow::into_owned)
+    name.map_or_else(|| found.format.to_string(), Into::into)
 }

@@ -96,12 +96,20 @@ pub fn time_field(fields: &[PackedField]) -> Option<(&PackedField, f64)> {
     })
 }
 
+impl<'a> PackedPoints<'a> {
+    /// `n_points` in a single row.
+    pub fn in_a_row(
+        fields: Vec<PackedField>,
+        (n_points, point_step): (usize, usize),
+        byte_order: ByteOrder,
+        data: &'a [u8],
+    ) -> Self {
+        Self { fields, n_columns: n_points, n_rows: 1, point_step, row_step: 0, byte_order, data }
+    }
+}
+
 impl PackedPoints<'_> {
     /// Makes sure that every number lies within the data. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If it does not, or if x, y or z is missing.
     fn check(&self) -> Result<(), String> {
         for field in &self.fields {
             let end = field.offset.checked_add(field.number.n_bytes());
@@ -138,10 +146,6 @@ impl PackedPoints<'_> {
     }
 
     /// The points in metres, with their lasers and times where there are [such](time_field) fields.
-    ///
-    /// # Errors
-    ///
-    /// If x, y or z is missing, a point is too far off, or there are fewer bytes than announced; the rest of a sentence about the file.
     pub fn positioned(&self) -> Result<PositionedPoints, String> {
         self.check()?;
         let position = ["x", "y", "z"].map(|name| self.field(name).ok_or_else(|| self.lacks(name)));
@@ -171,10 +175,6 @@ impl PackedPoints<'_> {
     }
 
     /// Takes lasers and times into `points`, which are these, by the types that `fields` have.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::column`].
     pub fn take_lasers_and_times(
         &self,
         fields: &[PackedField],
@@ -195,10 +195,6 @@ impl PackedPoints<'_> {
     }
 
     /// The numbers of the field called `name`, if there is one.
-    ///
-    /// # Errors
-    ///
-    /// If there are fewer bytes than announced; the rest of a sentence about the file.
     pub fn column(&self, name: &str) -> Result<Option<Vec<f64>>, String> {
         self.check()?;
         Ok(self.field(name).map(|field| self.rows().map(|point| self.number(point, field)).collect()))

@@ -9,7 +9,7 @@ use std::path::Path;
 use detector::PointCloud;
 
 use super::DatasetError;
-use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledScan, ScanId};
 
 /// A coordinate farther from the origin than this, in metres, is damage.
 pub const MAX_COORDINATE_M: f64 = 10_000.0;
@@ -33,10 +33,6 @@ impl PositionedPoints {
 
     /// The points of a file that has `N` bytes for each; `point_of` makes position, in metres, and intensity of them. `path` is named
     /// in errors.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::PartialPoint`] if bytes are left over; as [`Self::push`] and [`Self::not_empty`].
     pub fn of_rows<const N: usize>(
         path: &Path,
         bytes: &[u8],
@@ -44,14 +40,13 @@ impl PositionedPoints {
     ) -> Result<Self, DatasetError> {
         let (rows, rest) = bytes.as_chunks::<N>();
         if !rest.is_empty() {
-            let (path, n_bytes) = (path.to_path_buf(), bytes.len());
-            return Err(DatasetError::PartialPoint { path, n_bytes, n_bytes_per_point: N });
+            return Err(DatasetError::partial_point(path, bytes.len(), N));
         }
         let mut points = Self::with_capacity(rows.len());
         for row in rows {
             let (position_m, intensity) = point_of(row);
             let taken = points.push(position_m.map(f64::from), intensity);
-            taken.map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
+            taken.map_err(|problem| DatasetError::damaged(path, problem))?;
         }
         points.not_empty(path)
     }
@@ -124,28 +119,18 @@ impl PositionedPoints {
     /// The scan of these points, of which everything is labelled.
     pub fn labeled_everywhere(self, id: ScanId, annotations: Vec<Annotation>) -> LabeledScan {
         let (cloud, points_left_out) = self.into_parts();
-        let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        let labeled_area = LabeledArea::Everywhere;
-        LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out }
+        LabeledScan { points_left_out, ..LabeledScan::everywhere(id, cloud, annotations) }
     }
 
     /// These, if there are any; `path` is named in errors.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::NoPoints`] if there are none; [`DatasetError::Damaged`] if none has a position.
     pub fn not_empty(self, path: &Path) -> Result<Self, DatasetError> {
         if !self.cloud.is_empty() {
             return Ok(self);
         }
-        let path = path.to_path_buf();
-        match self.left_out.len() {
-            0 => Err(DatasetError::NoPoints { path }),
-            n => Err(DatasetError::Damaged {
-                path,
-                problem: format!("has {n} points, but none with a position"),
-            }),
-        }
+        Err(match self.left_out.len() {
+            0 => DatasetError::damaged(path, "has no points"),
+            n => DatasetError::damaged(path, format!("has {n} points, but none with a position")),
+        })
     }
 }
 

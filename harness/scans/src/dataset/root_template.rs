@@ -24,10 +24,6 @@ pub struct UnsetVariable(pub String);
 
 impl RootTemplate {
     /// Reads a template.
-    ///
-    /// # Errors
-    ///
-    /// What is wrong with it, in words.
     pub fn parse(text: &str) -> Result<Self, String> {
         if text.is_empty() {
             return Err("an empty path".to_owned());
@@ -53,10 +49,6 @@ impl RootTemplate {
     }
 
     /// The path, with the values that `environment` gives for variables.
-    ///
-    /// # Errors
-    ///
-    /// [`UnsetVariable`]; for `~` that is `HOME`.
     pub fn expand(&self, environment: impl Fn(&str) -> Option<OsString>) -> Result<PathBuf, UnsetVariable> {
         let value_of = |name: &str| environment(name).filter(|value| !value.is_empty());
         let mut path = OsString::new();

@@ -26,10 +26,6 @@ impl ScanSelection {
     /// The selected positions among `n_scans`, ascending, each once.
     ///
     /// A range may end beyond the last scan, so that `0..500` also does for shorter data sets.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::ScanSelection`] for a position or the start of a range that does not exist.
     pub fn positions(&self, n_scans: usize) -> Result<Vec<usize>, DatasetError> {
         let mut positions = BTreeSet::new();
         for part in &self.parts {
@@ -38,10 +34,8 @@ impl ScanSelection {
                 Part::Range { start, end, step } => (start, end, step),
             };
             if start >= n_scans {
-                return Err(DatasetError::ScanSelection {
-                    selection: self.written.clone(),
-                    problem: format!("there is no scan {start}: the data set has {n_scans}, counted from 0"),
-                });
+                let problem = format!("there is no scan {start}: the data set has {n_scans}, counted from 0");
+                return Err(refused(&self.written, &problem));
             }
             positions.extend((start..end.min(n_scans)).step_by(step));
         }
@@ -53,11 +47,14 @@ impl FromStr for ScanSelection {
     type Err = DatasetError;
 
     fn from_str(text: &str) -> Result<Self, DatasetError> {
-        let error = |problem| DatasetError::ScanSelection { selection: text.to_owned(), problem };
         let parts = text.split(',').map(|part| parse_part(part.trim()));
-        let parts = parts.collect::<Result<_, String>>().map_err(error)?;
+        let parts = parts.collect::<Result<_, String>>().map_err(|problem| refused(text, &problem))?;
         Ok(Self { written: text.to_owned(), parts })
     }
+}
+
+fn refused(selection: &str, problem: &str) -> DatasetError {
+    DatasetError::Usage(format!("scan selection {selection:?}: {problem}"))
 }
 
 fn parse_part(part: &str) -> Result<Part, String> {

@@ -30,10 +30,6 @@ impl Simulation {
     }
 
     /// What was asked for, as a simulator of the kind `T` puts it.
-    ///
-    /// # Errors
-    ///
-    /// What is missing, unknown or of another kind.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, serde_json::Error> {
         serde_json::from_value(Value::Object(self.0.clone()))
     }

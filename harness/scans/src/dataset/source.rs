@@ -1,5 +1,6 @@
 //! What a reader is told about the data set it is to open.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use super::class_table::ClassRules;
@@ -15,6 +16,8 @@ pub struct DatasetSource {
     pub id: String,
     /// The file, or the folder that holds the scans and labels in the layout of the format.
     pub path: PathBuf,
+    /// Which part of it is opened.
+    pub parts: ChosenParts,
     /// Who says what follows.
     pub stated_by: StatedBy,
     /// What its annotations cover.
@@ -33,6 +36,37 @@ pub struct DatasetSource {
     pub damage: DamagePolicy,
     /// What the names of classes in its labels stand for.
     pub classes: ClassRules,
+}
+
+/// Which part of a data set is opened, as far as its format has such parts. What is left out is all there is.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ChosenParts {
+    /// Drives, logs or scenes of these names, such as `2011_09_26_drive_0001_sync` or `scene-0061`.
+    pub sequences: Option<BTreeSet<String>>,
+    /// Scans of these numbers.
+    pub scans: Option<BTreeSet<u32>>,
+    /// Topics of a recording.
+    pub topics: TopicChoice,
+}
+
+/// Which topics of a recording were asked for.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct TopicChoice {
+    /// That of the clouds; the only one if this is left out.
+    pub cloud: Option<String>,
+    /// That of the annotations; `/annotations` or the only one if this is left out.
+    pub annotations: Option<String>,
+}
+
+impl TopicChoice {
+    /// These and, where one is left out, that of `other`.
+    pub fn or(&self, other: &Self) -> Self {
+        let either = |one: &Option<String>, other: &Option<String>| one.clone().or_else(|| other.clone());
+        Self {
+            cloud: either(&self.cloud, &other.cloud),
+            annotations: either(&self.annotations, &other.annotations),
+        }
+    }
 }
 
 /// Who says what the files of a data set do not.

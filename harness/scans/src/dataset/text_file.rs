@@ -4,6 +4,7 @@ use std::path::Path;
 use std::str::{FromStr, SplitWhitespace};
 
 use super::DatasetError;
+use super::on_disk::bytes_of;
 
 /// Larger numbers than this are mistakes, whatever the unit; below it, no product of a few of them overflows.
 const MAX_MAGNITUDE: f64 = 1e9;
@@ -12,16 +13,10 @@ const MAX_MAGNITUDE: f64 = 1e9;
 const MAX_QUOTED_CHARS: usize = 40;
 
 /// Reads the text file at `path`.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`], or [`DatasetError::NotText`] with the first byte that is not UTF-8.
 pub fn read_text_file(path: &Path) -> Result<String, DatasetError> {
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-    String::from_utf8(bytes).map_err(|error| DatasetError::NotText {
-        path: path.to_path_buf(),
-        byte_offset: error.utf8_error().valid_up_to(),
+    String::from_utf8(bytes_of(path)?).map_err(|error| {
+        let byte_offset = error.utf8_error().valid_up_to();
+        DatasetError::damaged(path, format!("is not text: invalid UTF-8 at byte {byte_offset}"))
     })
 }
 
@@ -41,29 +36,17 @@ pub struct TextLine<'a> {
 
 impl<'a> TextLine<'a> {
     /// The next field as it is; `name` is what the format calls it.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Line`] if the line ends before it. The same holds for all methods below.
     pub fn word(&mut self, name: &str) -> Result<&'a str, DatasetError> {
         self.fields.next().ok_or_else(|| self.error(format!("ends before its {name}")))
     }
 
     /// The next field as a whole number.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Line`] also if it is none, or out of the range of `Integer`.
     pub fn integer<Integer: FromStr>(&mut self, name: &str) -> Result<Integer, DatasetError> {
         let word = self.word(name)?;
         word.parse().map_err(|_| self.error(format!("{name} {} is not a valid whole number", quoted(word))))
     }
 
     /// The next field as a number.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Line`] also if it is none, or NaN, infinite or beyond 1e9.
     pub fn number(&mut self, name: &str) -> Result<f64, DatasetError> {
         let word = self.word(name)?;
         match word.parse::<f64>() {
@@ -74,10 +57,6 @@ impl<'a> TextLine<'a> {
     }
 
     /// The next `N` fields as numbers.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::number`].
     pub fn numbers<const N: usize>(&mut self, name: &str) -> Result<[f64; N], DatasetError> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
@@ -92,10 +71,6 @@ impl<'a> TextLine<'a> {
     }
 
     /// Makes sure that nothing is left.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Line`] with the first field that is too many.
     pub fn end(mut self) -> Result<(), DatasetError> {
         match self.fields.next() {
             None => Ok(()),
@@ -165,6 +140,6 @@ mod tests {
         let path = folder.path().join("a.txt");
         std::fs::write(&path, b"P2: \xff").unwrap();
         let error = read_text_file(&path).expect_err("not UTF-8");
-        assert!(matches!(error, DatasetError::NotText { byte_offset: 4, .. }), "{error}");
+        assert!(error.to_string().ends_with("is not text: invalid UTF-8 at byte 4"), "{error}");
     }
 }

@@ -1,7 +1,9 @@
 //! Scans and labels that do not go together.
 
 use std::fmt;
+use std::path::Path;
 
+use super::DatasetError;
 use super::shown_name::shown;
 
 /// So many are named; the others are counted.
@@ -17,9 +19,12 @@ pub struct UnpairedFiles {
 }
 
 impl UnpairedFiles {
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.scans.is_empty() && self.labels.is_empty()
+    /// Nothing if there are none, else the error that names them; `labels` is the folder of the labels.
+    pub fn refuse(&self, labels: &Path) -> Result<(), DatasetError> {
+        if self.scans.is_empty() && self.labels.is_empty() {
+            return Ok(());
+        }
+        Err(DatasetError::damaged(labels, format!("does not go with the scans: {self}")))
     }
 }
 
@@ -61,6 +66,6 @@ mod tests {
             said(5, 7),
             "5 scans have no labels: 0, 1, 2, 3, 4; 7 label files have no scan: 0, 1, 2, 3, 4 and 2 more"
         );
-        assert!(UnpairedFiles::default().is_empty());
+        assert!(UnpairedFiles::default().refuse(Path::new("labels")).is_ok());
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::DatasetError;
+use super::on_disk::bytes_of;
 use super::positioned_points::PositionedPoints;
 
 /// Four values of four bytes.
@@ -11,23 +12,11 @@ const N_BYTES_PER_POINT: usize = 16;
 /// Reads the scan at `path`.
 ///
 /// The file has no header, so that one that was cut between two points cannot be told from a shorter scan.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::NoPoints`] for an empty file; [`DatasetError::PartialPoint`] for a size that is not
-/// a multiple of 16 bytes; [`DatasetError::Damaged`] for a point that is too far off, or if none has a position.
 pub fn read_velodyne_bin(path: &Path) -> Result<PositionedPoints, DatasetError> {
-    // Read, not mapped into memory: a mapped file that another program cuts off ends the process.
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-    parse_velodyne_bin(path, &bytes)
+    parse_velodyne_bin(path, &bytes_of(path)?)
 }
 
 /// The scan in `bytes`; `path` is named in errors.
-///
-/// # Errors
-///
-/// As [`read_velodyne_bin`].
 pub fn parse_velodyne_bin(path: &Path, bytes: &[u8]) -> Result<PositionedPoints, DatasetError> {
     PositionedPoints::of_rows(path, bytes, |row| {
         let [x_m, y_m, z_m, intensity] = values_of(row);

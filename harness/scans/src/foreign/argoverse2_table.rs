@@ -10,7 +10,7 @@ use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 
 use super::detections::{ForeignBox, ForeignDetections};
-use super::result_reader::{ResultReader, ResultsOf};
+use super::result_reader::{FoundInScan, OpenResults, ResultReader, ResultsOf};
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::DatasetError;
 use crate::dataset::argoverse2::log_truth::{POSE, take_poses};
@@ -33,7 +33,6 @@ pub struct Argoverse2Tables {
     asked: BTreeMap<usize, ForeignFrame>,
     logs: BTreeSet<String>,
     found: BTreeMap<usize, Vec<CarBox>>,
-    left_over: Vec<String>,
 }
 
 /// A box in the frame of the car.
@@ -47,11 +46,7 @@ struct CarBox {
 
 impl Argoverse2Tables {
     /// Reads the tables at `paths`; `root` is what was named.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if the data set is not Argoverse 2, a table is damaged, or classes in it are unknown.
-    pub fn open(root: &Path, paths: &[&Path], of: ResultsOf<'_>) -> Result<Self, DatasetError> {
+    pub fn open(root: &Path, paths: &[&Path], of: ResultsOf<'_>) -> Result<OpenResults, DatasetError> {
         let words = ("names scans by the logs and times of Argoverse 2", "has none");
         of.require(root, |it| matches!(it, ForeignFrame::Car { .. }), words)?;
         let ids = of.dataset.scan_ids().iter().enumerate();
@@ -65,7 +60,6 @@ impl Argoverse2Tables {
             asked: of.asked,
             logs: BTreeSet::new(),
             found: BTreeMap::new(),
-            left_over: Vec::new(),
         };
         let mut classes = ClassReader::new(of.classes, &[]);
         let mut left_over = BTreeSet::new();
@@ -73,8 +67,7 @@ impl Argoverse2Tables {
             tables.add(path, &scans, &mut left_over, &mut classes)?;
         }
         classes.unknown().refuse(&root.display().to_string())?;
-        tables.left_over = left_over.into_iter().collect();
-        Ok(tables)
+        Ok(OpenResults::new(tables, left_over.into_iter().collect()))
     }
 
     fn add(
@@ -124,11 +117,7 @@ impl ResultReader for Argoverse2Tables {
         self.logs.contains(&self.scan_ids[scan_idx].sequence)
     }
 
-    fn read(
-        &mut self,
-        scan_idx: usize,
-        _scan: &LabeledScan,
-    ) -> Result<Option<ForeignDetections>, DatasetError> {
+    fn read(&mut self, scan_idx: usize, _scan: &LabeledScan) -> FoundInScan {
         let Some(ForeignFrame::Car { car_from_sensor, .. }) = self.asked.get(&scan_idx) else {
             return Ok(None);
         };
@@ -148,9 +137,5 @@ impl ResultReader for Argoverse2Tables {
         });
         let (boxes, official) = (boxes.collect(), official.collect());
         Ok(Some(ForeignDetections { boxes, official, ..ForeignDetections::default() }))
-    }
-
-    fn left_over(&self) -> Vec<String> {
-        self.left_over.clone()
     }
 }

@@ -13,13 +13,13 @@ use super::points_in_boxes::PointsAlongX;
 use super::recorded_detections::{RecordedDetections, split_topic};
 use super::result_files::ResultFiles;
 use super::result_format::{ResultFormat, format_of};
-use super::result_reader::{ResultReader, ResultsOf};
+use super::result_reader::{OpenResults, ResultsOf};
 use super::semantic_labels::{self, SemanticLabels};
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassRules, ClassTable};
 use crate::dataset::folder_name::folder_name;
-use crate::dataset::numbered_files::is_hidden;
+use crate::dataset::on_disk::{bytes_of, entries_of};
 use crate::dataset::{Dataset, DatasetError};
 
 /// So many names are listed in messages.
@@ -64,7 +64,7 @@ pub struct ForeignResults {
     format: ResultFormat,
     dataset: String,
     checksum: String,
-    reader: Box<dyn ResultReader>,
+    opened: OpenResults,
     asked: BTreeMap<ScanId, usize>,
     missing: MissingResults,
     n_missing: usize,
@@ -73,11 +73,6 @@ pub struct ForeignResults {
 }
 
 /// Opens the results at `path`, a file or folder whose format is told by what is in it; `recording.mcap:/topic` names a topic, too.
-///
-/// # Errors
-///
-/// [`DatasetError::UnusableResults`] if they are of no known format or cannot belong to the data set; [`DatasetError::MissingResults`] if they
-/// lack scans that are asked for; any other if a file that is read now is damaged, or has classes that nobody knows.
 pub fn open_results(
     path: &Path,
     dataset: &dyn Dataset,
@@ -105,9 +100,8 @@ pub fn open_results(
 /// The folders directly in `path` that have what is asked for, as `--detections-out` writes them: one for each detector, and in it one
 /// for each data set.
 fn folders_with_results(path: &Path, dataset: &dyn Dataset, request: &ResultRequest<'_>) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(path).into_iter().flatten().flatten().map(|it| it.path());
-    let mut folders: Vec<PathBuf> = entries.filter(|it| it.is_dir() && !is_hidden(it)).collect();
-    folders.sort();
+    let mut folders = entries_of(path).unwrap_or_default();
+    folders.retain(|it| it.is_dir());
     folders.truncate(MAX_LOOKED_INTO);
     let request = ResultRequest { missing: MissingResults::Refuse, ..*request };
     let of_dataset = folder_name(&dataset.description().id);
@@ -128,15 +122,13 @@ fn open_at(
     let rules = ClassRules { table: request.classes.clone(), ..ClassRules::default() };
     let of = ResultsOf::new(dataset, request.scan_indices, &rules)?;
     let (format, file) = format_of(&files, dataset)?;
-    let reader: Box<dyn ResultReader> = match format {
-        ResultFormat::KittiText => Box::new(KittiText::open(&files, of)?),
-        ResultFormat::NuScenesJson => Box::new(NuScenesJson::open(&file, &of)?),
-        ResultFormat::Argoverse2Tables => {
-            Box::new(Argoverse2Tables::open(&path, &format.files(&files, dataset), of)?)
-        }
-        ResultFormat::SemanticLabels => Box::new(SemanticLabels::open(&files, &of)),
-        ResultFormat::OwnFiles => Box::new(OwnFiles::open(&files, &of)),
-        ResultFormat::Recording => Box::new(RecordedDetections::open(&file, topic.as_deref(), &of)?),
+    let opened = match format {
+        ResultFormat::KittiText => KittiText::open(&files, of)?,
+        ResultFormat::NuScenesJson => NuScenesJson::open(&file, &of)?,
+        ResultFormat::Argoverse2Tables => Argoverse2Tables::open(&path, &format.files(&files, dataset), of)?,
+        ResultFormat::SemanticLabels => SemanticLabels::open(&files, &of),
+        ResultFormat::OwnFiles => OwnFiles::open(&files, &of),
+        ResultFormat::Recording => RecordedDetections::open(&file, topic.as_deref(), &of)?,
     };
     let id_of = |&scan_idx: &usize| (dataset.scan_ids()[scan_idx].clone(), scan_idx);
     let mut results = ForeignResults {
@@ -144,7 +136,7 @@ fn open_at(
         format,
         dataset: dataset.description().id.clone(),
         checksum: checksum_of(format, &files, dataset, request.scan_indices)?,
-        reader,
+        opened,
         asked: request.scan_indices.iter().map(id_of).collect(),
         missing: request.missing,
         n_missing: 0,
@@ -168,16 +160,11 @@ impl ForeignResults {
     }
 
     /// Reads what was found in `scan`; `None` if there is nothing for it, and that counts as nothing found.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file is damaged or belongs to another scan, has classes that nobody knows, boxes beyond all measure
-    /// (see [`ForeignDetections::check`]), or nothing for the scan where there has to be something.
     pub fn read(&mut self, scan: &LabeledScan) -> Result<Option<ForeignDetections>, DatasetError> {
         let Some(&scan_idx) = self.asked.get(&scan.id) else {
             return Err(self.lacks(&[&scan.id], 1));
         };
-        let Some(found) = self.reader.read(scan_idx, scan)? else {
+        let Some(found) = self.opened.reader.read(scan_idx, scan)? else {
             return match self.missing {
                 MissingResults::Refuse => Err(self.lacks(&[&scan.id], 1)),
                 MissingResults::AreEmpty => Ok(None),
@@ -195,13 +182,13 @@ impl ForeignResults {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let path = &self.path;
-        let left_over = self.reader.left_over();
+        let OpenResults { left_over, oddities, .. } = &self.opened;
         if !left_over.is_empty() {
-            let (n, names) = (left_over.len(), listed(&left_over));
+            let (n, names) = (left_over.len(), listed(left_over));
             warnings
                 .push(format!("{path:?} has results for {n} scans that the data set does not have: {names}"));
         }
-        warnings.extend(self.reader.oddities().into_iter().map(|it| format!("{path:?}: {it}")));
+        warnings.extend(oddities.iter().map(|it| format!("{path:?}: {it}")));
         if self.n_missing > 0 {
             warnings.push(format!(
                 "{path:?} has no results for {} scans, which count as nothing found",
@@ -219,7 +206,7 @@ impl ForeignResults {
     }
 
     fn check_presence(&mut self) -> Result<(), DatasetError> {
-        let missing = self.asked.iter().filter(|(_, scan_idx)| !self.reader.has(**scan_idx));
+        let missing = self.asked.iter().filter(|(_, scan_idx)| !self.opened.reader.has(**scan_idx));
         let missing: Vec<&ScanId> = missing.map(|(id, _)| id).collect();
         self.n_missing = missing.len();
         match self.missing {
@@ -230,8 +217,7 @@ impl ForeignResults {
 
     fn lacks(&self, missing: &[&ScanId], n_asked: usize) -> DatasetError {
         let names: Vec<String> = missing.iter().map(ToString::to_string).collect();
-        let left_over = self.reader.left_over();
-        let others = match &left_over[..] {
+        let others = match &self.opened.left_over[..] {
             [] => String::new(),
             left_over => format!("; it has others: {}", listed(left_over)),
         };
@@ -277,13 +263,12 @@ fn checksum_of(
     };
     let mut checksum = DatasetChecksum::default();
     for path in paths {
-        let io_error = |source| DatasetError::Io { path: path.clone(), source };
         // Empty for a file that was named itself.
         let name = path.strip_prefix(files.root()).unwrap_or(&path).to_string_lossy().into_owned();
         if format == ResultFormat::Recording {
-            checksum.add_scan(&name, std::fs::metadata(&path).map_err(io_error)?.len());
+            checksum.add_file(&name, &path)?;
         } else {
-            checksum.add_text(&name, std::fs::read(&path).map_err(io_error)?);
+            checksum.add_text(&name, bytes_of(&path)?);
         }
     }
     Ok(checksum.finish())

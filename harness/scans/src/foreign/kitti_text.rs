@@ -10,7 +10,7 @@ use nalgebra::Matrix4;
 
 use super::detections::{ForeignBox, ForeignDetections};
 use super::result_files::ResultFiles;
-use super::result_reader::{ResultReader, ResultsOf};
+use super::result_reader::{FoundInScan, OpenResults, ResultReader, ResultsOf};
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, ClassRules};
@@ -32,16 +32,11 @@ pub struct KittiText {
     // By drive and number of the scan.
     drives: BTreeMap<String, BTreeMap<u32, Vec<KittiLabel>>>,
     files: BTreeMap<usize, PathBuf>,
-    files_left_over: Vec<String>,
 }
 
 impl KittiText {
     /// Reads the files of drives, and finds those of scans.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if the data set has no camera, or a file of a drive is damaged.
-    pub fn open(files: &ResultFiles, of: ResultsOf<'_>) -> Result<Self, DatasetError> {
+    pub fn open(files: &ResultFiles, of: ResultsOf<'_>) -> Result<OpenResults, DatasetError> {
         let words = ("has boxes in the frame of KITTI's camera", "has no calibration of such a camera");
         of.require(files.root(), |it| matches!(it, ForeignFrame::Camera { .. }), words)?;
         let mut reader = ClassReader::new(of.classes, KITTI_VOCABULARY);
@@ -60,14 +55,10 @@ impl KittiText {
         let of_scans = files.of_scans(of.dataset, ENDING);
         taken.extend(of_scans.values().map(PathBuf::as_path));
         let files_left_over = files.left_over(ENDING, &taken);
-        Ok(Self {
-            scan_ids: of.dataset.scan_ids().to_vec(),
-            asked: of.asked,
-            classes: of.classes.clone(),
-            drives,
-            files_left_over,
-            files: of_scans,
-        })
+        let (scan_ids, classes) = (of.dataset.scan_ids().to_vec(), of.classes.clone());
+        let results = Self { scan_ids, asked: of.asked, classes, drives, files: of_scans };
+        let left_over = [results.left_over(), files_left_over].concat();
+        Ok(OpenResults { oddities: results.oddities(), ..OpenResults::new(results, left_over) })
     }
 
     fn labels_of_file(&self, path: &Path) -> Result<Vec<KittiLabel>, DatasetError> {
@@ -76,36 +67,8 @@ impl KittiText {
         reader.unknown().refuse(&path.display().to_string())?;
         Ok(labels)
     }
-}
 
-impl ResultReader for KittiText {
-    fn has(&self, scan_idx: usize) -> bool {
-        self.drives.contains_key(&self.scan_ids[scan_idx].sequence) || self.files.contains_key(&scan_idx)
-    }
-
-    fn read(
-        &mut self,
-        scan_idx: usize,
-        _scan: &LabeledScan,
-    ) -> Result<Option<ForeignDetections>, DatasetError> {
-        let id = &self.scan_ids[scan_idx];
-        let of_file;
-        let labels = match (self.drives.get(&id.sequence), self.files.get(&scan_idx)) {
-            (Some(drive), _) => drive.get(&id.index).map_or(&[][..], Vec::as_slice),
-            (None, Some(path)) => {
-                of_file = self.labels_of_file(path)?;
-                &of_file
-            }
-            (None, None) => return Ok(None),
-        };
-        let Some(ForeignFrame::Camera { velodyne_from_camera, .. }) = self.asked.get(&scan_idx) else {
-            return Ok(None);
-        };
-        let objects: Vec<KittiObject> = labels.iter().filter_map(KittiLabel::object).cloned().collect();
-        let boxes = objects.iter().map(|it| box_of(it, velodyne_from_camera)).collect();
-        Ok(Some(ForeignDetections { kitti_objects: Some(objects), ..ForeignDetections::of_boxes(boxes) }))
-    }
-
+    /// The scans that the files of drives name and the data set does not have.
     fn left_over(&self) -> Vec<String> {
         let known: BTreeSet<(&str, u32)> =
             self.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();
@@ -113,7 +76,7 @@ impl ResultReader for KittiText {
             self.drives.iter().flat_map(|(drive, scans)| scans.keys().map(move |it| (drive.as_str(), *it)));
         let of_drives =
             numbers.filter(|it| !known.contains(it)).map(|(drive, it)| format!("{drive}/{it:06}"));
-        of_drives.chain(self.files_left_over.iter().cloned()).collect()
+        of_drives.collect()
     }
 
     /// Scans before the first or after the last that the file of their drive names: perhaps nobody looked at them.
@@ -133,6 +96,31 @@ impl ResultReader for KittiText {
             }
         }
         oddities
+    }
+}
+
+impl ResultReader for KittiText {
+    fn has(&self, scan_idx: usize) -> bool {
+        self.drives.contains_key(&self.scan_ids[scan_idx].sequence) || self.files.contains_key(&scan_idx)
+    }
+
+    fn read(&mut self, scan_idx: usize, _scan: &LabeledScan) -> FoundInScan {
+        let id = &self.scan_ids[scan_idx];
+        let of_file;
+        let labels = match (self.drives.get(&id.sequence), self.files.get(&scan_idx)) {
+            (Some(drive), _) => drive.get(&id.index).map_or(&[][..], Vec::as_slice),
+            (None, Some(path)) => {
+                of_file = self.labels_of_file(path)?;
+                &of_file
+            }
+            (None, None) => return Ok(None),
+        };
+        let Some(ForeignFrame::Camera { velodyne_from_camera, .. }) = self.asked.get(&scan_idx) else {
+            return Ok(None);
+        };
+        let objects: Vec<KittiObject> = labels.iter().filter_map(KittiLabel::object).cloned().collect();
+        let boxes = objects.iter().map(|it| box_of(it, velodyne_from_camera)).collect();
+        Ok(Some(ForeignDetections { kitti_objects: Some(objects), ..ForeignDetections::of_boxes(boxes) }))
     }
 }
 

@@ -19,13 +19,13 @@ use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
 
 use super::detections::{ForeignBox, ForeignDetections};
-use super::result_reader::{ResultReader, ResultsOf};
+use super::result_reader::{FoundInScan, OpenResults, ResultReader, ResultsOf};
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::foreign_frame::ForeignFrame;
-use crate::dataset::nuscenes::pose::pose;
 use crate::dataset::official::OfficialObject;
+use crate::dataset::pose::pose;
 use crate::dataset::upright_box::upright_box;
 
 /// The names of the detection task that are not those of the labels.
@@ -41,16 +41,11 @@ pub const WITH_RIDER: &str = "cycle.with_rider";
 /// The results of a submission.
 pub struct NuScenesJson {
     found: BTreeMap<usize, ForeignDetections>,
-    left_over: Vec<String>,
 }
 
 impl NuScenesJson {
     /// Reads the file at `path`.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if the data set is not nuScenes, the file is damaged, or classes in it are unknown.
-    pub fn open(path: &Path, of: &ResultsOf<'_>) -> Result<Self, DatasetError> {
+    pub fn open(path: &Path, of: &ResultsOf<'_>) -> Result<OpenResults, DatasetError> {
         let words = ("names scans by the tokens of nuScenes", "has none");
         of.require(path, |it| matches!(it, ForeignFrame::World { .. }), words)?;
         let mut scans = BTreeMap::new();
@@ -70,8 +65,7 @@ impl NuScenesJson {
             found: BTreeMap::new(),
             left_over: Vec::new(),
         };
-        let file =
-            File::open(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+        let file = File::open(path).map_err(DatasetError::io(path))?;
         let mut deserializer = serde_json::Deserializer::from_reader(BufReader::new(file));
         let read = deserializer.deserialize_map(&mut submission).and_then(|()| deserializer.end());
         let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
@@ -81,7 +75,7 @@ impl NuScenesJson {
         }
         let Submission { found, left_over, .. } = submission;
         classes.unknown().refuse(&path.display().to_string())?;
-        Ok(Self { found, left_over })
+        Ok(OpenResults::new(Self { found }, left_over))
     }
 }
 
@@ -90,16 +84,8 @@ impl ResultReader for NuScenesJson {
         self.found.contains_key(&scan_idx)
     }
 
-    fn read(
-        &mut self,
-        scan_idx: usize,
-        _scan: &LabeledScan,
-    ) -> Result<Option<ForeignDetections>, DatasetError> {
+    fn read(&mut self, scan_idx: usize, _scan: &LabeledScan) -> FoundInScan {
         Ok(self.found.get(&scan_idx).cloned())
-    }
-
-    fn left_over(&self) -> Vec<String> {
-        self.left_over.clone()
     }
 }
 

@@ -18,10 +18,11 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::detections::{ForeignBox, ForeignDetections};
 use super::result_files::ResultFiles;
-use super::result_reader::{ResultReader, ResultsOf};
+use super::result_reader::{FoundInScan, OpenResults, ResultReader, ResultsOf};
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, ClassRules, Vocabulary};
+use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::values_of_kept;
 use crate::dataset::semantic_kitti::label_file::parse_label_file;
 
@@ -38,13 +39,12 @@ const BOX_COLUMNS: [&str; 7] =
 /// The results of a folder.
 pub struct OwnFiles {
     files: BTreeMap<usize, Vec<PathBuf>>,
-    left_over: Vec<String>,
     classes: ClassRules,
 }
 
 impl OwnFiles {
     /// Finds the files of the scans.
-    pub fn open(files: &ResultFiles, of: &ResultsOf<'_>) -> Self {
+    pub fn open(files: &ResultFiles, of: &ResultsOf<'_>) -> OpenResults {
         let mut by_scan: BTreeMap<usize, Vec<PathBuf>> = BTreeMap::new();
         for ending in ENDINGS {
             for (scan_idx, path) in files.of_scans(of.dataset, ending) {
@@ -53,7 +53,7 @@ impl OwnFiles {
         }
         let taken: BTreeSet<&Path> = by_scan.values().flatten().map(PathBuf::as_path).collect();
         let left_over = [".u32", ".csv"].iter().flat_map(|ending| files.left_over(ending, &taken)).collect();
-        Self { files: by_scan, left_over, classes: of.classes.clone() }
+        OpenResults::new(Self { files: by_scan, classes: of.classes.clone() }, left_over)
     }
 }
 
@@ -62,11 +62,7 @@ impl ResultReader for OwnFiles {
         self.files.contains_key(&scan_idx)
     }
 
-    fn read(
-        &mut self,
-        scan_idx: usize,
-        scan: &LabeledScan,
-    ) -> Result<Option<ForeignDetections>, DatasetError> {
+    fn read(&mut self, scan_idx: usize, scan: &LabeledScan) -> FoundInScan {
         let Some(paths) = self.files.get(&scan_idx) else { return Ok(None) };
         let n_in_file = scan.cloud.len() + scan.points_left_out.len();
         let (mut clusters, mut boxes) = (None, None);
@@ -86,10 +82,6 @@ impl ResultReader for OwnFiles {
             ..ForeignDetections::default()
         }))
     }
-
-    fn left_over(&self) -> Vec<String> {
-        self.left_over.clone()
-    }
 }
 
 /// What is in a file.
@@ -102,8 +94,7 @@ enum Part {
 }
 
 fn read_file(path: &Path, n_in_file: usize, rules: &ClassRules) -> Result<Part, DatasetError> {
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let bytes = bytes_of(path)?;
     let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
     if path.extension().is_some_and(|it| it == "u32") {
         let clusters = parse_label_file(path, &bytes, n_in_file)?;
@@ -115,8 +106,7 @@ fn read_file(path: &Path, n_in_file: usize, rules: &ClassRules) -> Result<Part, 
     classes.unknown().refuse(&path.display().to_string())?;
     match &part {
         Part::Clusters(clusters) if clusters.len() != n_in_file => {
-            let (path, n_labels) = (path.to_path_buf(), clusters.len());
-            Err(DatasetError::LabelCount { path, n_labels, n_points: n_in_file })
+            Err(DatasetError::label_count(path, clusters.len(), n_in_file))
         }
         _ => Ok(part),
     }

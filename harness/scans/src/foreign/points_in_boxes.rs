@@ -25,10 +25,6 @@ impl PointsAlongX {
     }
 
     /// Indices of the points of the same `cloud` inside or on `bounding_box`, ascending.
-    ///
-    /// # Errors
-    ///
-    /// If this box and those before hold too many, as the rest of a sentence.
     pub fn inside(&mut self, cloud: &PointCloud, bounding_box: &OrientedBox) -> Result<Vec<u32>, String> {
         let is_inside = |it: &u32| bounding_box.contains(cloud.position_m(*it as usize));
         let mut inside: Vec<u32> = self.near(bounding_box).filter(is_inside).collect();

@@ -11,7 +11,7 @@ use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 
 use super::detections::{ForeignBox, ForeignDetections};
-use super::result_reader::{ResultReader, ResultsOf};
+use super::result_reader::{FoundInScan, OpenResults, ResultReader, ResultsOf};
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, ClassRules};
@@ -44,7 +44,6 @@ pub fn split_topic(path: &Path) -> (PathBuf, Option<String>) {
 /// The detections of a topic.
 pub struct RecordedDetections {
     name: String,
-    n_scans: usize,
     classes: ClassRules,
     messages: RecordedMessages,
     channel: Channel,
@@ -81,11 +80,7 @@ impl ScanFrame {
 
 impl RecordedDetections {
     /// Opens the recording at `path`, and notes the times of all its results.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if it is damaged or cut off, has no such topic, or the data set has no times.
-    pub fn open(path: &Path, topic: Option<&str>, of: &ResultsOf<'_>) -> Result<Self, DatasetError> {
+    pub fn open(path: &Path, topic: Option<&str>, of: &ResultsOf<'_>) -> Result<OpenResults, DatasetError> {
         let mut index = index_mcap(path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;
         if let Some(problem) = index.cut_off.take() {
             return Err(DatasetError::Damaged { path: path.to_path_buf(), problem });
@@ -116,16 +111,15 @@ impl RecordedDetections {
         let has_times = asked.is_some();
         of.require(path, |_| has_times, ("names scans by their times", "has none"))?;
         let asked = asked.unwrap_or_default();
-        Ok(Self {
-            stamp_by_scan: nearest_pairs(&asked, &by_stamp),
-            name: path.display().to_string(),
-            n_scans: of.dataset.scan_ids().len(),
-            classes: of.classes.clone(),
-            messages,
-            channel,
-            by_stamp,
-            asked,
-        })
+        let stamp_by_scan = nearest_pairs(&asked, &by_stamp);
+        let taken: BTreeSet<u64> = stamp_by_scan.values().copied().collect();
+        // Only known where all scans are asked for.
+        let are_all = asked.len() >= of.dataset.scan_ids().len();
+        let left_over = by_stamp.keys().filter(|it| are_all && !taken.contains(it));
+        let left_over = left_over.map(|it| format!("{it} ns")).collect();
+        let (name, classes) = (path.display().to_string(), of.classes.clone());
+        let results = Self { name, classes, messages, channel, by_stamp, asked, stamp_by_scan };
+        Ok(OpenResults::new(results, left_over))
     }
 
     /// The results of this scan.
@@ -179,24 +173,11 @@ impl ResultReader for RecordedDetections {
         self.stamp_by_scan.contains_key(&scan_idx)
     }
 
-    fn read(
-        &mut self,
-        scan_idx: usize,
-        _scan: &LabeledScan,
-    ) -> Result<Option<ForeignDetections>, DatasetError> {
+    fn read(&mut self, scan_idx: usize, _scan: &LabeledScan) -> FoundInScan {
         let Some(scan) = self.asked.get(&scan_idx) else { return Ok(None) };
         let Some(place) = self.place_of(scan_idx) else { return Ok(None) };
         let (_, objects) = self.messages.read_objects(&self.channel, place)?;
         Ok(Some(ForeignDetections::of_boxes(self.boxes_of(&objects, place, scan)?)))
-    }
-
-    /// Only known where all scans are asked for.
-    fn left_over(&self) -> Vec<String> {
-        if self.asked.len() < self.n_scans {
-            return Vec::new();
-        }
-        let taken: BTreeSet<u64> = self.stamp_by_scan.values().copied().collect();
-        self.by_stamp.keys().filter(|it| !taken.contains(it)).map(|it| format!("{it} ns")).collect()
     }
 }
 

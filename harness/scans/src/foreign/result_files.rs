@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use crate::annotation::ScanId;
 use crate::dataset::folder_name::folder_name;
-use crate::dataset::numbered_files::is_hidden;
+use crate::dataset::on_disk::{entries_of, name_of};
 use crate::dataset::{Dataset, DatasetError};
 
 /// Files are looked for so many folders deep, and so many of them.
@@ -34,15 +34,10 @@ pub struct ResultFiles {
 
 impl ResultFiles {
     /// Finds the files below `root`, or the file `root` itself. Hidden ones are not looked at.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Io`] if a folder cannot be read; [`DatasetError::UnusableResults`] if there are too many.
     pub fn below(root: &Path) -> Result<Self, DatasetError> {
         let mut files = Self { root: root.to_path_buf(), paths: BTreeMap::new(), folders: BTreeSet::new() };
         if root.is_file() {
-            let name = root.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
-            files.paths.insert(name, root.to_path_buf());
+            files.paths.insert(name_of(root), root.to_path_buf());
             files.folders.insert(String::new());
         } else {
             files.add_folder(root, "", 0)?;
@@ -51,11 +46,8 @@ impl ResultFiles {
     }
 
     fn add_folder(&mut self, folder: &Path, name: &str, depth: usize) -> Result<(), DatasetError> {
-        let io_error = |source| DatasetError::Io { path: folder.to_path_buf(), source };
-        for entry in std::fs::read_dir(folder).map_err(io_error)? {
-            let path = entry.map_err(io_error)?.path();
-            let Some(own_name) = path.file_name().filter(|_| !is_hidden(&path)) else { continue };
-            let own_name = format!("{name}{}", own_name.to_string_lossy());
+        for path in entries_of(folder)? {
+            let own_name = format!("{name}{}", name_of(&path));
             if !path.is_dir() {
                 self.folders.insert(name.to_owned());
                 self.paths.insert(own_name, path);

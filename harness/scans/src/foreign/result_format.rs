@@ -78,10 +78,6 @@ impl ResultFormat {
 }
 
 /// The format of `files`, and the only file of formats that have one.
-///
-/// # Errors
-///
-/// [`DatasetError::UnusableResults`] if there is none, there are several, or several files where one is a whole set of results.
 pub fn format_of(
     files: &ResultFiles,
     dataset: &dyn Dataset,

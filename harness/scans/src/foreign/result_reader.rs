@@ -15,22 +15,26 @@ pub trait ResultReader: Send {
     fn has(&self, scan_idx: usize) -> bool;
 
     /// Reads what was found in scan `scan_idx`, which is `scan`; `None` if there is nothing for it.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file is damaged or belongs to another scan, or classes in it are unknown.
-    fn read(
-        &mut self,
-        scan_idx: usize,
-        scan: &LabeledScan,
-    ) -> Result<Option<ForeignDetections>, DatasetError>;
+    fn read(&mut self, scan_idx: usize, scan: &LabeledScan) -> FoundInScan;
+}
 
+/// What was found in a scan, if there is anything for it.
+pub type FoundInScan = Result<Option<ForeignDetections>, DatasetError>;
+
+/// Results that were opened.
+pub struct OpenResults {
+    /// Reads them.
+    pub reader: Box<dyn ResultReader>,
     /// The names of what is there for scans that the data set does not have.
-    fn left_over(&self) -> Vec<String>;
-
+    pub left_over: Vec<String>,
     /// What may be wrong with the results as a whole, a line each.
-    fn oddities(&self) -> Vec<String> {
-        Vec::new()
+    pub oddities: Vec<String>,
+}
+
+impl OpenResults {
+    /// Those of `reader`, with nothing odd about them.
+    pub fn new(reader: impl ResultReader + 'static, left_over: Vec<String>) -> Self {
+        Self { reader: Box::new(reader), left_over, oddities: Vec::new() }
     }
 }
 
@@ -46,10 +50,6 @@ pub struct ResultsOf<'a> {
 
 impl<'a> ResultsOf<'a> {
     /// Asks for the scans at `scan_indices` of `dataset`.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file that says something about their frames is damaged.
     pub fn new(
         dataset: &'a dyn Dataset,
         scan_indices: &[usize],
@@ -61,10 +61,6 @@ impl<'a> ResultsOf<'a> {
     }
 
     /// Makes sure that results which `say` something can be about this data set, one scan of which `fits`.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::UnusableResults`], with `path` and what the data set `lacks`.
     pub fn require(
         &self,
         path: &Path,

@@ -10,9 +10,8 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::detections::ForeignDetections;
 use super::result_files::ResultFiles;
-use super::result_reader::{ResultReader, ResultsOf};
+use super::result_reader::{FoundInScan, OpenResults, ResultReader, ResultsOf};
 use crate::annotation::LabeledScan;
-use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, ClassRules};
 use crate::dataset::semantic_kitti::ground_truth::class_of_number;
 use crate::dataset::semantic_kitti::label_file::read_labels_of_kept;
@@ -24,17 +23,16 @@ pub const ENDING: &str = ".label";
 /// Results point by point.
 pub struct SemanticLabels {
     files: BTreeMap<usize, PathBuf>,
-    left_over: Vec<String>,
     classes: ClassRules,
 }
 
 impl SemanticLabels {
     /// Finds the files of the scans.
-    pub fn open(files: &ResultFiles, of: &ResultsOf<'_>) -> Self {
+    pub fn open(files: &ResultFiles, of: &ResultsOf<'_>) -> OpenResults {
         let of_scans = files.of_scans(of.dataset, ENDING);
         let taken: BTreeSet<&Path> = of_scans.values().map(PathBuf::as_path).collect();
         let left_over = files.left_over(ENDING, &taken);
-        Self { files: of_scans, left_over, classes: of.classes.clone() }
+        OpenResults::new(Self { files: of_scans, classes: of.classes.clone() }, left_over)
     }
 }
 
@@ -43,21 +41,13 @@ impl ResultReader for SemanticLabels {
         self.files.contains_key(&scan_idx)
     }
 
-    fn read(
-        &mut self,
-        scan_idx: usize,
-        scan: &LabeledScan,
-    ) -> Result<Option<ForeignDetections>, DatasetError> {
+    fn read(&mut self, scan_idx: usize, scan: &LabeledScan) -> FoundInScan {
         let Some(path) = self.files.get(&scan_idx) else { return Ok(None) };
         let labels = read_labels_of_kept(path, scan)?;
         let mut classes = ClassReader::new(&self.classes, &[]);
         let found = clusters_of(&labels, path, &mut classes);
         classes.unknown().refuse(&path.display().to_string())?;
         Ok(Some(ForeignDetections { point_labels: Some(labels), ..found }))
-    }
-
-    fn left_over(&self) -> Vec<String> {
-        self.left_over.clone()
     }
 }
 

@@ -17,7 +17,7 @@ use super::growing_cloud::GrowingCloud;
 use super::object_cloud_set::{ObjectCloudSet, ObjectSetDescription};
 use super::object_sheet::{OBJECT_SHEET, ObjectSheet};
 use crate::dataset::DatasetError;
-use crate::dataset::numbered_files::is_hidden;
+use crate::dataset::on_disk::{entries_of, name_of, names_of};
 use crate::dataset::scan_folder::any_scan_file::read_scan_file;
 use crate::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, ScanPoints, scan_extension};
 use crate::dataset::shown_name::shown;
@@ -54,28 +54,27 @@ pub fn has_class_folder(root: &Path) -> bool {
 }
 
 /// Opens the folder of objects at `root`. Objects follow each other as the names of their folders and files do.
-///
-/// # Errors
-///
-/// [`DatasetError`] if it has no folders, one of them is called after no class or has no clouds, or `objects.json` is damaged.
 pub fn open_class_folders(root: &Path) -> Result<ClassFolders, DatasetError> {
     let folders = entries(root)?.into_iter().filter(|(_, path)| path.is_dir()).collect::<Vec<_>>();
     if folders.is_empty() {
-        let expected = "folders of classes, such as car or tree".to_owned();
-        return Err(DatasetError::NoObjects { path: root.to_path_buf(), expected });
+        return Err(DatasetError::damaged(root, "has no folders of classes, such as car or tree"));
     }
     let unknown: Vec<String> =
         folders.iter().map(|(name, _)| name.clone()).filter(|name| class_of_folder(name).is_none()).collect();
     if !unknown.is_empty() {
-        let known = PartialClass::ALL.map(|it| it.name().to_owned()).to_vec();
-        return Err(DatasetError::UnknownClassFolders { path: root.to_path_buf(), names: unknown, known });
+        return Err(DatasetError::Usage(format!(
+            "{root:?} has folders that are called after no class: {}; classes are {}, and what else of a street has a name",
+            shown(&unknown.join(", ")),
+            PartialClass::ALL.map(PartialClass::name).join(", ")
+        )));
     }
     let (mut classes, mut files) = (Vec::new(), Vec::new());
     for (folder, path) in folders {
         let clouds = entries(&path)?.into_iter().filter(|(_, file)| is_cloud(file)).collect::<Vec<_>>();
         if clouds.is_empty() {
-            let expected = format!("clouds of objects (files that end in {})", SCAN_EXTENSIONS.join(", "));
-            return Err(DatasetError::NoObjects { path, expected });
+            let endings = SCAN_EXTENSIONS.join(", ");
+            let problem = format!("has no clouds of objects (files that end in {endings})");
+            return Err(DatasetError::damaged(path, problem));
         }
         for (file, path) in clouds {
             classes.extend(class_of_folder(&folder));
@@ -84,7 +83,7 @@ pub fn open_class_folders(root: &Path) -> Result<ClassFolders, DatasetError> {
     }
     let sheet = ObjectSheet::in_folder(root)?;
     let whole = root.canonicalize().unwrap_or_else(|_| root.to_path_buf());
-    let id = whole.file_name().map(|it| shown(&it.to_string_lossy()).into_owned()).unwrap_or_default();
+    let id = shown(&name_of(&whole)).into_owned();
     let description =
         ObjectSetDescription { id, root: Some(root.to_path_buf()), simulation: sheet.simulation.clone() };
     Ok(ClassFolders { description, classes, files, sheet })
@@ -135,20 +134,8 @@ fn is_cloud(path: &Path) -> bool {
 
 /// Names and paths of what lies in `folder` and is not hidden, in the order of names.
 fn entries(folder: &Path) -> Result<Vec<(String, PathBuf)>, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: folder.to_path_buf(), source };
-    let mut entries = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(io_error)? {
-        let path = entry.map_err(io_error)?.path();
-        if is_hidden(&path) {
-            continue;
-        }
-        match path.file_name().and_then(|it| it.to_str()) {
-            Some(name) => entries.push((name.to_owned(), path)),
-            None => return Err(DatasetError::FileName { path, expected: "a name in UTF-8" }),
-        }
-    }
-    entries.sort();
-    Ok(entries)
+    let paths = entries_of(folder)?;
+    Ok(names_of(&paths, "a name in UTF-8")?.into_iter().zip(paths).collect())
 }
 
 #[cfg(test)]

@@ -42,10 +42,6 @@ const MOVED_M: f32 = 3.0;
 ///
 /// With boxes, points lie in the frame of their box, and are registered by it. Without, they lie in the world that rests if the data set says
 /// where the sensor was, and are registered by that; otherwise in the frame of the sensor, each scan for itself.
-///
-/// # Errors
-///
-/// [`DatasetError`] if a scan or a pose cannot be read.
 pub fn cut_out_objects(
     dataset: &dyn Dataset,
     scan_idxs: &[usize],
@@ -263,12 +259,10 @@ mod tests {
             let ground = (0..9).map(|it| [20.0 - driven_m + 0.1 * it as f32, -2.6, -1.7]);
             let cloud: PointCloud = car.into_iter().chain(pole).chain(ground).collect();
             let annotation = |class, bounding_box, point_indices, track| Annotation {
-                class,
                 bounding_box,
                 point_indices,
                 track,
-                occlusion: None,
-                truncation: None,
+                ..Annotation::of(class)
             };
             Ok(LabeledScan {
                 id: self.listing.scan_ids[scan_idx].clone(),

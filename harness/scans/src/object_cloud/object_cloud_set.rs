@@ -17,10 +17,6 @@ pub trait ObjectCloudSet: Send + Sync {
     fn classes(&self) -> &[PartialClass];
 
     /// Reads object `object_idx` of [`Self::classes`].
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if its file is damaged or holds no points.
     fn read(&self, object_idx: usize) -> Result<GrowingCloud, DatasetError>;
 }
 

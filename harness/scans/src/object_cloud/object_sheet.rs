@@ -41,10 +41,6 @@ impl SeenObject {
     }
 
     /// The moments of an object with `n_points`, if they can be its own. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If there are none, they do not ascend, or the last does not show every point.
     pub fn moments(&self, n_points: usize) -> Result<Vec<Moment>, String> {
         let moment = |&(n_points, time_s, distance_m): &_| Moment { n_points, time_s, distance_m };
         let moments: Vec<Moment> = self.moments.iter().map(moment).collect();
@@ -61,10 +57,6 @@ impl SeenObject {
 
 impl ObjectSheet {
     /// The sheet in `folder`; an empty one if there is none.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if it cannot be read or is none.
     pub fn in_folder(folder: &Path) -> Result<Self, DatasetError> {
         let path = folder.join(OBJECT_SHEET);
         if !path.is_file() {

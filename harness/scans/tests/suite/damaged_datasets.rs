@@ -146,18 +146,54 @@ fn a_scan_without_labelled_objects_has_none() {
     assert_eq!(disk.open().unwrap().read_scan(1).unwrap().annotations, []);
 }
 
-#[test]
-fn a_cut_scan_is_damaged() {
-    let disk = Disk::with_objects();
-    disk.write("training/velodyne/000009.bin", &bytes_of(&POINTS)[..40]);
-    check_damaged(&disk, &["velodyne/000009.bin", "40 bytes", "multiple of the 16"]);
+/// What is broken in sound data, below `training`: a file with this content, or none; and what is said of it.
+type Broken = (&'static str, Option<Vec<u8>>, &'static [&'static str]);
+
+fn check_broken(sound: fn() -> Disk, cases: impl IntoIterator<Item = Broken>) {
+    for (name, content, parts) in cases {
+        let disk = sound();
+        match content {
+            Some(content) => disk.write(&format!("training/{name}"), content),
+            None => disk.remove(&format!("training/{name}")),
+        }
+        check_damaged(&disk, parts);
+    }
 }
 
 #[test]
-fn an_empty_scan_is_damaged() {
-    let disk = Disk::with_drives();
-    disk.write("training/velodyne/0004/000007.bin", []);
-    check_damaged(&disk, &["velodyne/0004/000007.bin", "has no points"]);
+fn what_is_broken_in_single_scans_is_named() {
+    let cut = bytes_of(&POINTS)[..40].to_vec();
+    let far = bytes_of(&[POINTS[0], [1.0, -10_001.0, 0.0, 0.0]]);
+    let no_matrix = CALIBRATION.replace("P2", "P0").into_bytes();
+    let malformed = format!("{CAR}\nCar 0 0 zero").into_bytes();
+    let cases: [Broken; 10] = [
+        ("image_2/000009.png", Some(b"GIF89a".to_vec()), &["image_2/000009.png", "PNG"]),
+        ("velodyne/000009.bin", Some(cut), &["velodyne/000009.bin", "40 bytes", "multiple of the 16"]),
+        (
+            "velodyne/000009.bin",
+            Some(far),
+            &["velodyne/000009.bin", "has point 1 at y = -10001.000 m, beyond 10000 m"],
+        ),
+        ("velodyne/000007.bin", None, &["label_2", "1 label file has no scan: 000007.txt"]),
+        ("velodyne/7.bin", Some(bytes_of(&POINTS)), &["velodyne/7.bin", "six digits"]),
+        ("label_2/000007.txt", None, &["label_2", "1 scan has no labels: 000007.bin"]),
+        ("label_2/000009.txt", Some(malformed), &["label_2/000009.txt", "line 2", "alpha \"zero\""]),
+        ("label_2/000009.txt", Some(b"Car \xfe".to_vec()), &["label_2/000009.txt", "byte 4"]),
+        ("calib/000007.txt", None, &["velodyne/000007.bin", "calib/000007.txt", "does not exist"]),
+        ("calib/000009.txt", Some(no_matrix), &["calib/000009.txt", "has no line P2"]),
+    ];
+    check_broken(Disk::with_objects, cases);
+}
+
+#[test]
+fn what_is_broken_in_drives_is_named() {
+    let cases: [Broken; 4] = [
+        ("velodyne/0004/000007.bin", Some(Vec::new()), &["velodyne/0004/000007.bin", "has no points"]),
+        ("velodyne/0001/000007.bin", None, &["velodyne/0001", "has no scans"]),
+        ("label_02/0004.txt", None, &["velodyne/0004", "label_02/0004.txt", "do not exist"]),
+        ("calib", None, &["velodyne/0001", "calib/0001.txt", "does not exist"]),
+    ];
+    check_broken(Disk::with_drives, cases);
 }
 
 #[test]
@@ -174,89 +210,11 @@ fn points_without_a_position_are_left_out_and_a_scan_without_others_is_damaged()
 }
 
 #[test]
-fn points_beyond_what_a_sensor_sees_are_damage() {
-    let disk = Disk::with_objects();
-    disk.write("training/velodyne/000009.bin", bytes_of(&[POINTS[0], [1.0, -10_001.0, 0.0, 0.0]]));
-    check_damaged(&disk, &["velodyne/000009.bin", "has point 1 at y = -10001.000 m, beyond 10000 m"]);
-}
-
-#[test]
-fn labels_without_their_scan_are_damage() {
-    let disk = Disk::with_objects();
-    disk.remove("training/velodyne/000007.bin");
-    check_damaged(&disk, &["label_2", "1 label file has no scan: 000007.txt"]);
-}
-
-#[test]
-fn a_scan_without_labels_is_damage() {
-    let disk = Disk::with_objects();
-    disk.remove("training/label_2/000007.txt");
-    check_damaged(&disk, &["label_2", "1 scan has no labels: 000007.bin"]);
-
-    let disk = Disk::with_drives();
-    disk.remove("training/label_02/0004.txt");
-    check_damaged(&disk, &["velodyne/0004", "label_02/0004.txt", "do not exist"]);
-}
-
-#[test]
-fn a_scan_without_calibration_is_damage() {
-    let disk = Disk::with_objects();
-    disk.remove("training/calib/000007.txt");
-    check_damaged(&disk, &["velodyne/000007.bin", "calib/000007.txt", "does not exist"]);
-
-    let disk = Disk::with_drives();
-    disk.remove("training/calib");
-    check_damaged(&disk, &["velodyne/0001", "calib/0001.txt", "does not exist"]);
-}
-
-#[test]
-fn a_calibration_that_lacks_a_matrix_is_damage() {
-    let disk = Disk::with_objects();
-    disk.write("training/calib/000009.txt", CALIBRATION.replace("P2", "P0"));
-    check_damaged(&disk, &["calib/000009.txt", "has no line P2"]);
-}
-
-#[test]
-fn a_malformed_label_is_damage() {
-    let disk = Disk::with_objects();
-    disk.write("training/label_2/000009.txt", format!("{CAR}\nCar 0 0 zero"));
-    check_damaged(&disk, &["label_2/000009.txt", "line 2", "alpha \"zero\""]);
-}
-
-#[test]
-fn labels_that_are_no_text_are_damage() {
-    let disk = Disk::with_objects();
-    disk.write("training/label_2/000009.txt", b"Car \xfe");
-    check_damaged(&disk, &["label_2/000009.txt", "byte 4"]);
-}
-
-#[test]
-fn an_image_that_is_none_is_damage() {
-    let disk = Disk::with_objects();
-    disk.write("training/image_2/000009.png", b"GIF89a");
-    check_damaged(&disk, &["image_2/000009.png", "PNG"]);
-}
-
-#[test]
 fn a_test_split_cannot_be_scored() {
     let disk = Disk::with_objects();
     std::fs::rename(disk.path("training"), disk.path("testing")).unwrap();
     disk.remove("testing/label_2");
     check_damaged(&disk, &["testing/label_2", "a test split cannot be scored"]);
-}
-
-#[test]
-fn a_drive_without_scans_is_damage() {
-    let disk = Disk::with_drives();
-    disk.remove("training/velodyne/0001/000007.bin");
-    check_damaged(&disk, &["velodyne/0001", "has no scans"]);
-}
-
-#[test]
-fn a_scan_that_is_not_named_after_a_number_is_damage() {
-    let disk = Disk::with_objects();
-    disk.write("training/velodyne/7.bin", bytes_of(&POINTS));
-    check_damaged(&disk, &["velodyne/7.bin", "six digits"]);
 }
 
 #[test]

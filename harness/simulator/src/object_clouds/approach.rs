@@ -120,17 +120,10 @@ pub fn approached(
     let mut judged_at_m = f32::INFINITY;
     for scan in 0..drive.n_scans(scanner) {
         let before_m = drive.from_m - scan as f32 * drive.step_m(scanner);
-        let look = Look {
-            sensor: &scanner.turning,
-            errors: &errors,
-            world_from_sensor: drive.pose(before_m, &PoseError::default()),
-        };
+        let truly = Look::from(drive.pose(before_m, &PoseError::default()), &scanner.turning, &errors);
+        let look = Look { registered: drive.pose(before_m, drift.next()), ..truly };
         let pulses = |beam| number.dice(DiceUse::Pulses { scan, beam });
-        let points = object.points_in(&look, |firing| scanner.sees(firing), pulses);
-        let registered = drive.pose(before_m, drift.next());
-        for point in points {
-            cloud.push((registered * point.position_m).into(), point.intensity);
-        }
+        object.append_points(&look, |firing| scanner.sees(firing), pulses, &mut cloud);
         let is_last = scan + 1 == drive.n_scans(scanner);
         if !cloud.is_empty() && (is_last || judged_at_m - before_m >= params.moment_step_m) {
             judged_at_m = before_m;

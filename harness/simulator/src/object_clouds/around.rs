@@ -7,8 +7,7 @@ use rand::RngExt;
 use scans::object_cloud::growing_cloud::Moment;
 
 use super::drawn_object::{DiceUse, ObjectNumber};
-use super::lone_object::{LoneObject, Look, sensor_pose};
-use crate::portable_math;
+use super::lone_object::{LoneObject, Look, level_pose};
 use crate::scan::beam_errors;
 use crate::sensor::SensorModel;
 
@@ -38,16 +37,10 @@ pub fn scanned_around(
         let bearing_rad =
             first_rad + TAU * (f64::from(scan) + dice.random_range(-0.25..0.25)) / f64::from(n_places);
         let distance_m = object.reach_m() + dice.random_range(CLEARANCES_M);
-        let (sine, cosine) = portable_math::sin_cos(bearing_rad);
-        let plan_m = [cosine as f32 * distance_m, sine as f32 * distance_m];
-        // Not straight at the object: a thin trunk would stand between the same two pulses from everywhere.
-        let heading_rad = bearing_rad + dice.random_range(0.0..TAU);
-        let world_from_sensor = sensor_pose(plan_m, scanner.height_above_road_m, heading_rad, 0.0);
-        let look = Look { sensor: scanner, errors: &errors, world_from_sensor };
+        let world_from_sensor = level_pose(bearing_rad, distance_m, scanner, &mut dice);
+        let look = Look::from(world_from_sensor, scanner, &errors);
         let pulses = |beam| number.dice(DiceUse::Pulses { scan, beam });
-        for point in object.points_in(&look, |_| true, pulses) {
-            cloud.push((world_from_sensor * point.position_m).into(), point.intensity);
-        }
+        object.append_points(&look, |_| true, pulses, &mut cloud);
         let time_s = f64::from(scan) / f64::from(scanner.turns_per_second);
         moments.push(Moment { n_points: cloud.len(), time_s, distance_m: Some(distance_m) });
     }
@@ -57,6 +50,7 @@ pub fn scanned_around(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::world::sine_and_cosine;
     use reports::vocabulary::partial_class::PartialClass;
 
     #[test]
@@ -67,8 +61,7 @@ mod tests {
         let (cloud, moments) = scanned_around(&object, number, &survey_scanner());
         assert!((4..8).contains(&moments.len()) && moments.is_sorted_by_key(|it| it.n_points));
         assert_eq!(moments.last().unwrap().n_points, cloud.len());
-        let (sine, cosine) = portable_math::sin_cos(f64::from(drawn.yaw_rad));
-        let (sine, cosine) = (sine as f32, cosine as f32);
+        let (sine, cosine) = sine_and_cosine(drawn.yaw_rad.into());
         let [length_m, width_m, height_m] = object.extents_m;
         let mut n_by_side = [0; 4];
         for [x_m, y_m, z_m] in cloud.positions_m() {

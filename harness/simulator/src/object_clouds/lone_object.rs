@@ -1,8 +1,12 @@
 //! An object alone on a level road, and what a sensor sees of it.
 
+use std::f64::consts::TAU;
+
+use detector::PointCloud;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Pose, Vector};
 use parry3d::query::Ray;
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::drawn_object::DrawnObject;
@@ -15,6 +19,7 @@ use crate::scan::{BeamError, part_of_turn};
 use crate::scene::{Hit, Leaf, LeafForm, Pulse, Scene};
 use crate::sensor::SensorModel;
 use crate::staged_scene::{level_road, on_the_road};
+use crate::world::{rotation_from_axes, sine_and_cosine};
 
 /// An object on a level road. The world's origin lies on the road below the middle of the object.
 #[derive(Debug, Clone)]
@@ -37,22 +42,21 @@ pub struct Look<'a> {
     pub errors: &'a [BeamError],
     /// Where it is.
     pub world_from_sensor: Pose,
+    /// Where it is said to be.
+    pub registered: Pose,
 }
 
-/// A point on the object.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SeenPoint {
-    /// Where the sensor sees it, in its frame, in metres.
-    pub position_m: Vector,
-    /// Its intensity, 0 to 1.
-    pub intensity: f32,
+impl<'a> Look<'a> {
+    /// From a place that is known without error.
+    pub fn from(world_from_sensor: Pose, sensor: &'a SensorModel, errors: &'a [BeamError]) -> Self {
+        Self { sensor, errors, world_from_sensor, registered: world_from_sensor }
+    }
 }
 
 impl LoneObject {
     /// Puts `object` on the road.
     pub fn new(object: &DrawnObject) -> Self {
-        let (sine, cosine) = portable_math::sin_cos(f64::from(object.yaw_rad));
-        let world_from_object = on_the_road([0.0; 2], [sine as f32, cosine as f32]);
+        let world_from_object = on_the_road([0.0; 2], sine_and_cosine(object.yaw_rad.into()).into());
         let (mut boxes, mut leaves) = (Vec::new(), Vec::new());
         for part in &object.shape.parts {
             let solid = part.solid.placed(&world_from_object);
@@ -104,14 +108,15 @@ impl LoneObject {
         })
     }
 
-    /// Its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of the road are not among them, nor those
-    /// in the air between an edge and what lies behind it. `pulses` gives the dice of each beam.
-    pub fn points_in(
+    /// Appends to `cloud` its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of the road are not among
+    /// them, nor those in the air between an edge and what lies behind it. `pulses` gives the dice of each beam.
+    pub fn append_points(
         &self,
         look: &Look<'_>,
         is_sent: impl Fn(usize) -> bool,
         pulses: impl Fn(u32) -> ChaCha8Rng,
-    ) -> Vec<SeenPoint> {
+        cloud: &mut PointCloud,
+    ) {
         let sensor_from_world = look.world_from_sensor.inverse();
         let window = AngularWindow::around(self.corners().map(|it| sensor_from_world * it));
         let n_firings = look.sensor.n_firings_per_turn as usize;
@@ -128,14 +133,19 @@ impl LoneObject {
         };
         let turn = part_of_turn(look.sensor, look.errors, &[surroundings], firings, pulses);
         let points = turn.cloud.positions_m().zip(turn.cloud.intensity()).zip(&turn.objects);
-        let on_it = points.filter(|(_, object)| object.is_some());
-        on_it
-            .map(|((position_m, intensity), _)| SeenPoint {
-                position_m: Vector::from(position_m),
-                intensity: *intensity,
-            })
-            .collect()
+        for ((position_m, intensity), _) in points.filter(|(_, object)| object.is_some()) {
+            cloud.push((look.registered * Vector::from(position_m)).into(), *intensity);
+        }
     }
+}
+
+/// The pose of a level `sensor` at `distance_m` in the direction `bearing_rad`. It does not look straight at the object, since a thin trunk would
+/// stand between the same two pulses from everywhere.
+pub fn level_pose(bearing_rad: f64, distance_m: f32, sensor: &SensorModel, dice: &mut ChaCha8Rng) -> Pose {
+    let heading_rad = bearing_rad + dice.random_range(0.0..TAU);
+    let (sine, cosine) = sine_and_cosine(bearing_rad);
+    let plan_m = [cosine * distance_m, sine * distance_m];
+    sensor_pose(plan_m, sensor.height_above_road_m, heading_rad, 0.0)
 }
 
 /// The pose of a sensor `height_m` above the road at `plan_m`, which looks along `heading_rad`, counter-clockwise from x, and is turned up by
@@ -147,6 +157,6 @@ pub fn sensor_pose(plan_m: [f32; 2], height_m: f32, heading_rad: f64, tilt_rad: 
     let ahead = axis(level * cosine, level * sine, rise);
     let left = axis(-sine, cosine, 0.0);
     let up = axis(-rise * cosine, -rise * sine, level);
-    let rotation = crate::world::rotation_from_axes(ahead, left, up);
+    let rotation = rotation_from_axes(ahead, left, up);
     Pose::from_parts(Vector::new(plan_m[0], plan_m[1], height_m), rotation)
 }

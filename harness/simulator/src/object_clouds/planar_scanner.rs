@@ -19,10 +19,6 @@ impl PlanarScanner {
     }
 
     /// Reads a description.
-    ///
-    /// # Errors
-    ///
-    /// [`SensorModelError`] if it is not TOML, lacks a field, has one too many, or describes what cannot be.
     pub fn from_toml(text: &str) -> Result<Self, SensorModelError> {
         let scanner: Self = toml::from_str(text)?;
         scanner.turning.check()?;

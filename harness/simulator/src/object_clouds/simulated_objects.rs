@@ -96,19 +96,12 @@ impl ObjectPart {
 }
 
 /// The simulated objects of the set `name`, `n_per_class` of each of [`PartialClass::ALL`], class by class.
-///
-/// # Errors
-///
-/// [`DatasetError::UnknownDataset`] if `name` is none of [`OBJECT_SETS`].
 pub fn open_simulated_objects(
     name: &str,
     part: ObjectPart,
     n_per_class: u32,
 ) -> Result<SimulatedObjects, DatasetError> {
-    let unknown = || DatasetError::UnknownDataset {
-        name: name.to_owned(),
-        known: OBJECT_SETS.map(str::to_owned).to_vec(),
-    };
+    let unknown = || DatasetError::unknown_dataset(name, &OBJECT_SETS.map(str::to_owned));
     let viewing = match name.strip_prefix("objects-").ok_or_else(unknown)? {
         "around" => Viewing::Around(survey_scanner()),
         "air" => Viewing::FromTheAir,

@@ -7,8 +7,7 @@ use rand::RngExt;
 use scans::object_cloud::growing_cloud::Moment;
 
 use super::drawn_object::{DiceUse, ObjectNumber};
-use super::lone_object::{LoneObject, Look, sensor_pose};
-use crate::portable_math;
+use super::lone_object::{LoneObject, Look, level_pose};
 use crate::scan::beam_errors;
 use crate::sensor::SensorModel;
 
@@ -25,19 +24,12 @@ pub fn scanned_once(
     let errors = beam_errors(sensor, &mut number.dice(DiceUse::Beams));
     let mut dice = number.dice(DiceUse::Viewpoint);
     let bearing_rad = dice.random_range(0.0..TAU);
-    // Not straight at the object, which would always stand between the same two pulses.
-    let heading_rad = bearing_rad + dice.random_range(0.0..TAU);
     let distance_m = object.reach_m() + range_m;
-    let (sine, cosine) = portable_math::sin_cos(bearing_rad);
-    let plan_m = [cosine as f32 * distance_m, sine as f32 * distance_m];
-    let world_from_sensor = sensor_pose(plan_m, sensor.height_above_road_m, heading_rad, 0.0);
+    let world_from_sensor = level_pose(bearing_rad, distance_m, sensor, &mut dice);
     let sensor = SensorModel { carrier_roof: None, ..sensor.clone() };
-    let look = Look { sensor: &sensor, errors: &errors, world_from_sensor };
-    let points = object.points_in(&look, |_| true, |beam| number.dice(DiceUse::Pulses { scan: 0, beam }));
-    let mut cloud = PointCloud::with_capacity(points.len());
-    for point in points {
-        cloud.push((world_from_sensor * point.position_m).into(), point.intensity);
-    }
+    let pulses = |beam| number.dice(DiceUse::Pulses { scan: 0, beam });
+    let mut cloud = PointCloud::default();
+    object.append_points(&Look::from(world_from_sensor, &sensor, &errors), |_| true, pulses, &mut cloud);
     let moment = Moment { n_points: cloud.len(), time_s: 0.0, distance_m: Some(distance_m) };
     (cloud, moment)
 }

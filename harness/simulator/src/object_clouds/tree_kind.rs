@@ -10,9 +10,9 @@ use reports::vocabulary::class::AnnotationClass;
 
 use crate::material::Material;
 use crate::object_shape::ObjectShape;
-use crate::portable_math;
 use crate::solid::Solid;
 use crate::vegetation_shape::{broad_tree, tree};
+use crate::world::sine_and_cosine;
 
 /// A tree of any kind.
 pub fn any_tree(rng: &mut ChaCha8Rng) -> ObjectShape {
@@ -101,10 +101,10 @@ fn forks(stem: &Branch, generation: u32, rng: &mut ChaCha8Rng) -> Vec<Branch> {
     let first_turn = rng.random_range(0.0..1.0_f32);
     let branch = |place: u32| {
         let turn = TAU * (first_turn + (place as f32 + rng.random_range(-0.3_f32..0.3)) / n as f32);
-        let (sine, cosine) = portable_math::sin_cos(f64::from(turn));
+        let (sine, cosine) = sine_and_cosine(turn.into());
         let spread = rng.random_range(0.35_f32..1.0);
         // Twigs strive upward.
-        let toward = stem.toward + Vector::new(cosine as f32 * spread, sine as f32 * spread, 0.15);
+        let toward = stem.toward + Vector::new(cosine * spread, sine * spread, 0.15);
         let shrink = if is_first { 1.0 } else { 0.62 };
         Branch {
             from,

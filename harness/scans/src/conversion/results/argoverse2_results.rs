@@ -11,7 +11,7 @@ use arrow_schema::ArrowError;
 use detector::{DetectedClass, Detections};
 
 use super::detection_rows::SCORE_OF_NONE;
-use super::{ResultFile, ResultWriter, unwritable};
+use super::{CompleteFiles, ResultFile, ResultWriter, unwritable};
 use crate::annotation::LabeledScan;
 use crate::conversion::ConversionError;
 use crate::dataset::foreign_frame::ForeignFrame;
@@ -33,24 +33,14 @@ pub struct Argoverse2Results {
     logs: Vec<String>,
     times_ns: Vec<i64>,
     numbers: [Vec<f64>; NUMBERS.len()],
-    n_left_out: u64,
 }
 
 impl ResultWriter for Argoverse2Results {
-    fn add(
-        &mut self,
-        scan: &LabeledScan,
-        frame: &ForeignFrame,
-        detections: &Detections,
-    ) -> Result<Vec<ResultFile>, ConversionError> {
+    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, detections: &Detections) -> CompleteFiles {
         let ForeignFrame::Car { log_id, timestamp_ns, car_from_sensor } = frame else {
             return Err(unwritable(scan, "argoverse2", "its data set has no logs of Argoverse 2"));
         };
-        for detection in detections.iter() {
-            if detection.class != DetectedClass::Vehicle {
-                self.n_left_out += 1;
-                continue;
-            }
+        for detection in detections.iter().filter(|it| it.class == DetectedClass::Vehicle) {
             let car_from_box = car_from_sensor * pose_of_box(&detection.bounding_box);
             let (at, turn) = (car_from_box.translation.vector, car_from_box.rotation);
             let [length_m, width_m, height_m] = detection.bounding_box.length_width_height_m.map(f64::from);
@@ -63,7 +53,7 @@ impl ResultWriter for Argoverse2Results {
         Ok(Vec::new())
     }
 
-    fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError> {
+    fn finish(self: Box<Self>) -> CompleteFiles {
         let content = self.table().and_then(|it| file_of(&it)).map_err(|error| ConversionError::Write {
             path: NAME.into(),
             source: std::io::Error::other(error),
@@ -71,8 +61,8 @@ impl ResultWriter for Argoverse2Results {
         Ok(vec![ResultFile { name: NAME.to_owned(), content }])
     }
 
-    fn n_left_out(&self) -> u64 {
-        self.n_left_out
+    fn has_objects(&self) -> bool {
+        false
     }
 }
 

@@ -9,9 +9,8 @@ use std::fmt::Write as _;
 use detector::{DetectedClass, Detection, Detections};
 
 use super::detection_rows::SCORE_OF_NONE;
-use super::{ResultFile, ResultWriter, unwritable};
+use super::{CompleteFiles, ResultFile, ResultWriter, unwritable};
 use crate::annotation::LabeledScan;
-use crate::conversion::ConversionError;
 use crate::conversion::kitti_label_line::wrapped;
 use crate::conversion::kitti_writer::KittiLayout;
 use crate::dataset::folder_name::folder_name;
@@ -34,12 +33,7 @@ impl KittiResults {
 }
 
 impl ResultWriter for KittiResults {
-    fn add(
-        &mut self,
-        scan: &LabeledScan,
-        frame: &ForeignFrame,
-        detections: &Detections,
-    ) -> Result<Vec<ResultFile>, ConversionError> {
+    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, detections: &Detections) -> CompleteFiles {
         let ForeignFrame::Camera { velodyne_from_camera, image_from_velodyne, image_size_px } = frame else {
             return Err(unwritable(scan, "kitti", "its data set has no calibration of KITTI's cameras"));
         };
@@ -77,7 +71,7 @@ impl ResultWriter for KittiResults {
         })
     }
 
-    fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError> {
+    fn finish(self: Box<Self>) -> CompleteFiles {
         let files = self.lines_by_drive.into_iter();
         let file = |(drive, lines): (String, String)| ResultFile {
             name: format!("data/{drive}.txt"),

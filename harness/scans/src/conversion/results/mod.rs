@@ -25,29 +25,19 @@ pub struct ResultFile {
 /// Results in some format: of one detector in the scans of one data set.
 pub trait ResultWriter {
     /// Takes what was found in a scan, and returns the files that are complete with it.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError::Unwritable`] if the format cannot hold it.
-    fn add(
-        &mut self,
-        scan: &LabeledScan,
-        frame: &ForeignFrame,
-        detections: &Detections,
-    ) -> Result<Vec<ResultFile>, ConversionError>;
+    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, detections: &Detections) -> CompleteFiles;
 
     /// The files that are complete after the last scan.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError::Unwritable`] if the format cannot hold them.
-    fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError>;
+    fn finish(self: Box<Self>) -> CompleteFiles;
 
-    /// Detections that were left out, since the format has no class for them.
-    fn n_left_out(&self) -> u64 {
-        0
+    /// Whether the format has a class for what is no vehicle; it is left out otherwise.
+    fn has_objects(&self) -> bool {
+        true
     }
 }
+
+/// Files that are complete.
+pub type CompleteFiles = Result<Vec<ResultFile>, ConversionError>;
 
 /// The error of a writer for a data set that its format is not for.
 fn unwritable(scan: &LabeledScan, format: &'static str, problem: &str) -> ConversionError {

@@ -9,9 +9,8 @@ use detector::{DetectedClass, Detections};
 use serde_json::{Map, Value, json};
 
 use super::detection_rows::SCORE_OF_NONE;
-use super::{ResultFile, ResultWriter, unwritable};
+use super::{CompleteFiles, ResultFile, ResultWriter, unwritable};
 use crate::annotation::LabeledScan;
-use crate::conversion::ConversionError;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::upright_box::pose_of_box;
 
@@ -23,25 +22,15 @@ const NAME: &str = "results_nusc.json";
 pub struct NuScenesResults {
     boxes_by_sample: Map<String, Value>,
     has_log_odds: bool,
-    n_left_out: u64,
 }
 
 impl ResultWriter for NuScenesResults {
-    fn add(
-        &mut self,
-        scan: &LabeledScan,
-        frame: &ForeignFrame,
-        detections: &Detections,
-    ) -> Result<Vec<ResultFile>, ConversionError> {
+    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, detections: &Detections) -> CompleteFiles {
         let ForeignFrame::World { sample_token, world_from_sensor } = frame else {
             return Err(unwritable(scan, "nuscenes", "its data set has no samples of nuScenes"));
         };
         let mut boxes = Vec::new();
-        for detection in detections.iter() {
-            if detection.class != DetectedClass::Vehicle {
-                self.n_left_out += 1;
-                continue;
-            }
+        for detection in detections.iter().filter(|it| it.class == DetectedClass::Vehicle) {
             let score = f64::from(detection.box_score().unwrap_or(SCORE_OF_NONE));
             self.has_log_odds |= !(0.0..=1.0).contains(&score);
             let world_from_box = world_from_sensor * pose_of_box(&detection.bounding_box);
@@ -63,7 +52,7 @@ impl ResultWriter for NuScenesResults {
         Ok(Vec::new())
     }
 
-    fn finish(mut self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError> {
+    fn finish(mut self: Box<Self>) -> CompleteFiles {
         if self.has_log_odds {
             let boxes = self.boxes_by_sample.values_mut().filter_map(Value::as_array_mut).flatten();
             for score in boxes.filter_map(|it| it.get_mut("detection_score")) {
@@ -77,8 +66,8 @@ impl ResultWriter for NuScenesResults {
         Ok(vec![ResultFile { name: NAME.to_owned(), content: submission.to_string().into_bytes() }])
     }
 
-    fn n_left_out(&self) -> u64 {
-        self.n_left_out
+    fn has_objects(&self) -> bool {
+        false
     }
 }
 

@@ -6,9 +6,8 @@ use reports::files::csv_rows::to_csv_bytes;
 use reports::rows::cluster_of_point;
 
 use super::detection_rows::{box_rows, clusters_of_points};
-use super::{ResultFile, ResultWriter};
+use super::{CompleteFiles, ResultFile, ResultWriter};
 use crate::annotation::LabeledScan;
-use crate::conversion::ConversionError;
 use crate::dataset::folder_name::folder_name;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::positioned_points::values_of_file;
@@ -17,12 +16,7 @@ use crate::dataset::positioned_points::values_of_file;
 pub struct OwnResults;
 
 impl ResultWriter for OwnResults {
-    fn add(
-        &mut self,
-        scan: &LabeledScan,
-        _frame: &ForeignFrame,
-        detections: &Detections,
-    ) -> Result<Vec<ResultFile>, ConversionError> {
+    fn add(&mut self, scan: &LabeledScan, _frame: &ForeignFrame, detections: &Detections) -> CompleteFiles {
         let name = |ending: &str| format!("{}/{:06}.{ending}", folder_name(&scan.id.sequence), scan.id.index);
         // One for every point of the file; those without a position are of no cluster.
         let clusters = clusters_of_points(detections, scan.cloud.len());
@@ -39,7 +33,7 @@ impl ResultWriter for OwnResults {
         Ok(files)
     }
 
-    fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError> {
+    fn finish(self: Box<Self>) -> CompleteFiles {
         Ok(Vec::new())
     }
 }

@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use detector::Detections;
+use detector::{DetectedClass, Detections};
 
 use super::argoverse2_results::Argoverse2Results;
 use super::kitti_results::KittiResults;
@@ -40,10 +40,6 @@ pub enum ResultOutput {
 
 impl ResultOutput {
     /// Makes sure that results of this scan can be written, before anything was found.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError::Unwritable`] if the format is not for scans of its data set.
     pub fn check(self, id: &ScanId, frame: &ForeignFrame) -> Result<(), ConversionError> {
         let nothing = PositionedPoints::default().labeled_everywhere(id.clone(), Vec::new());
         writer_of(self, KittiLayout::Tracking).add(&nothing, frame, &Detections::default()).map(drop)
@@ -64,10 +60,6 @@ pub struct ResultFolder {
 
 impl ResultFolder {
     /// Begins the folder `path`, for one data set or for several.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if it exists or cannot be written.
     pub fn create(
         path: &Path,
         output: ResultOutput,
@@ -89,10 +81,6 @@ impl ResultFolder {
     }
 
     /// Takes what `detector` found in a scan of the data set.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the format is not for scans of this data set, or the disk does not take it.
     pub fn add(
         &mut self,
         detector: &str,
@@ -102,18 +90,17 @@ impl ResultFolder {
         let layout = self.dataset.as_ref().map_or(KittiLayout::Tracking, |(_, layout)| *layout);
         let output = self.output;
         let writer = self.writers.entry(detector.to_owned()).or_insert_with(|| writer_of(output, layout));
+        if !writer.has_objects() {
+            let left_out = detections.iter().filter(|it| it.class != DetectedClass::Vehicle);
+            self.n_left_out += left_out.count() as u64;
+        }
         let files = writer.add(scan, frame, detections)?;
         self.write(detector, &files)
     }
 
     /// Ends the data set.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take what is complete now.
     pub fn end_dataset(&mut self) -> Result<(), ConversionError> {
         for (detector, writer) in std::mem::take(&mut self.writers) {
-            self.n_left_out += writer.n_left_out();
             let files = writer.finish()?;
             self.write(&detector, &files)?;
         }
@@ -122,10 +109,6 @@ impl ResultFolder {
     }
 
     /// Gives the folder its name, and says how many detections were left out, since the format has no class for them.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if something of that name has appeared.
     pub fn finish(self) -> Result<u64, ConversionError> {
         self.folder.finish()?;
         Ok(self.n_left_out)

@@ -10,8 +10,8 @@ use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;
-use crate::dataset::mcap::ros_messages::isometry;
 use crate::dataset::official::OfficialObject;
+use crate::dataset::pose::isometry;
 use crate::dataset::upright_box::upright_box;
 
 /// The file of the annotations of a log.
@@ -44,9 +44,7 @@ impl LogTruth {
     ///
     /// Annotations whose class nobody knows are noted in `classes` and left out. The origin becomes the point halfway between the two lidars; the axes stay those of the car.
     ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if a file is missing or damaged; poses and calibration may be missing.
+    /// Poses and calibration may be missing.
     pub fn read(folder: &Path, classes: &mut ClassReader<'_>) -> Result<Self, DatasetError> {
         let car_from_sensor_m = car_from_sensor_m(&folder.join("calibration/egovehicle_SE3_sensor.feather"))?;
         let (annotations, objects) = read_labels(&folder.join(ANNOTATIONS), &car_from_sensor_m, classes)?;
@@ -73,10 +71,6 @@ impl LogTruth {
 }
 
 /// Notes the classes in the annotations of the log in `folder` that nobody knows.
-///
-/// # Errors
-///
-/// [`DatasetError`] if they cannot be read.
 pub fn survey_classes(folder: &Path, classes: &mut ClassReader<'_>) -> Result<(), DatasetError> {
     let path = folder.join(ANNOTATIONS);
     let categories = FeatherTable::read(&path, &["category"])?.take_texts("category");
@@ -109,10 +103,6 @@ fn car_from_sensor_m(path: &Path) -> Result<Vector3<f64>, DatasetError> {
 }
 
 /// Takes the columns [`POSE`] of `table`. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If one was not read, or a number in it is not finite.
 pub fn take_poses(table: &mut FeatherTable) -> Result<Vec<Isometry3<f64>>, String> {
     let mut columns = Vec::with_capacity(POSE.len());
     for name in POSE {
@@ -192,12 +182,6 @@ fn annotation(
 ) -> Annotation {
     let center_m = car_from_box.translation.vector - car_from_sensor_m;
     let sensor_from_box = Isometry3::from_parts(center_m.into(), car_from_box.rotation);
-    Annotation {
-        class,
-        bounding_box: Some(upright_box(&sensor_from_box, size_m)),
-        point_indices: Vec::new(),
-        track,
-        occlusion: None,
-        truncation: None,
-    }
+    let bounding_box = Some(upright_box(&sensor_from_box, size_m));
+    Annotation { bounding_box, track, ..Annotation::of(class) }
 }

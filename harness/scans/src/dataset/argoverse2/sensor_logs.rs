@@ -23,8 +23,8 @@ use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::foreign_frame::ForeignFrame;
-use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::official::OfficialScan;
+use crate::dataset::on_disk::{entries_of, has_extension, name_of};
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
@@ -59,7 +59,7 @@ pub const ARGOVERSE2_CLASSES: [AnnotationClass; 12] = [
 
 /// An open data set: names of sweeps are in memory, and the boxes of the log that was last read from.
 #[derive(Debug)]
-pub struct SensorLogs {
+struct SensorLogs {
     // Invariant: `scan_ids` and `sweeps` have the same length and order.
     listing: Listing,
     sweeps: Vec<Sweep>,
@@ -80,43 +80,36 @@ pub fn is_argoverse2(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all logs that have annotations, or only those of `sequences`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if a log asked for is missing, or files are named otherwise. Nothing is looked into.
-pub fn open_argoverse2(
-    source: DatasetSource,
-    sequences: Option<&BTreeSet<String>>,
-) -> Result<SensorLogs, DatasetError> {
+/// Nothing is looked into.
+pub fn open_argoverse2(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
+    let sequences = source.parts.sequences.take();
     let (mut scan_ids, mut sweeps, mut checksum) = (Vec::new(), Vec::new(), DatasetChecksum::default());
     let mut found = BTreeSet::new();
     for log in logs_below(&source.path) {
-        let name = log.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
-        if !log.join(ANNOTATIONS).is_file() || sequences.is_some_and(|it| !it.contains(&name)) {
+        let name = name_of(&log);
+        if !log.join(ANNOTATIONS).is_file() || sequences.as_ref().is_some_and(|it| !it.contains(&name)) {
             continue;
         }
-        add_file(&mut checksum, &log, ANNOTATIONS, &name)?;
+        checksum.add_file(&format!("{name}/{ANNOTATIONS}"), &log.join(ANNOTATIONS))?;
         for (index, time_ns) in (0..).zip(sweep_times(&log.join(SWEEPS))?) {
-            add_file(&mut checksum, &log, &format!("{SWEEPS}/{time_ns}.feather"), &name)?;
+            let sweep = format!("{SWEEPS}/{time_ns}.feather");
+            checksum.add_file(&format!("{name}/{sweep}"), &log.join(sweep))?;
             scan_ids.push(ScanId { sequence: name.clone(), index });
             sweeps.push(Sweep { log: log.clone(), time_ns });
         }
         found.insert(name);
     }
-    if let Some(missing) = sequences.and_then(|names| names.difference(&found).next()) {
-        return Err(DatasetError::MissingSelected { path: source.path.join(missing).join(ANNOTATIONS) });
+    if let Some(missing) = sequences.iter().flatten().find(|it| !found.contains(*it)) {
+        return Err(DatasetError::missing_selected(&source.path.join(missing).join(ANNOTATIONS)));
     }
     if scan_ids.is_empty() {
         let labels = source.path.join("*/annotations.feather");
-        return Err(DatasetError::Unlabeled { scans: source.path, labels });
+        return Err(DatasetError::unlabeled(&source.path, &labels));
     }
     let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::Argoverse2, checksum.finish());
-    Ok(SensorLogs {
-        listing: Listing { description, scan_ids },
-        sweeps,
-        classes,
-        last_truth: Mutex::new(None),
-    })
+    let listing = Listing { description, scan_ids };
+    Ok(Box::new(SensorLogs { listing, sweeps, classes, last_truth: Mutex::new(None) }))
 }
 
 impl Dataset for SensorLogs {
@@ -239,39 +232,21 @@ fn logs_below(folder: &Path) -> Vec<PathBuf> {
     }
     let mut logs = Vec::new();
     for split in SPLITS {
-        let entries = std::fs::read_dir(folder.join(split)).into_iter().flatten().flatten();
-        logs.extend(entries.map(|it| it.path()).filter(|path| !is_hidden(path) && is_log(path)));
+        let entries = entries_of(&folder.join(split)).unwrap_or_default();
+        logs.extend(entries.into_iter().filter(|path| is_log(path)));
     }
     logs.sort();
     logs
 }
 
 fn sweep_times(folder: &Path) -> Result<Vec<i64>, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: folder.to_path_buf(), source };
-    let mut times_ns = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(io_error)? {
-        let path = entry.map_err(io_error)?.path();
-        if is_hidden(&path) || path.extension().is_none_or(|it| it != "feather") {
-            continue;
-        }
+    let sweeps = entries_of(folder)?.into_iter().filter(|it| has_extension(it, "feather"));
+    let time_ns = |path: PathBuf| {
         let time_ns = path.file_stem().and_then(|it| it.to_str()).and_then(|it| it.parse().ok());
-        times_ns.push(time_ns.ok_or(DatasetError::FileName {
-            path,
-            expected: "a number of nanoseconds, such as 315973157959879000",
-        })?);
-    }
+        let expected = "a number of nanoseconds, such as 315973157959879000";
+        time_ns.ok_or_else(|| DatasetError::file_name(path, expected))
+    };
+    let mut times_ns: Vec<i64> = sweeps.map(time_ns).collect::<Result<_, _>>()?;
     times_ns.sort_unstable();
     Ok(times_ns)
-}
-
-fn add_file(
-    checksum: &mut DatasetChecksum,
-    log: &Path,
-    name: &str,
-    log_name: &str,
-) -> Result<(), DatasetError> {
-    let path = log.join(name);
-    let metadata = std::fs::metadata(&path).map_err(|source| DatasetError::Io { path, source })?;
-    checksum.add_scan(&format!("{log_name}/{name}"), metadata.len());
-    Ok(())
 }

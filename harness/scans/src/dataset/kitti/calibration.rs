@@ -41,11 +41,6 @@ impl KittiCalibration {
 ///
 /// Takes the spellings of both benchmarks: `R0_rect` or `R_rect`, `Tr_velo_to_cam` or `Tr_velo_cam`, with or without a
 /// colon. Lines about other sensors are not looked at.
-///
-/// # Errors
-///
-/// [`DatasetError::Line`] for a line that holds too few or too many numbers, something else, or what an earlier line
-/// gave; [`DatasetError::CalibrationEntry`] for a missing line; [`DatasetError::NotARotation`].
 pub fn parse_calibration(path: &Path, text: &str) -> Result<KittiCalibration, DatasetError> {
     let mut projection: Option<Matrix3x4<f64>> = None;
     let mut rectification: Option<Matrix3<f64>> = None;
@@ -58,7 +53,7 @@ pub fn parse_calibration(path: &Path, text: &str) -> Result<KittiCalibration, Da
             _ => Ok(()),
         }?;
     }
-    let missing = |expected| DatasetError::CalibrationEntry { path: path.to_path_buf(), expected };
+    let missing = |expected| DatasetError::calibration_entry(path, expected);
     let projection = projection.ok_or_else(|| missing(PROJECTION))?;
     let rectification = rectification.ok_or_else(|| missing(RECTIFICATION))?;
     let camera_from_velodyne = camera_from_velodyne.ok_or_else(|| missing(VELODYNE_TO_CAMERA))?;
@@ -90,10 +85,6 @@ fn set_once<const R: usize, const C: usize>(
 }
 
 /// Makes sure that `matrix`, the line called `entry`, is a rotation but for rounding.
-///
-/// # Errors
-///
-/// [`DatasetError::NotARotation`].
 pub fn check_rotation(path: &Path, entry: &'static str, matrix: &Matrix3<f64>) -> Result<(), DatasetError> {
     let deviation = if matrix.determinant() > 0.0 {
         (matrix * matrix.transpose() - Matrix3::identity()).abs().max()
@@ -103,12 +94,10 @@ pub fn check_rotation(path: &Path, entry: &'static str, matrix: &Matrix3<f64>) -
     if deviation <= MAX_ROTATION_DEVIATION {
         return Ok(());
     }
-    Err(DatasetError::NotARotation {
-        path: path.to_path_buf(),
-        entry,
-        deviation,
-        allowed: MAX_ROTATION_DEVIATION,
-    })
+    Err(DatasetError::Unsound(format!(
+        "{path:?}: {entry} is not a rotation: its columns differ from right angles and unit length by {deviation}, more than \
+         {MAX_ROTATION_DEVIATION}"
+    )))
 }
 
 /// `transform` with the last row that makes it chainable.
@@ -198,10 +187,8 @@ Tr_imu_to_velo: none of our business
              more than 0.001",
         );
         let reflected = FORWARD_CAMERA.replace("0 0 -1 0 1 0 0 0\n", "0 0 1 0 1 0 0 0\n");
-        assert!(matches!(
-            parse(&reflected),
-            Err(DatasetError::NotARotation { deviation: f64::INFINITY, .. })
-        ));
+        let message = parse(&reflected).expect_err("a mirror").to_string();
+        assert!(message.ends_with("unit length by inf, more than 0.001"), "{message}");
     }
 
     proptest! {

@@ -94,14 +94,7 @@ mod tests {
     }
 
     fn annotation_of_the_point() -> Annotation {
-        Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: vec![0],
-            track: None,
-            occlusion: None,
-            truncation: None,
-        }
+        Annotation { point_indices: vec![0], ..Annotation::of(AnnotationClass::Car) }
     }
 
     #[test]

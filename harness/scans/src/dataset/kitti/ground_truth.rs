@@ -73,7 +73,8 @@ fn objects_and_dont_care(labels: &[KittiLabel]) -> (Vec<&KittiObject>, Vec<Image
     (objects, dont_care)
 }
 
-fn annotation_of(object: &KittiObject, bounding_box: OrientedBox, point_indices: Vec<u32>) -> Annotation {
+/// What a label says, with its box in the frame of the sensor and the points in it.
+pub fn annotation_of(object: &KittiObject, bounding_box: OrientedBox, point_indices: Vec<u32>) -> Annotation {
     Annotation {
         class: object.class,
         bounding_box: Some(bounding_box),

@@ -124,10 +124,7 @@ impl KittiLabel {
 ///
 /// `path` is named in errors. Scans without objects are missing from the result.
 ///
-/// # Errors
-///
-/// [`DatasetError::Line`] for a line that does not follow the format or whose class the catalogue does not have. Classes that nobody knows are noted
-/// in `classes`, and their lines left out.
+/// Classes that nobody knows are noted in `classes`, and their lines left out.
 pub fn parse_tracking_labels(
     path: &Path,
     text: &str,
@@ -154,10 +151,6 @@ pub fn parse_tracking_labels(
 /// Reads a label file of the object benchmark: the labels of one scan.
 ///
 /// `path` is named in errors.
-///
-/// # Errors
-///
-/// As [`parse_tracking_labels`].
 pub fn parse_object_labels(
     path: &Path,
     text: &str,

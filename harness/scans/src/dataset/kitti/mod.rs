@@ -8,7 +8,6 @@ pub mod camera_field_of_view;
 pub mod region_file;
 pub mod ground_truth;
 pub mod split_folder;
-pub mod tracking;
 pub mod scan_list;
 pub mod raw_mapping;
-pub mod object;
+pub mod benchmarks;

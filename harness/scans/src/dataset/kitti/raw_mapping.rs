@@ -39,10 +39,6 @@ pub struct RawMapping {
 
 impl RawMapping {
     /// The mapping beside the split `training`; `None` if there is none, or it is another split: only that one has a mapping.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if one of the two files is missing, or a line is damaged or does not fit the other file.
     pub fn beside(split: &Path) -> Result<Option<Self>, DatasetError> {
         // `.` and `..` have no name of their own, and what is called so may be a link to another place.
         let canonical = split.canonicalize().unwrap_or_else(|_| split.to_path_buf());
@@ -78,10 +74,6 @@ impl RawMapping {
     }
 
     /// The raw scan that scan `number` is.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Line`] if the mapping ends before it.
     pub fn raw_scan(&self, number: u32) -> Result<&RawScan, DatasetError> {
         self.scans.get(number as usize).ok_or_else(|| DatasetError::Line {
             path: self.rand.clone(),

@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use crate::annotation::{LabeledScan, PointRegion};
+use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::values_of_kept;
 use crate::dataset::{DatasetDescription, DatasetError};
 
@@ -15,19 +16,10 @@ pub fn point_region_file(name: &str) -> String {
 
 /// The content of such a file.
 pub fn region_bytes(regions: &[PointRegion]) -> Vec<u8> {
-    let byte = |region: &PointRegion| match region {
-        PointRegion::Labeled => 0,
-        PointRegion::Unscorable => 1,
-        PointRegion::Outside => 2,
-    };
-    regions.iter().map(byte).collect()
+    regions.iter().map(|it| it.number()).collect()
 }
 
 /// The scan called `name` with the regions that the file beside it says.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::LabelCount`] for a file of another scan; [`DatasetError::Damaged`] for other bytes.
 pub fn with_regions_of_file(
     mut scan: LabeledScan,
     dataset: &DatasetDescription,
@@ -39,28 +31,18 @@ pub fn with_regions_of_file(
 }
 
 /// The regions of the points of `scan`, of a file with one for each point of the scan's file; all is labelled where there is none.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::LabelCount`] for a file of another scan; [`DatasetError::Damaged`] for other bytes.
 fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion>, DatasetError> {
     if !path.exists() {
         return Ok(vec![PointRegion::Labeled; scan.cloud.len()]);
     }
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let bytes = bytes_of(path)?;
     let n_points = scan.cloud.len() + scan.points_left_out.len();
     if bytes.len() != n_points {
-        return Err(DatasetError::LabelCount { path: path.to_path_buf(), n_labels: bytes.len(), n_points });
+        return Err(DatasetError::label_count(path, bytes.len(), n_points));
     }
-    let region = |byte: &u8| match byte {
-        0 => Ok(PointRegion::Labeled),
-        1 => Ok(PointRegion::Unscorable),
-        2 => Ok(PointRegion::Outside),
-        other => {
-            let problem = format!("has the byte {other}; allowed are 0, 1 and 2");
-            Err(DatasetError::Damaged { path: path.to_path_buf(), problem })
-        }
+    let region = |byte: &u8| {
+        let problem = || DatasetError::damaged(path, format!("has the byte {byte}; allowed are 0, 1 and 2"));
+        PointRegion::of_number(*byte).ok_or_else(problem)
     };
     let regions: Vec<PointRegion> = bytes.iter().map(region).collect::<Result<_, _>>()?;
     Ok(values_of_kept(&regions, &scan.points_left_out))
@@ -88,7 +70,7 @@ mod tests {
         let regions = [PointRegion::Outside, PointRegion::Labeled, PointRegion::Unscorable];
         std::fs::write(&path, region_bytes(&regions)).unwrap();
         assert_eq!(read_point_regions(&path, &scan(2)).unwrap(), [regions[0], regions[2]]);
-        assert!(matches!(read_point_regions(&path, &scan(3)), Err(DatasetError::LabelCount { .. })));
+        assert!(matches!(read_point_regions(&path, &scan(3)), Err(DatasetError::Damaged { .. })));
         std::fs::write(&path, [0, 3]).unwrap();
         assert!(matches!(read_point_regions(&path, &scan(1)), Err(DatasetError::Damaged { .. })));
     }

@@ -7,11 +7,6 @@ use crate::dataset::DatasetError;
 use crate::dataset::text_file::{read_text_file, text_lines};
 
 /// The numbers in the list at `path`, in whatever order, with or without leading zeros.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`] or [`DatasetError::NotText`]; [`DatasetError::Line`] if a line is no number, has more than one, or has one that
-/// was there before; [`DatasetError::NoScans`] if there is none.
 pub fn read_scan_list(path: &Path) -> Result<BTreeSet<u32>, DatasetError> {
     let text = read_text_file(path)?;
     let mut numbers = BTreeSet::new();
@@ -23,7 +18,7 @@ pub fn read_scan_list(path: &Path) -> Result<BTreeSet<u32>, DatasetError> {
         }
     }
     if numbers.is_empty() {
-        return Err(DatasetError::NoScans { path: path.to_path_buf() });
+        return Err(DatasetError::no_scans(path));
     }
     Ok(numbers)
 }

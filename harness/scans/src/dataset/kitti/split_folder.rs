@@ -8,6 +8,9 @@ use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::png_size::png_size_px;
 use crate::dataset::text_file::read_text_file;
 
+/// The sensor of the KITTI recordings.
+pub const KITTI_SENSOR: &str = "hdl-64e-s2";
+
 /// The scanner's height above the road in KITTI's car, in metres.
 pub const KITTI_SENSOR_HEIGHT_M: f32 = 1.73;
 
@@ -23,16 +26,12 @@ pub struct SplitFolder {
 
 impl SplitFolder {
     /// The folder `path`, whose scans are in `velodyne`; `labels` is the folder of the labels.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Unlabeled`] if the latter does not exist, as in KITTI's test splits.
     pub fn with_labels(path: &Path, labels: &str) -> Result<Self, DatasetError> {
         let folder = Self::unchecked(path);
         if folder.path_of(labels).is_dir() {
             return Ok(folder);
         }
-        Err(DatasetError::Unlabeled { scans: folder.path_of("velodyne"), labels: folder.path_of(labels) })
+        Err(DatasetError::unlabeled(&folder.path_of("velodyne"), &folder.path_of(labels)))
     }
 
     /// The folder `path`, whatever is in it.
@@ -45,31 +44,22 @@ impl SplitFolder {
         self.path.join(name)
     }
 
-    /// Takes the size of the scan `name` into the checksum.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Io`].
-    pub fn add_scan(&mut self, name: &str) -> Result<(), DatasetError> {
+    /// Takes the size of the scan `name` into the checksum, and returns where it lies.
+    pub fn add_scan(&mut self, name: &str) -> Result<PathBuf, DatasetError> {
         let path = self.path_of(name);
-        let metadata = std::fs::metadata(&path).map_err(|source| DatasetError::Io { path, source })?;
-        self.checksum.add_scan(name, metadata.len());
-        Ok(())
+        self.checksum.add_file(name, &path)?;
+        Ok(path)
     }
 
-    /// Reads the text file `name` and takes it into the checksum; `missing` is the error if it does not exist.
-    ///
-    /// # Errors
-    ///
-    /// `missing`, and those of [`read_text_file`].
+    /// Reads the text file `name` and takes it into the checksum; `missing` makes the error if it does not exist.
     pub fn read_text(
         &mut self,
         name: &str,
-        missing: impl FnOnce(PathBuf) -> DatasetError,
+        missing: impl FnOnce(&Path) -> DatasetError,
     ) -> Result<String, DatasetError> {
         let text = match read_text_file(&self.path_of(name)) {
             Err(DatasetError::Io { path, source }) if source.kind() == std::io::ErrorKind::NotFound => {
-                return Err(missing(path));
+                return Err(missing(&path));
             }
             result => result?,
         };
@@ -78,13 +68,9 @@ impl SplitFolder {
     }
 
     /// Reads the text file `name` and takes it into the checksum, or returns `None` if it does not exist.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`read_text_file`].
     pub fn read_text_if_present(&mut self, name: &str) -> Result<Option<String>, DatasetError> {
         if self.path_of(name).exists() {
-            self.read_text(name, |path| DatasetError::MissingSelected { path }).map(Some)
+            self.read_text(name, DatasetError::missing_selected).map(Some)
         } else {
             Ok(None)
         }
@@ -94,10 +80,6 @@ impl SplitFolder {
     ///
     /// No text file of KITTI tells the size, and the images are a download of their own that scans do not need: where
     /// `image` does not exist, it is that of most drives, 1242 × 375.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`png_size_px`].
     pub fn image_size_px(&mut self, name: &str, image: &Path) -> Result<[u32; 2], DatasetError> {
         let size_px = if image.exists() { png_size_px(image)? } else { USUAL_IMAGE_SIZE_PX };
         self.checksum.add_image_size(name, size_px);

@@ -27,10 +27,6 @@ pub struct CameraView {
 }
 
 /// Reads what the camera sees from the texts of `calib_velo_to_cam.txt` and `calib_cam_to_cam.txt`.
-///
-/// # Errors
-///
-/// [`DatasetError::CalibrationEntry`], [`DatasetError::NotARotation`] or [`DatasetError::Line`].
 pub fn parse_camera_view(
     velo_to_cam: (&Path, &str),
     cam_to_cam: (&Path, &str),
@@ -55,10 +51,6 @@ pub fn parse_camera_view(
 }
 
 /// Reads the lines `R` and `T` of a calibration file.
-///
-/// # Errors
-///
-/// As [`parse_camera_view`].
 pub fn parse_transform(path: &Path, text: &str) -> Result<Isometry3<f64>, DatasetError> {
     let entries = Entries::parse(path, text)?;
     let rotation: [f64; 9] = entries.numbers("R")?;
@@ -95,7 +87,7 @@ impl<'a> Entries<'a> {
 
     fn numbers<const N: usize>(&self, name: &'static str) -> Result<[f64; N], DatasetError> {
         let found = self.numbers.get(name).and_then(|it| it.as_slice().try_into().ok());
-        found.ok_or_else(|| DatasetError::CalibrationEntry { path: self.path.to_path_buf(), expected: name })
+        found.ok_or_else(|| DatasetError::calibration_entry(self.path, name))
     }
 }
 

@@ -27,7 +27,8 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::kitti::camera_field_of_view::{CameraFieldOfView, point_regions};
 use crate::dataset::kitti::label::KITTI_VOCABULARY;
-use crate::dataset::numbered_files::is_hidden;
+use crate::dataset::numbered_files::{TEN_DIGITS, numbered_files};
+use crate::dataset::on_disk::{entries_of, has_extension, name_of};
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
@@ -41,7 +42,7 @@ const POSES: &str = "oxts/data";
 
 /// Open drives: labels, calibrations and times are in memory, scans and poses are read one at a time.
 #[derive(Debug)]
-pub struct KittiRaw {
+struct KittiRaw {
     // Invariant: `drives` has every drive that `scan_ids` names.
     listing: Listing,
     labeled_region: LabeledRegion,
@@ -76,45 +77,42 @@ pub fn is_kitti_raw(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all drives, or only those of `sequences`, such as `2011_09_26_drive_0001_sync`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if files are missing, contradict each other, or labels or calibrations are damaged. Scans and poses
-/// are not looked into.
-pub fn open_kitti_raw(
-    source: DatasetSource,
-    sequences: Option<&BTreeSet<String>>,
-) -> Result<KittiRaw, DatasetError> {
+/// Scans and poses are not looked into.
+pub fn open_kitti_raw(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
+    let sequences = source.parts.sequences.take();
     let (mut scan_ids, mut drives, mut checksum) = (Vec::new(), BTreeMap::new(), DatasetChecksum::default());
     let mut classes = ClassReader::new(&source.classes, KITTI_VOCABULARY);
     for folder in drives_below(&source.path) {
-        let name = folder.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
-        if sequences.is_some_and(|it| !it.contains(&name)) {
+        let name = name_of(&folder);
+        if sequences.as_ref().is_some_and(|it| !it.contains(&name)) {
             continue;
         }
-        let numbers = scan_numbers(&folder.join(SCANS))?;
+        let numbers = numbered_files(&folder.join(SCANS), "bin", TEN_DIGITS)?;
+        if numbers.is_empty() {
+            return Err(DatasetError::no_scans(folder.join(SCANS)));
+        }
         for number in &numbers {
             let file = format!("{SCANS}/{number:010}.bin");
-            let path = folder.join(&file);
-            let metadata = std::fs::metadata(&path).map_err(|source| DatasetError::Io { path, source })?;
-            checksum.add_scan(&format!("{name}/{file}"), metadata.len());
+            checksum.add_file(&format!("{name}/{file}"), &folder.join(&file))?;
         }
         let last = numbers.last().copied().unwrap_or_default();
         scan_ids.extend(numbers.into_iter().map(|index| ScanId { sequence: name.clone(), index }));
         let drive = open_drive(folder.clone(), (&name, last), &mut checksum, &mut classes)?;
         if let Some(other) = drives.insert(name.clone(), drive) {
-            return Err(DatasetError::SameName { kind: "drives", name, paths: vec![other.folder, folder] });
+            return Err(DatasetError::same_name("drives", &name, &[&other.folder, &folder]));
         }
     }
     classes.unknown().refuse(&source.id)?;
-    if let Some(missing) = sequences.and_then(|it| it.iter().find(|name| !drives.contains_key(*name))) {
-        return Err(DatasetError::MissingSelected { path: source.path.join(missing) });
+    if let Some(missing) = sequences.iter().flatten().find(|name| !drives.contains_key(*name)) {
+        return Err(DatasetError::missing_selected(&source.path.join(missing)));
     }
     if scan_ids.is_empty() {
-        return Err(DatasetError::NoScans { path: source.path });
+        return Err(DatasetError::no_scans(source.path));
     }
     let labeled_region = source.labeled_region;
     let description = source.describe(DatasetFormat::KittiRaw, checksum.finish());
-    Ok(KittiRaw { listing: Listing { description, scan_ids }, labeled_region, drives })
+    let listing = Listing { description, scan_ids };
+    Ok(Box::new(KittiRaw { listing, labeled_region, drives }))
 }
 
 impl Dataset for KittiRaw {
@@ -198,38 +196,13 @@ fn drives_below(folder: &Path) -> Vec<PathBuf> {
         return vec![folder.to_path_buf()];
     }
     let folders_in = |folder: &Path| {
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|it| it.path());
-        entries.filter(|it| !is_hidden(it) && it.is_dir()).collect::<Vec<_>>()
+        entries_of(folder).unwrap_or_default().into_iter().filter(|it| it.is_dir()).collect::<Vec<_>>()
     };
     let inner = folders_in(folder);
     let innermost = inner.iter().flat_map(|it| folders_in(it));
     let mut drives: Vec<PathBuf> = inner.iter().cloned().chain(innermost).filter(|it| is_drive(it)).collect();
     drives.sort();
     drives
-}
-
-/// The numbers of the files `NNNNNNNNNN.bin`.
-fn scan_numbers(folder: &Path) -> Result<BTreeSet<u32>, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: folder.to_path_buf(), source };
-    let mut numbers = BTreeSet::new();
-    for entry in std::fs::read_dir(folder).map_err(io_error)? {
-        let path = entry.map_err(io_error)?.path();
-        if is_hidden(&path) || path.extension().is_none_or(|it| it != "bin") {
-            continue;
-        }
-        let stem = path.file_stem().and_then(|it| it.to_str()).unwrap_or_default();
-        match stem.parse() {
-            Ok(number) if stem == format!("{number:010}") => numbers.insert(number),
-            _ => {
-                let expected = "a number of ten digits, such as 0000000123";
-                return Err(DatasetError::FileName { path, expected });
-            }
-        };
-    }
-    if numbers.is_empty() {
-        return Err(DatasetError::NoScans { path: folder.to_path_buf() });
-    }
-    Ok(numbers)
 }
 
 fn open_drive(
@@ -249,7 +222,7 @@ fn open_drive(
     let mut calibration = |kind: &str| -> Result<(PathBuf, String), DatasetError> {
         let path = day.join(format!("calib_{kind}.txt"));
         if !path.is_file() {
-            return Err(DatasetError::ScanWithoutCalibration { scan: folder.join(SCANS), calibration: path });
+            return Err(DatasetError::without_calibration(&folder.join(SCANS), &path));
         }
         let text = read_text(&path, &format!("{name}/calib_{kind}.txt"))?;
         Ok((path, text))
@@ -284,12 +257,8 @@ fn read_fix(poses: &Path, scan: u32) -> Result<InertialFix, DatasetError> {
 
 /// That of the file with the lowest number: the origin of all poses.
 fn first_fix(poses: &Path) -> Result<InertialFix, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: poses.to_path_buf(), source };
-    let entries = std::fs::read_dir(poses).map_err(io_error)?;
-    let files = entries.flatten().map(|it| it.path()).filter(|it| !is_hidden(it));
-    let Some(path) = files.filter(|it| it.extension().is_some_and(|it| it == "txt")).min() else {
-        return Err(DatasetError::NoScans { path: poses.to_path_buf() });
-    };
+    let first = entries_of(poses)?.into_iter().find(|it| has_extension(it, "txt"));
+    let path = first.ok_or_else(|| DatasetError::no_scans(poses))?;
     parse_inertial_fix(&path, &read_text_file(&path)?)
 }
 

@@ -20,10 +20,6 @@ pub struct InertialFix {
 }
 
 /// Reads the file of one scan; of its thirty numbers the first six say where the unit was.
-///
-/// # Errors
-///
-/// [`DatasetError::Line`] if they are not there, or name no place on a map; [`DatasetError::Damaged`] if there is no line.
 pub fn parse_inertial_fix(path: &Path, text: &str) -> Result<InertialFix, DatasetError> {
     let Some(mut line) = text_lines(path, text).next() else {
         return Err(DatasetError::Damaged { path: path.to_path_buf(), problem: "is empty".to_owned() });

@@ -86,9 +86,7 @@ impl Pose {
 ///
 /// `path` is named in errors. Objects whose class nobody knows are noted in `classes` and left out.
 ///
-/// # Errors
-///
-/// [`DatasetError::Damaged`] for what is not such a file. Entities are not expanded.
+/// Entities are not expanded.
 pub fn parse_tracklets(
     path: &Path,
     text: &str,

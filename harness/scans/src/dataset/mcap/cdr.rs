@@ -29,10 +29,6 @@ impl<'a> CdrReader<'a> {
     }
 
     /// The next `n` bytes as they are.
-    ///
-    /// # Errors
-    ///
-    /// If the message ends before. The same holds for all methods below.
     fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
         let end = self.position.checked_add(n);
         let taken = end.and_then(|end| self.bytes.get(self.position..end)).ok_or_else(|| {
@@ -53,46 +49,26 @@ impl<'a> CdrReader<'a> {
     }
 
     /// A byte.
-    ///
-    /// # Errors
-    ///
-    /// See [`Self::new`].
     pub fn u8(&mut self) -> Result<u8, String> {
         Ok(self.take(1)?[0])
     }
 
     /// A number of four bytes.
-    ///
-    /// # Errors
-    ///
-    /// If the message ends before.
     pub fn u32(&mut self) -> Result<u32, String> {
         self.number().map(u32::from_le_bytes)
     }
 
     /// A number of four bytes with a sign.
-    ///
-    /// # Errors
-    ///
-    /// If the message ends before.
     pub fn i32(&mut self) -> Result<i32, String> {
         self.number().map(i32::from_le_bytes)
     }
 
     /// A number of eight bytes with a fraction.
-    ///
-    /// # Errors
-    ///
-    /// If the message ends before.
     pub fn f64(&mut self) -> Result<f64, String> {
         self.number().map(f64::from_le_bytes)
     }
 
     /// `N` of those.
-    ///
-    /// # Errors
-    ///
-    /// If the message ends before.
     pub fn f64s<const N: usize>(&mut self) -> Result<[f64; N], String> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
@@ -102,10 +78,6 @@ impl<'a> CdrReader<'a> {
     }
 
     /// A text, without the zero that ends it.
-    ///
-    /// # Errors
-    ///
-    /// If the message ends before, or it is not UTF-8.
     pub fn text(&mut self) -> Result<&'a str, String> {
         let bytes = self.bytes()?;
         let bytes = bytes.strip_suffix(&[0]).unwrap_or(bytes);
@@ -113,20 +85,12 @@ impl<'a> CdrReader<'a> {
     }
 
     /// Bytes, after their number.
-    ///
-    /// # Errors
-    ///
-    /// If the message ends before.
     pub fn bytes(&mut self) -> Result<&'a [u8], String> {
         let n = self.u32()?;
         self.take(n as usize)
     }
 
     /// As many of what `element` reads as the message says.
-    ///
-    /// # Errors
-    ///
-    /// Whatever `element` returns.
     pub fn list<T>(
         &mut self,
         mut element: impl FnMut(&mut Self) -> Result<T, String>,

@@ -10,10 +10,6 @@ const MAX_CHUNK_BYTES: u64 = 64 << 20;
 const MAX_GROWTH: u64 = 64;
 
 /// The records of a chunk, one after the other. `problem`s are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is compressed by an unknown method, grows beyond all measure, or is not what its header says.
 pub fn decompressed(header: &ChunkHeader, compressed: &[u8]) -> Result<Vec<u8>, String> {
     let limit = MAX_CHUNK_BYTES.max(compressed.len() as u64 * MAX_GROWTH);
     if header.uncompressed_size > limit {

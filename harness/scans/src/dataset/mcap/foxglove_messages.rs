@@ -10,8 +10,9 @@ use nalgebra::Isometry3;
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::ros_messages::{StampedTransform, isometry};
+use super::ros_messages::StampedTransform;
 use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
+use crate::dataset::pose::isometry;
 
 /// `foxglove.PointCloud`.
 pub const POINT_CLOUD: &str = "foxglove.PointCloud";
@@ -103,10 +104,6 @@ pub struct Pose {
 
 impl Pose {
     /// As a transform. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If a number is not finite.
     pub fn isometry(&self) -> Result<Isometry3<f64>, String> {
         let (at, turn) = (self.position.unwrap_or_default(), self.orientation.unwrap_or_default());
         isometry([at.x, at.y, at.z], [turn.x, turn.y, turn.z, turn.w])
@@ -157,10 +154,6 @@ pub struct PointCloud {
 
 impl PointCloud {
     /// The points, as they lie in the message. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If a field has an unknown type, or the points do not fill the data.
     pub fn packed(&self) -> Result<PackedPoints<'_>, String> {
         let field = |field: &PackedElementField| {
             let (name, offset) = (field.name.clone(), field.offset as usize);
@@ -234,10 +227,6 @@ pub struct FrameTransform {
 
 impl FrameTransform {
     /// In the terms of both kinds of recordings. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If a number is not finite.
     pub fn stamped(&self) -> Result<StampedTransform, String> {
         let pose = Pose { position: self.translation, orientation: self.rotation };
         Ok(StampedTransform {
@@ -259,10 +248,6 @@ pub struct FrameTransforms {
 }
 
 /// The message in `bytes`, in the encoding of its channel. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is not such a message, or the encoding is neither `protobuf` nor `json`.
 pub fn decode<M: prost::Message + Default + serde::de::DeserializeOwned>(
     encoding: &str,
     bytes: &[u8],

@@ -12,10 +12,6 @@ use super::topics::MessageKind;
 const MAX_DEPTH: usize = 64;
 
 /// The transforms in `bytes`, a message of this kind in the encoding of its channel. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is no such message, or a transform in it is none.
 pub fn transforms_of_message(
     kind: MessageKind,
     encoding: &str,

@@ -12,16 +12,17 @@ use reports::vocabulary::class::AnnotationClass;
 use super::frame_tree::FrameTree;
 use super::mcap_file::McapFile;
 use super::mcap_index::{McapIndex, MessagePlace, index_mcap, window};
-use super::recorded_cloud::{RecordedCloud, region_of};
+use super::recorded_cloud::RecordedCloud;
 use super::recorded_messages::{Channel, RecordedMessages};
 use super::scene_objects::SceneObject;
-use super::topics::{ChosenChannel, MessageKind, TopicChoice, choose_channels};
+use super::topics::{ChosenChannel, MessageKind, choose_channels};
 use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::on_disk::stem_of;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::{DamagePolicy, DatasetSource};
 use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
@@ -44,7 +45,7 @@ const MAX_ANNOTATION_DELAY_NS: u64 = 2_000_000_000;
 
 /// An open recording.
 #[derive(Debug)]
-pub struct McapDataset {
+struct McapDataset {
     // Invariant: `scan_ids` and `clouds.places` have the same length and order.
     listing: Listing,
     messages: RecordedMessages,
@@ -73,11 +74,8 @@ pub fn is_mcap(path: &Path) -> bool {
 
 /// Opens the recording of `source`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if it has no clouds, several topics of them and none is chosen, or if it is cut off or damaged and damage is
-/// not to be skipped. Clouds are not looked into.
-pub fn open_mcap(mut source: DatasetSource, choice: &TopicChoice) -> Result<McapDataset, DatasetError> {
+/// Clouds are not looked into.
+pub fn open_mcap(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let path = source.path.clone();
     let mut index = index_mcap(&path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;
     let damaged = |problem: String| DatasetError::Damaged { path: path.clone(), problem };
@@ -89,7 +87,7 @@ pub fn open_mcap(mut source: DatasetSource, choice: &TopicChoice) -> Result<Mcap
             .map_err(|problem| damaged(format!("has a data sheet that cannot be read: {problem}")))?;
         source.take_sheet(sheet);
     }
-    let chosen = choose_channels(&path, &index, choice)?;
+    let chosen = choose_channels(&path, &index, &source.parts.topics)?;
     let checksum = checksum_of(&path, &index)?;
     let own_ids = index.metadata.get(own_metadata::SCAN_IDS);
     let own_ids: Option<Vec<(String, u32)>> =
@@ -119,17 +117,15 @@ pub fn open_mcap(mut source: DatasetSource, choice: &TopicChoice) -> Result<Mcap
         cut_off: index.cut_off.take(),
     };
     if recording.listing.scan_ids.is_empty() {
-        return Err(DatasetError::NoScans { path });
+        return Err(DatasetError::no_scans(path));
     }
-    Ok(recording)
+    Ok(Box::new(recording))
 }
 
 fn checksum_of(path: &Path, index: &McapIndex) -> Result<String, DatasetError> {
-    let metadata =
-        std::fs::metadata(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
     let mut checksum = DatasetChecksum::default();
     // Not its name: a recording is the same under any.
-    checksum.add_scan("recording", metadata.len());
+    checksum.add_file("recording", path)?;
     let crcs: Vec<String> = index.chunks.iter().map(|chunk| format!("{:08x}\n", chunk.crc)).collect();
     checksum.add_text("chunks", crcs.concat());
     Ok(checksum.finish())
@@ -141,7 +137,7 @@ fn scan_ids(path: &Path, n_scans: usize, own: Option<Vec<(String, u32)>>) -> Vec
             own.into_iter().map(|(sequence, index)| ScanId { sequence, index }).collect()
         }
         _ => {
-            let stem = path.file_stem().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+            let stem = stem_of(path);
             (0..n_scans as u32).map(|index| ScanId { sequence: stem.clone(), index }).collect()
         }
     }
@@ -164,7 +160,10 @@ impl Dataset for McapDataset {
         }
         let n_points = recorded.cloud.len();
         let (point_regions, labeled_area) = match &recorded.regions {
-            Some(regions) => (regions.iter().copied().map(region_of).collect(), LabeledArea::AsPoints),
+            Some(regions) => {
+                let region_of = |it: &f64| PointRegion::of_number(*it as u8).unwrap_or(PointRegion::Outside);
+                (regions.iter().map(region_of).collect(), LabeledArea::AsPoints)
+            }
             None if is_annotated => (vec![PointRegion::Labeled; n_points], LabeledArea::Everywhere),
             None => (vec![PointRegion::Outside; n_points], LabeledArea::AsPoints),
         };

@@ -48,10 +48,6 @@ impl McapFile {
     }
 
     /// Reads the message at `place`.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Io`]; [`DatasetError::Damaged`] if there is none.
     pub fn message(&self, place: MessagePlace) -> Result<MessageBytes, DatasetError> {
         let (records, offset) = match place.chunk_idx {
             Some(chunk_idx) => (self.chunk(chunk_idx)?, place.offset),

@@ -92,16 +92,12 @@ pub struct ChunkPlace {
 /// Walks the file at `path` and notes the messages of the channels that `matters` picks; metadata are those called `name`.
 ///
 /// A file that is cut off gives what comes before the cut.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::Damaged`] for a file that does not begin as MCAP does.
 pub fn index_mcap(
     path: &Path,
     name: &str,
     matters: impl Fn(&ChannelInfo) -> bool,
 ) -> Result<McapIndex, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
+    let io_error = DatasetError::io(path);
     let mut file = File::open(path).map_err(io_error)?;
     let n_file_bytes = file.metadata().map_err(io_error)?.len();
     let mut magic = [0; 8];
@@ -331,10 +327,6 @@ fn read_body(file: &mut File, n_bytes: u64) -> Result<Vec<u8>, WalkError> {
 }
 
 /// The decompressed records of the chunk at `place`.
-///
-/// # Errors
-///
-/// [`ChunkError`] if it cannot be read or is damaged.
 pub fn read_chunk(file: &mut File, place: ChunkPlace) -> Result<Vec<u8>, ChunkError> {
     file.seek(SeekFrom::Start(place.offset + N_RECORD_HEADER_BYTES as u64)).map_err(ChunkError::Io)?;
     let mut body = Vec::new();

@@ -73,39 +73,23 @@ impl<'a> RecordBody<'a> {
     }
 
     /// Number and name of a schema.
-    ///
-    /// # Errors
-    ///
-    /// If the record ends before. The same holds for all methods below.
     pub fn schema(mut self) -> Result<SchemaName, String> {
         Ok(SchemaName { id: self.u16()?, name: self.text()? })
     }
 
     /// A channel without its metadata.
-    ///
-    /// # Errors
-    ///
-    /// If the record ends before.
     pub fn channel(mut self) -> Result<ChannelRecord, String> {
         let (id, schema_id) = (self.u16()?, self.u16()?);
         Ok(ChannelRecord { id, schema_id, topic: self.text()?, encoding: self.text()? })
     }
 
     /// The channel of a message and when it was logged.
-    ///
-    /// # Errors
-    ///
-    /// If the record ends before.
     pub fn message(mut self) -> Result<(u16, u64), String> {
         let (channel_id, _sequence) = (self.u16()?, self.u32()?);
         Ok((channel_id, self.u64()?))
     }
 
     /// The channel of a message index, and its entries.
-    ///
-    /// # Errors
-    ///
-    /// If the record ends before.
     pub fn message_index(mut self) -> Result<(u16, Vec<MessageIndexEntry>), String> {
         let channel_id = self.u16()?;
         let (entries, _) = self.block()?.as_chunks::<16>();
@@ -117,10 +101,6 @@ impl<'a> RecordBody<'a> {
     }
 
     /// The header of a chunk, and the length of that header.
-    ///
-    /// # Errors
-    ///
-    /// If the record ends before.
     pub fn chunk_header(mut self) -> Result<(ChunkHeader, usize), String> {
         let n_bytes = self.rest.len();
         let header = ChunkHeader {
@@ -135,10 +115,6 @@ impl<'a> RecordBody<'a> {
     }
 
     /// The name of a metadata record, and what it says.
-    ///
-    /// # Errors
-    ///
-    /// If the record ends before.
     pub fn metadata(mut self) -> Result<(String, BTreeMap<String, String>), String> {
         let name = self.text()?;
         let mut pairs = RecordBody { rest: self.block()? };
@@ -150,10 +126,6 @@ impl<'a> RecordBody<'a> {
     }
 
     /// Where the summary begins, as the footer says; 0 if there is none.
-    ///
-    /// # Errors
-    ///
-    /// If the record ends before.
     pub fn footer(mut self) -> Result<u64, String> {
         self.u64()
     }

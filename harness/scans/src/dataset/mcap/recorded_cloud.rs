@@ -6,13 +6,13 @@ use nalgebra::{Isometry3, Point3};
 use super::foxglove_messages::decode_cloud;
 use super::ros_messages::point_cloud_2;
 use super::topics::MessageKind;
-use crate::annotation::{Annotation, PointRegion};
+use crate::annotation::Annotation;
 use crate::dataset::packed_points::{NumberType, PackedField, PackedPoints};
 use crate::dataset::positioned_points::PositionedPoints;
 
 /// The fields of points in which scanbench says what boxes cannot.
 pub mod own_fields {
-    /// [`PointRegion`](crate::annotation::PointRegion): 0 labelled, 1 unscorable, 2 outside.
+    /// The number of its [`PointRegion`](crate::annotation::PointRegion): 0 labelled, 1 unscorable, 2 outside.
     pub const REGION: &str = "region";
     /// The place of the point's annotation in its message, from 1; 0 for none.
     pub const OBJECT: &str = "object";
@@ -38,10 +38,6 @@ pub struct RecordedCloud {
 
 impl RecordedCloud {
     /// The cloud in `bytes`, a message of this kind in the encoding of its channel. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If it is no such message, or its points are packed in a way that cannot be read.
     pub fn read(kind: MessageKind, encoding: &str, bytes: &[u8]) -> Result<Self, String> {
         if kind == MessageKind::RosCloud {
             let (header, packed) = point_cloud_2(bytes)?;
@@ -117,22 +113,4 @@ fn take_moments(
         }
     }
     Ok(())
-}
-
-/// The region that a number stands for in recordings.
-pub fn region_of(number: f64) -> PointRegion {
-    match number as u8 {
-        0 => PointRegion::Labeled,
-        1 => PointRegion::Unscorable,
-        _ => PointRegion::Outside,
-    }
-}
-
-/// The number that stands for a region in recordings.
-pub fn number_of_region(region: PointRegion) -> u8 {
-    match region {
-        PointRegion::Labeled => 0,
-        PointRegion::Unscorable => 1,
-        PointRegion::Outside => 2,
-    }
 }

@@ -48,10 +48,6 @@ pub struct RecordedMessages {
 
 impl RecordedMessages {
     /// Those of `file`, which says on `transforms` how frames lie to each other.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Io`]; [`DatasetError::Damaged`] if one of the first transforms is. The same holds below.
     pub fn new(file: McapFile, transforms: Vec<Channel>) -> Result<Self, DatasetError> {
         let mut messages = Self { file, transforms, first_transforms: Vec::new() };
         let mut first_transforms = Vec::new();
@@ -70,10 +66,6 @@ impl RecordedMessages {
     }
 
     /// The message at `place`, as it is encoded.
-    ///
-    /// # Errors
-    ///
-    /// If there is none.
     pub fn message(&self, place: MessagePlace) -> Result<MessageBytes, DatasetError> {
         self.file.message(place)
     }
@@ -89,10 +81,6 @@ impl RecordedMessages {
     }
 
     /// The objects in the message at `place` of `channel`, and the moment it is about, if it says so.
-    ///
-    /// # Errors
-    ///
-    /// If it is too large or no such message.
     pub fn read_objects(
         &self,
         channel: &Channel,
@@ -107,10 +95,6 @@ impl RecordedMessages {
     }
 
     /// How the frames lie to each other at `stamp_ns`, of what was logged around `log_time_ns`.
-    ///
-    /// # Errors
-    ///
-    /// If a transform is damaged.
     pub fn frames_at(&self, stamp_ns: u64, log_time_ns: u64) -> Result<FrameTree, DatasetError> {
         let mut transforms = self.first_transforms.clone();
         for channel in &self.transforms {

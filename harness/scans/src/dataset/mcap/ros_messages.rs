@@ -1,9 +1,10 @@
 //! The messages of ROS 2 that are read.
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::Isometry3;
 
 use super::cdr::CdrReader;
 use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
+use crate::dataset::pose::isometry;
 
 /// `sensor_msgs/msg/PointCloud2`.
 pub const POINT_CLOUD_2: &str = "sensor_msgs/msg/PointCloud2";
@@ -54,10 +55,6 @@ pub struct Detection3D {
 }
 
 /// The cloud in `message`. Errors, here and below, are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is not such a message.
 pub fn point_cloud_2(message: &[u8]) -> Result<(Header, PackedPoints<'_>), String> {
     let mut reader = CdrReader::new(message)?;
     let header = header(&mut reader)?;
@@ -88,10 +85,6 @@ fn number_type(number: u8) -> Result<NumberType, String> {
 }
 
 /// The boxes in `message`.
-///
-/// # Errors
-///
-/// If it is not such a message.
 pub fn detection_3d_array(message: &[u8]) -> Result<(Header, Vec<Detection3D>), String> {
     let mut reader = CdrReader::new(message)?;
     let header_of_all = header(&mut reader)?;
@@ -115,10 +108,6 @@ pub fn detection_3d_array(message: &[u8]) -> Result<(Header, Vec<Detection3D>), 
 }
 
 /// The transforms in `message`.
-///
-/// # Errors
-///
-/// If it is not such a message.
 pub fn tf_message(message: &[u8]) -> Result<Vec<StampedTransform>, String> {
     CdrReader::new(message)?.list(|reader| {
         let Header { stamp_ns, frame: parent } = header(reader)?;
@@ -136,18 +125,4 @@ fn header(reader: &mut CdrReader<'_>) -> Result<Header, String> {
 fn pose(reader: &mut CdrReader<'_>) -> Result<Isometry3<f64>, String> {
     let ([x, y, z], [i, j, k, w]) = (reader.f64s()?, reader.f64s()?);
     isometry([x, y, z], [i, j, k, w])
-}
-
-/// The pose at `position_m` that is turned by the quaternion x, y, z, w; one of length 0 is no turn.
-///
-/// # Errors
-///
-/// If a number is not finite.
-pub fn isometry(position_m: [f64; 3], quaternion: [f64; 4]) -> Result<Isometry3<f64>, String> {
-    if !position_m.iter().chain(&quaternion).all(|it| it.is_finite()) {
-        return Err("has a pose with values that are not numbers".to_owned());
-    }
-    let [i, j, k, w] = quaternion;
-    let rotation = UnitQuaternion::try_new(Quaternion::new(w, i, j, k), 1e-9).unwrap_or_default();
-    Ok(Isometry3::from_parts(Translation3::from(Vector3::from(position_m)), rotation))
 }

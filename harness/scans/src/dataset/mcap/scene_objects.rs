@@ -54,10 +54,6 @@ impl SceneObject {
     /// The object as an annotation of `class` without points, once it is known how its frame lies to the sensor's.
     ///
     /// The box is set upright. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If a side of the box is not above 0, or it lies beyond all measure.
     pub fn annotation(
         &self,
         class: AnnotationClass,
@@ -92,10 +88,6 @@ fn sensible_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<Or
 
 /// The objects in `bytes`, a message of this kind in the encoding of its channel, and the moment that it names, in nanoseconds; 0 if it
 /// names none. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is no such message, or an object in it has no box that can be.
 pub fn objects_of_message(
     kind: MessageKind,
     encoding: &str,
@@ -116,10 +108,6 @@ pub fn objects_of_message(
 }
 
 /// The objects of a scene, in order. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If a number is not finite.
 fn objects_of_scene(scene: &SceneUpdate) -> Result<Vec<SceneObject>, String> {
     scene.entities.iter().map(object_of_entity).collect()
 }

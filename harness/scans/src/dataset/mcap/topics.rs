@@ -8,6 +8,7 @@ use super::mcap_index::{ChannelInfo, McapIndex};
 use super::ros_messages::{DETECTION_3D_ARRAY, POINT_CLOUD_2, TF_MESSAGE};
 use crate::dataset::DatasetError;
 use crate::dataset::shown_name::shown;
+use crate::dataset::source::TopicChoice;
 
 /// Where annotations are looked for if several topics could hold them.
 pub const ANNOTATION_TOPIC: &str = "/annotations";
@@ -63,15 +64,6 @@ impl MessageKind {
     }
 }
 
-/// Which topics were asked for.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct TopicChoice {
-    /// That of the clouds; the only one if this is left out.
-    pub cloud: Option<String>,
-    /// That of the annotations; `/annotations` or the only one if this is left out.
-    pub annotations: Option<String>,
-}
-
 /// A channel that is read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChosenChannel {
@@ -95,21 +87,13 @@ pub struct ChosenChannels {
 }
 
 /// Chooses among the channels of `index`, that of the file at `path`.
-///
-/// # Errors
-///
-/// [`DatasetError::Topic`] if there is no such topic, or there are several and none was asked for. It lists what there is.
 pub fn choose_channels(
     path: &Path,
     index: &McapIndex,
     choice: &TopicChoice,
 ) -> Result<ChosenChannels, DatasetError> {
     let known = |is_wanted: fn(MessageKind) -> bool| known_channels(index, is_wanted);
-    let error = |problem: String, candidates: &[ChosenChannel]| DatasetError::Topic {
-        path: path.to_path_buf(),
-        problem,
-        topics: if candidates.is_empty() { all_topics(index) } else { listed(index, candidates) },
-    };
+    let error = |problem: String, candidates: &[ChosenChannel]| refused(path, &problem, index, candidates);
     let unmixed = |chosen: &ChosenChannel, candidates: &[ChosenChannel]| {
         let same: Vec<ChosenChannel> =
             candidates.iter().filter(|it| it.info.topic == chosen.info.topic).cloned().collect();
@@ -171,21 +155,13 @@ pub struct DetectionChannels {
 }
 
 /// Chooses the objects on `topic`, or on the only topic that has some beside [`ANNOTATION_TOPIC`], or on that.
-///
-/// # Errors
-///
-/// [`DatasetError::Topic`], as [`choose_channels`].
 pub fn choose_detections(
     path: &Path,
     index: &McapIndex,
     topic: Option<&str>,
 ) -> Result<DetectionChannels, DatasetError> {
     let objects = known_channels(index, MessageKind::is_objects);
-    let error = |problem: String| DatasetError::Topic {
-        path: path.to_path_buf(),
-        problem,
-        topics: if objects.is_empty() { all_topics(index) } else { listed(index, &objects) },
-    };
+    let error = |problem: String| refused(path, &problem, index, &objects);
     let is_wanted = |it: &&ChosenChannel| match topic {
         Some(topic) => it.info.topic == topic,
         None => objects.len() == 1 || it.info.topic != ANNOTATION_TOPIC,
@@ -240,17 +216,19 @@ fn n_messages(index: &McapIndex, channel: &ChosenChannel) -> usize {
     channel.ids.iter().filter_map(|id| index.messages.get(id)).map(Vec::len).sum()
 }
 
-fn listed(index: &McapIndex, channels: &[ChosenChannel]) -> Vec<String> {
-    let describe = |it: &ChosenChannel| {
+/// The error about the recording at `path` that lists `candidates` or, if there are none, all that is recorded.
+fn refused(path: &Path, problem: &str, index: &McapIndex, candidates: &[ChosenChannel]) -> DatasetError {
+    let candidate = |it: &ChosenChannel| {
         format!("{} ({}, {} messages)", shown(&it.info.topic), shown(&it.info.schema), n_messages(index, it))
     };
-    channels.iter().map(describe).collect()
-}
-
-fn all_topics(index: &McapIndex) -> Vec<String> {
-    let describe =
+    let any =
         |it: &ChannelInfo| format!("{} ({} as {})", shown(&it.topic), shown(&it.schema), shown(&it.encoding));
-    index.channels.values().map(describe).collect()
+    let topics: Vec<String> = if candidates.is_empty() {
+        index.channels.values().map(any).collect()
+    } else {
+        candidates.iter().map(candidate).collect()
+    };
+    DatasetError::Usage(format!("{path:?} {problem}: {}", topics.join(", ")))
 }
 
 #[cfg(test)]

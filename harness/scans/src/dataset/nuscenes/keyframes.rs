@@ -19,6 +19,7 @@ use crate::dataset::class_table::ClassReader;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::official::OfficialScan;
+use crate::dataset::on_disk::bytes_of;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
@@ -65,7 +66,7 @@ const N_BYTES_PER_POINT: usize = 20;
 
 /// An open data set: annotations are in memory, scans are read one at a time.
 #[derive(Debug)]
-pub struct NuScenes {
+struct NuScenes {
     // Invariant: `scan_ids` and `keyframes` have the same length and order.
     listing: Listing,
     scans: PathBuf,
@@ -80,40 +81,35 @@ pub fn is_nuscenes(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all scenes, or only those of `sequences`, such as `scene-0061`.
 ///
-/// # Errors
-///
-/// [`DatasetError::SeveralDatasets`] if there are several versions; [`DatasetError`] if a table is missing or damaged. Scans are
-/// not looked into.
-pub fn open_nuscenes(
-    source: DatasetSource,
-    sequences: Option<&BTreeSet<String>>,
-) -> Result<NuScenes, DatasetError> {
+/// Scans are not looked into.
+pub fn open_nuscenes(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
+    let sequences = source.parts.sequences.take();
     let (version, scans) = match &versions_in(&source.path)[..] {
         // The folder of a version may be a link to elsewhere, and `..` of it not be where it is.
         [only] if *only == source.path => (only.clone(), parent_of(&source.path)),
         [only] => (only.clone(), source.path.clone()),
-        [] => return Err(DatasetError::NoScans { path: source.path }),
+        [] => return Err(DatasetError::no_scans(source.path)),
         several => {
-            let found = several.iter().map(|it| it.display().to_string()).collect();
-            return Err(DatasetError::SeveralDatasets { path: source.path, found });
+            let found: Vec<String> = several.iter().map(|it| it.display().to_string()).collect();
+            return Err(DatasetError::several_datasets(&source.path, &found));
         }
     };
     let mut classes = ClassReader::new(&source.classes, &[]);
-    let LidarTables { keyframes, samples_without_scan } = read_keyframes(&version, sequences, &mut classes)?;
+    let LidarTables { keyframes, samples_without_scan } =
+        read_keyframes(&version, sequences.as_ref(), &mut classes)?;
     classes.unknown().refuse(&source.id)?;
     let scenes: BTreeSet<&str> = keyframes.iter().map(|it| it.scene.as_str()).collect();
-    if let Some(missing) = sequences.and_then(|it| it.iter().find(|name| !scenes.contains(name.as_str()))) {
-        return Err(DatasetError::MissingSelected { path: source.path.join(missing) });
+    if let Some(missing) = sequences.iter().flatten().find(|name| !scenes.contains(name.as_str())) {
+        return Err(DatasetError::missing_selected(&source.path.join(missing)));
     }
     if keyframes.is_empty() {
-        return Err(DatasetError::NoScans { path: version });
+        return Err(DatasetError::no_scans(version));
     }
     let mut checksum = DatasetChecksum::default();
     for table in TABLES {
         // Larger than all else that is labels: by their size, as scans.
-        let path = version.join(format!("{table}.json"));
-        let metadata = std::fs::metadata(&path).map_err(|source| DatasetError::Io { path, source })?;
-        checksum.add_scan(&format!("{table}.json"), metadata.len());
+        let name = format!("{table}.json");
+        checksum.add_file(&name, &version.join(&name))?;
     }
     let mut scan_ids: Vec<ScanId> = Vec::with_capacity(keyframes.len());
     for keyframe in &keyframes {
@@ -124,7 +120,8 @@ pub fn open_nuscenes(
         scan_ids.push(ScanId { sequence: keyframe.scene.clone(), index });
     }
     let description = source.describe(DatasetFormat::NuScenes, checksum.finish());
-    Ok(NuScenes { listing: Listing { description, scan_ids }, scans, keyframes, samples_without_scan })
+    let listing = Listing { description, scan_ids };
+    Ok(Box::new(NuScenes { listing, scans, keyframes, samples_without_scan }))
 }
 
 impl Dataset for NuScenes {
@@ -135,8 +132,7 @@ impl Dataset for NuScenes {
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let keyframe = &self.keyframes[scan_idx];
         let path = self.scans.join(&keyframe.file);
-        let bytes = std::fs::read(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
-        let points = parse_scan(&path, &bytes)?;
+        let points = parse_scan(&path, &bytes_of(&path)?)?;
         let mut annotations: Vec<Annotation> =
             keyframe.objects.iter().filter_map(|it| it.annotation(&keyframe.world_from_sensor)).collect();
         assign_points_in_boxes(points.cloud(), &mut annotations);

@@ -6,11 +6,11 @@ use std::path::{Component, Path, PathBuf};
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use super::pose::pose;
 use super::table::read_table;
 use super::world_objects::{WorldObject, read_objects};
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
+use crate::dataset::pose::pose;
 
 /// The lidar on the roof.
 const LIDAR: &str = "LIDAR_TOP";
@@ -103,10 +103,6 @@ struct Unplaced {
 /// any are named.
 ///
 /// Annotations whose class nobody knows are noted in `classes` and left out. Everything else, such as images and the scans between keyframes, is passed over and not kept.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`] if a table is missing; [`DatasetError::Damaged`] if one is, or names what another does not have.
 pub fn read_keyframes(
     folder: &Path,
     scenes: Option<&BTreeSet<String>>,

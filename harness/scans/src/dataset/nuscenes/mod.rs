@@ -1,7 +1,6 @@
 //! nuScenes: scenes of twenty seconds, boxes all round on two scans a second.
 
 pub mod table;
-pub mod pose;
 mod velocities;
 pub mod world_objects;
 pub mod lidar_tables;

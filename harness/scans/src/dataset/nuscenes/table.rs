@@ -15,15 +15,11 @@ use crate::dataset::DatasetError;
 const N_BUFFERED: usize = 1 << 18;
 
 /// Hands every record of the table at `path` to `take`, in order; what `take` refuses is the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::Damaged`] if it is not such a table, with line and column.
 pub fn read_table<Record: DeserializeOwned>(
     path: &Path,
     take: impl FnMut(Record) -> Result<(), String>,
 ) -> Result<(), DatasetError> {
-    let file = File::open(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let file = File::open(path).map_err(DatasetError::io(path))?;
     let mut deserializer = serde_json::Deserializer::from_reader(BufReader::with_capacity(N_BUFFERED, file));
     let read = deserializer.deserialize_seq(RecordVisitor { take, record: PhantomData });
     read.and_then(|()| deserializer.end()).map_err(|error| DatasetError::Damaged {

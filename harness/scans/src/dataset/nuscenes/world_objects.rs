@@ -8,13 +8,13 @@ use nalgebra::Isometry3;
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use serde::Deserialize;
 
-use super::pose::pose;
 use super::table::read_table;
 use super::velocities::{Sighting, add_velocities};
 use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::official::OfficialObject;
+use crate::dataset::pose::pose;
 use crate::dataset::upright_box::upright_box;
 
 /// An annotation, before it is brought into the frame of the sensor.
@@ -38,12 +38,10 @@ impl WorldObject {
     pub fn annotation(&self, world_from_sensor: &Isometry3<f64>) -> Option<Annotation> {
         let sensor_from_box = world_from_sensor.inverse() * self.world_from_box;
         Some(Annotation {
-            class: self.class?,
             bounding_box: Some(upright_box(&sensor_from_box, self.length_width_height_m)),
-            point_indices: Vec::new(),
             track: Some(self.track),
             occlusion: self.occlusion,
-            truncation: None,
+            ..Annotation::of(self.class?)
         })
     }
 
@@ -111,10 +109,6 @@ pub type ObjectsBySample = BTreeMap<String, Vec<WorldObject>>;
 /// The annotations of each of `samples`, which come with their times in microseconds, and the other samples that have any.
 ///
 /// Annotations whose class nobody knows are noted in `classes`.
-///
-/// # Errors
-///
-/// [`DatasetError`] if a table is missing or damaged, or names what another does not have.
 pub fn read_objects(
     table: &impl Fn(&str) -> PathBuf,
     samples: &BTreeMap<&str, Option<u64>>,

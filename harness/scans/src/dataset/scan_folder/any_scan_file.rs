@@ -8,18 +8,13 @@ use super::pcd::parse_pcd;
 use super::ply::parse_ply;
 use super::scan_file::{ScanPoints, scan_extension};
 use crate::dataset::DatasetError;
+use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::velodyne_bin::parse_velodyne_bin;
 
 /// Reads the scan at `path`.
-///
-/// # Errors
-///
-/// [`DatasetError`] if it cannot be read, is damaged or holds no points with a position.
 pub fn read_scan_file(path: &Path) -> Result<ScanPoints, DatasetError> {
-    // Read, not mapped into memory: a mapped file that another program cuts off ends the process.
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let bytes = bytes_of(path)?;
     let points = match scan_extension(path) {
         Some("pcd") => parse_pcd(&bytes),
         Some("ply") => parse_ply(&bytes),
@@ -34,24 +29,17 @@ pub fn read_scan_file(path: &Path) -> Result<ScanPoints, DatasetError> {
 }
 
 /// [`ScanPoints::origin_m`] of the scan at `path`, for readers that want no points.
-///
-/// # Errors
-///
-/// [`DatasetError`] if it cannot be read or is damaged.
 pub fn scan_origin_m(path: &Path) -> Result<[f64; 3], DatasetError> {
     if !matches!(scan_extension(path), Some("las" | "laz")) {
         return Ok([0.0; 3]);
     }
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-    las_origin_m(&bytes).map_err(damaged(path))
+    las_origin_m(&bytes_of(path)?).map_err(damaged(path))
 }
 
 fn at_origin(points: PositionedPoints) -> ScanPoints {
     ScanPoints { points, origin_m: [0.0; 3] }
 }
 
-fn damaged(path: &Path) -> impl Fn(String) -> DatasetError {
-    let path = path.to_path_buf();
-    move |problem| DatasetError::Damaged { path: path.clone(), problem }
+fn damaged(path: &Path) -> impl Fn(String) -> DatasetError + '_ {
+    move |problem| DatasetError::damaged(path, problem)
 }

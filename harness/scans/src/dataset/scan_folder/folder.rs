@@ -20,7 +20,7 @@ use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanI
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
-use crate::dataset::numbered_files::is_hidden;
+use crate::dataset::on_disk::{entries_of, has_extension, name_of};
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
@@ -35,7 +35,7 @@ const LABELS: [&str; 3] = ["labels", "label", "label_2"];
 
 /// An open folder: the names of the scans are in memory.
 #[derive(Debug)]
-pub struct ScanFolder {
+struct ScanFolder {
     // Invariant: `scan_ids` and `scans` have the same length and order.
     listing: Listing,
     scans: Vec<PathBuf>,
@@ -50,39 +50,24 @@ pub fn is_scan_folder(folder: &Path) -> bool {
 
 /// The folder with scans: `folder` itself, or one that tools keep them in.
 fn scans_below(folder: &Path) -> Option<PathBuf> {
-    let has_scans = |folder: &PathBuf| {
-        std::fs::read_dir(folder)
-            .is_ok_and(|mut entries| entries.any(|entry| entry.is_ok_and(|it| is_scan(&it.path()))))
-    };
+    let has_scans = |folder: &PathBuf| entries_of(folder).is_ok_and(|it| it.iter().any(|it| is_scan(it)));
     SCANS.into_iter().map(|name| folder.join(name)).find(has_scans)
 }
 
 /// Opens the folder of `source`. Scans are numbered in the order of their names.
-///
-/// # Errors
-///
-/// [`DatasetError`] if a scan lacks its labels, two have one name and so one file of labels, or labels are not text.
-pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetError> {
+pub fn open_scan_folder(source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let folder = source.path.clone();
-    let io_error = |source| DatasetError::Io { path: folder.clone(), source };
-    let mut scans = Vec::new();
-    for entry in std::fs::read_dir(scans_below(&folder).unwrap_or(folder.clone())).map_err(io_error)? {
-        let path = entry.map_err(io_error)?.path();
-        if is_scan(&path) {
-            scans.push(path);
-        }
-    }
-    scans.sort();
+    let mut scans = entries_of(&scans_below(&folder).unwrap_or(folder.clone()))?;
+    scans.retain(|path| is_scan(path));
     refuse_same_names(&scans)?;
     if scans.is_empty() {
-        return Err(DatasetError::NoScans { path: folder });
+        return Err(DatasetError::no_scans(folder));
     }
     let labels = LABELS.into_iter().map(|it| folder.join(it)).find(|it| it.is_dir());
     let (mut checksum, mut without_labels) = (DatasetChecksum::default(), Vec::new());
     for scan in &scans {
-        let name = scan.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
-        let metadata = std::fs::metadata(scan).map_err(io_error)?;
-        checksum.add_scan(&name, metadata.len());
+        let name = name_of(scan);
+        checksum.add_file(&name, scan)?;
         let file = labels.as_ref().map(|it| LabelFile::find(it, scan)).transpose()?.flatten();
         for (place, file) in file.iter().flat_map(LabelFile::files).enumerate() {
             // The first is that of the labels, the second what they need.
@@ -93,19 +78,17 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetErro
             without_labels.push(name);
         }
     }
-    if let Some(labels) = &labels
-        && !without_labels.is_empty()
-    {
+    if let Some(labels) = labels.as_ref().filter(|_| !without_labels.is_empty()) {
         let unpaired = UnpairedFiles { scans: without_labels, labels: labels_without_scans(labels, &scans)? };
-        return Err(DatasetError::Unpaired { labels: labels.clone(), unpaired });
+        unpaired.refuse(labels)?;
     }
-    let sequence = folder.canonicalize().unwrap_or_else(|_| folder.clone());
-    let sequence = sequence.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+    let sequence = name_of(&folder.canonicalize().unwrap_or_else(|_| folder.clone()));
     let scan_ids =
         (0..scans.len() as u32).map(|index| ScanId { sequence: sequence.clone(), index }).collect();
     let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::ScanFolder, checksum.finish());
-    Ok(ScanFolder { listing: Listing { description, scan_ids }, scans, labels, classes })
+    let listing = Listing { description, scan_ids };
+    Ok(Box::new(ScanFolder { listing, scans, labels, classes }))
 }
 
 impl Dataset for ScanFolder {
@@ -160,10 +143,8 @@ impl ScanFolder {
         scan: &Path,
         origin_m: [f64; 3],
     ) -> Result<(Vec<Annotation>, UnknownClasses), DatasetError> {
-        let file = LabelFile::find(labels, scan)?.ok_or_else(|| DatasetError::ScanWithoutLabels {
-            scan: scan.to_path_buf(),
-            labels: labels.to_path_buf(),
-        })?;
+        let file =
+            LabelFile::find(labels, scan)?.ok_or_else(|| DatasetError::without_labels(scan, labels))?;
         let texts = file.files().into_iter().map(read_text_file).collect::<Result<Vec<_>, _>>()?;
         let mut classes = ClassReader::new(&self.classes, file.vocabulary());
         let annotations = file.parse(&texts, origin_m, &mut classes)?;
@@ -184,20 +165,13 @@ impl ScanFolder {
 
 /// The names of the files in `labels` that belong to none of `scans`, in order.
 fn labels_without_scans(labels: &Path, scans: &[PathBuf]) -> Result<Vec<String>, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: labels.to_path_buf(), source };
     let stems: BTreeSet<&OsStr> = scans.iter().filter_map(|it| it.file_stem()).collect();
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(labels).map_err(io_error)? {
-        let path = entry.map_err(io_error)?.path();
-        let is_label = path.extension().is_some_and(|it| it == "json" || it == "txt") && !is_hidden(&path);
-        let name = path.file_name().unwrap_or_default();
-        // labelCloud's own, beside the labels.
-        if is_label && name != "_classes.json" && path.file_stem().is_none_or(|it| !stems.contains(it)) {
-            names.push(name.to_string_lossy().into_owned());
-        }
-    }
-    names.sort();
-    Ok(names)
+    let mut files = entries_of(labels)?;
+    files.retain(|path| has_extension(path, "json") || has_extension(path, "txt"));
+    // labelCloud's own, beside the labels.
+    files.retain(|path| !path.ends_with("_classes.json"));
+    files.retain(|path| path.file_stem().is_none_or(|it| !stems.contains(it)));
+    Ok(files.iter().map(|it| name_of(it)).collect())
 }
 
 /// Scans that differ only in their endings would share their labels.
@@ -206,17 +180,12 @@ fn refuse_same_names(scans: &[PathBuf]) -> Result<(), DatasetError> {
     for scan in scans {
         let stem = scan.file_stem().unwrap_or_default();
         if let Some(other) = by_stem.insert(stem, scan) {
-            let name = stem.to_string_lossy().into_owned();
-            return Err(DatasetError::SameName {
-                kind: "scans",
-                name,
-                paths: vec![other.clone(), scan.clone()],
-            });
+            return Err(DatasetError::same_name("scans", &stem.to_string_lossy(), &[other, scan]));
         }
     }
     Ok(())
 }
 
 fn is_scan(path: &Path) -> bool {
-    !is_hidden(path) && scan_extension(path).is_some() && path.is_file()
+    scan_extension(path).is_some() && path.is_file()
 }

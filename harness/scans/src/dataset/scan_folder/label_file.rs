@@ -19,9 +19,8 @@ use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
 use crate::dataset::kitti::calibration::parse_calibration;
-use crate::dataset::kitti::label::{
-    KITTI_VOCABULARY, KittiLabel, KittiObject, Truncation, parse_object_labels,
-};
+use crate::dataset::kitti::ground_truth::annotation_of;
+use crate::dataset::kitti::label::{KITTI_VOCABULARY, KittiLabel, KittiObject, parse_object_labels};
 
 /// The labels of a scan with what they need.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,10 +38,6 @@ pub enum LabelFile {
 
 impl LabelFile {
     /// Finds the labels of `scan` in the folder `labels`, if there are any; a calibration lies beside that folder.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::ScanWithoutCalibration`] for labels in a camera's frame.
     pub fn find(labels: &Path, scan: &Path) -> Result<Option<Self>, DatasetError> {
         let named = |extension| labels.join(scan.file_name().unwrap_or_default()).with_extension(extension);
         let json = named("json");
@@ -60,8 +55,7 @@ impl LabelFile {
         } else if of_all.is_file() {
             Ok(Some(Self::Kitti { labels: text, calibration: of_all }))
         } else {
-            let scan = scan.to_path_buf();
-            Err(DatasetError::ScanWithoutCalibration { scan, calibration: of_scan })
+            Err(DatasetError::without_calibration(scan, &of_scan))
         }
     }
 
@@ -83,10 +77,6 @@ impl LabelFile {
 
     /// The boxes in the texts of [`Self::files`] as annotations without points, as seen from `origin_m`. Those whose class nobody knows are noted in
     /// `classes` and left out.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError::Damaged`] or [`DatasetError::Line`] if they are not such boxes.
     pub fn parse(
         &self,
         texts: &[String],
@@ -108,17 +98,7 @@ impl LabelFile {
                     for (axis, origin_m) in origin_m.iter().enumerate() {
                         bounding_box.center_m[axis] -= *origin_m as f32;
                     }
-                    Annotation {
-                        class: object.class,
-                        bounding_box: Some(bounding_box),
-                        point_indices: Vec::new(),
-                        track: object.track,
-                        occlusion: object.occlusion,
-                        truncation: match object.truncation {
-                            Truncation::Share(share) => Some(share),
-                            Truncation::Unknown | Truncation::Ignored => None,
-                        },
-                    }
+                    annotation_of(&object, bounding_box, Vec::new())
                 };
                 Ok(objects.map(annotation).collect())
             }

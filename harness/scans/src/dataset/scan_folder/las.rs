@@ -48,10 +48,6 @@ struct LazCompression {
 ///
 /// Where the header says that the points are farther than 10 km from zero, as on a map (single precision would round them), the origin becomes a point with whole
 /// coordinates: the middle of the extent on the ground plan, and its least height.
-///
-/// # Errors
-///
-/// If it is no such file, holds fewer points than it says, or points farther than 10 km from the origin.
 pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
     let header = parse_header(bytes)?;
     let origin_m = origin_of(&header)?;
@@ -90,10 +86,6 @@ pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
 }
 
 /// Where the origin of the points in `bytes` is moved to; for readers that want no points.
-///
-/// # Errors
-///
-/// As [`parse_las`].
 pub fn las_origin_m(bytes: &[u8]) -> Result<[f64; 3], String> {
     origin_of(&parse_header(bytes)?)
 }

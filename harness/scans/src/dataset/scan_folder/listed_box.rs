@@ -34,10 +34,6 @@ pub struct ListedBox {
 
 impl ListedBox {
     /// The box as an annotation of `class` without points, as seen from `origin_m`. Errors are the rest of a sentence about the object.
-    ///
-    /// # Errors
-    ///
-    /// If a side is not above 0, or it lies beyond all measure.
     pub fn annotation(&self, class: AnnotationClass, origin_m: [f64; 3]) -> Result<Annotation, String> {
         for (name, side_m) in ["length", "width", "height"].into_iter().zip(self.length_width_height_m) {
             if !(side_m > 0.0 && side_m < LONGEST_SIDE_M) {
@@ -56,16 +52,13 @@ impl ListedBox {
         }
         let center_m = std::array::from_fn(|axis| (self.center_m[axis] - origin_m[axis]) as f32);
         Ok(Annotation {
-            class,
             bounding_box: Some(OrientedBox {
                 center_m,
                 length_width_height_m: self.length_width_height_m,
                 yaw_rad: self.yaw_rad,
             }),
-            point_indices: Vec::new(),
             track: self.track,
-            occlusion: None,
-            truncation: None,
+            ..Annotation::of(class)
         })
     }
 }

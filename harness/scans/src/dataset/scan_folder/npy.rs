@@ -7,10 +7,6 @@ use crate::dataset::positioned_points::PositionedPoints;
 const MAX_COLUMNS: usize = 1024;
 
 /// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is not an array of at least three columns of `f4` or `f8`, or is cut off.
 pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let not_npy = "is not an .npy file, or is cut off within its header";
     let (&[major, _], rest) =
@@ -58,16 +54,8 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let names = ["x", "y", "z", "intensity"].into_iter().take(n_columns);
     let field =
         |(place, name): (usize, &str)| PackedField { name: name.to_owned(), offset: place * n_bytes, number };
-    PackedPoints {
-        fields: names.enumerate().map(field).collect(),
-        n_columns: n_points,
-        n_rows: 1,
-        point_step: n_columns * n_bytes,
-        row_step: 0,
-        byte_order,
-        data,
-    }
-    .positioned()
+    let fields = names.enumerate().map(field).collect();
+    PackedPoints::in_a_row(fields, (n_points, n_columns * n_bytes), byte_order, data).positioned()
 }
 
 /// What the header says about `key`; nothing if it says nothing.

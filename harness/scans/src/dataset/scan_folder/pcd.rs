@@ -21,10 +21,6 @@ struct Header<'a> {
 /// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
 ///
 /// The pose of the sensor (`VIEWPOINT`) is not looked at: points are taken to be in its frame.
-///
-/// # Errors
-///
-/// If the header is not one, or there are fewer points than it says.
 pub fn parse_pcd(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let (header, data) = parse_header(bytes)?;
     match header.encoding {
@@ -39,15 +35,8 @@ pub fn parse_pcd(bytes: &[u8]) -> Result<PositionedPoints, String> {
 }
 
 fn packed<'a>(header: &Header<'_>, data: &'a [u8]) -> PackedPoints<'a> {
-    PackedPoints {
-        fields: header.fields.iter().map(|(field, _)| field.clone()).collect(),
-        n_columns: header.n_points,
-        n_rows: 1,
-        point_step: header.point_step,
-        row_step: 0,
-        byte_order: ByteOrder::Little,
-        data,
-    }
+    let fields = header.fields.iter().map(|(field, _)| field.clone()).collect();
+    PackedPoints::in_a_row(fields, (header.n_points, header.point_step), ByteOrder::Little, data)
 }
 
 fn parse_header(bytes: &[u8]) -> Result<(Header<'_>, &[u8]), String> {

@@ -7,10 +7,6 @@ use crate::dataset::positioned_points::PositionedPoints;
 const MAX_PROPERTIES: usize = 256;
 
 /// The vertices in `bytes` as points in metres. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If the header is not one, vertices do not come first, have lists, or are fewer than it says.
 pub fn parse_ply(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let mut rest = bytes.strip_prefix(b"ply").ok_or("is not a PLY file")?;
     let (mut format, mut n_points) = (None, None);
@@ -46,15 +42,8 @@ pub fn parse_ply(bytes: &[u8]) -> Result<PositionedPoints, String> {
         }
     }
     let n_points = n_points.ok_or("has no vertices")?;
-    let packed = |byte_order| PackedPoints {
-        fields: fields.clone(),
-        n_columns: n_points,
-        n_rows: 1,
-        point_step,
-        row_step: 0,
-        byte_order,
-        data: rest,
-    };
+    let packed =
+        |byte_order| PackedPoints::in_a_row(fields.clone(), (n_points, point_step), byte_order, rest);
     match format {
         Some("binary_little_endian") => packed(ByteOrder::Little).positioned(),
         Some("binary_big_endian") => packed(ByteOrder::Big).positioned(),
@@ -101,15 +90,9 @@ fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<Po
         offset: place * NumberType::F64.n_bytes(),
         number: NumberType::F64,
     };
-    let packed = PackedPoints {
-        fields: fields.iter().enumerate().map(field).collect(),
-        n_columns: n_rows,
-        n_rows: 1,
-        point_step: fields.len() * NumberType::F64.n_bytes(),
-        row_step: 0,
-        byte_order: ByteOrder::Little,
-        data: &rows,
-    };
+    let of_rows = fields.iter().enumerate().map(field).collect();
+    let size = (n_rows, fields.len() * NumberType::F64.n_bytes());
+    let packed = PackedPoints::in_a_row(of_rows, size, ByteOrder::Little, &rows);
     let mut points = packed.positioned()?;
     packed.take_lasers_and_times(fields, &mut points)?;
     Ok(points)

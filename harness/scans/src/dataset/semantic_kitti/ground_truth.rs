@@ -90,7 +90,7 @@ pub fn class_of_number(
 }
 
 fn annotation(class: AnnotationClass, point_indices: Vec<u32>, track: Option<u32>) -> Annotation {
-    Annotation { class, bounding_box: None, point_indices, track, occlusion: None, truncation: None }
+    Annotation { point_indices, track, ..Annotation::of(class) }
 }
 
 #[cfg(test)]

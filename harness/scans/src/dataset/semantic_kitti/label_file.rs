@@ -4,35 +4,23 @@ use std::path::Path;
 
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
+use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::values_of_kept;
 
 /// The labels in the file at `path`, one for each point of `scan`; the file has them of all points of the scan's file.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`] if it cannot be read, else as [`parse_label_file`].
 pub fn read_labels_of_kept(path: &Path, scan: &LabeledScan) -> Result<Vec<u32>, DatasetError> {
-    let bytes =
-        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-    let labels = parse_label_file(path, &bytes, scan.cloud.len() + scan.points_left_out.len())?;
+    let labels = parse_label_file(path, &bytes_of(path)?, scan.cloud.len() + scan.points_left_out.len())?;
     Ok(values_of_kept(&labels, &scan.points_left_out))
 }
 
 /// The labels in `bytes`, one for each of `n_points`; `path` is named in errors.
-///
-/// # Errors
-///
-/// [`DatasetError::PartialPoint`] for a file that ends within a label; [`DatasetError::LabelCount`] if there are more or fewer
-/// labels than points.
 pub fn parse_label_file(path: &Path, bytes: &[u8], n_points: usize) -> Result<Vec<u32>, DatasetError> {
     let (labels, rest) = bytes.as_chunks::<4>();
     if !rest.is_empty() {
-        let path = path.to_path_buf();
-        return Err(DatasetError::PartialPoint { path, n_bytes: bytes.len(), n_bytes_per_point: 4 });
+        return Err(DatasetError::partial_point(path, bytes.len(), 4));
     }
     if labels.len() != n_points {
-        let path = path.to_path_buf();
-        return Err(DatasetError::LabelCount { path, n_labels: labels.len(), n_points });
+        return Err(DatasetError::label_count(path, labels.len(), n_points));
     }
     Ok(labels.iter().map(|label| u32::from_le_bytes(*label)).collect())
 }

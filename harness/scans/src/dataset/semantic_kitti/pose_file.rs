@@ -11,10 +11,6 @@ use crate::dataset::text_file::text_lines;
 const MAX_ROTATION_DEVIATION: f64 = 1e-3;
 
 /// Reads one pose a line, twelve numbers each: the upper three rows of a matrix, row by row.
-///
-/// # Errors
-///
-/// [`DatasetError::Line`] for a line that holds anything else.
 pub fn parse_poses(path: &Path, text: &str) -> Result<Vec<Isometry3<f64>>, DatasetError> {
     text_lines(path, text)
         .map(|mut line| {
@@ -26,10 +22,6 @@ pub fn parse_poses(path: &Path, text: &str) -> Result<Vec<Isometry3<f64>>, Datas
 }
 
 /// Reads one time a line, in seconds, and turns it into nanoseconds.
-///
-/// # Errors
-///
-/// [`DatasetError::Line`] for a line that holds anything else.
 pub fn parse_times(path: &Path, text: &str) -> Result<Vec<u64>, DatasetError> {
     text_lines(path, text)
         .map(|mut line| {
@@ -44,10 +36,6 @@ pub fn parse_times(path: &Path, text: &str) -> Result<Vec<u64>, DatasetError> {
 }
 
 /// Where the sensor is in the frame of the camera that the poses are of: the line `Tr` of `calib.txt`.
-///
-/// # Errors
-///
-/// [`DatasetError::CalibrationEntry`] if there is no such line; [`DatasetError::Line`] if it holds anything else than a pose.
 pub fn parse_camera_from_sensor(path: &Path, text: &str) -> Result<Isometry3<f64>, DatasetError> {
     for mut line in text_lines(path, text) {
         if line.word("name")? == "Tr:" {
@@ -57,7 +45,7 @@ pub fn parse_camera_from_sensor(path: &Path, text: &str) -> Result<Isometry3<f64
                 .ok_or_else(|| line.error("a pose whose matrix is not a rotation".to_owned()));
         }
     }
-    Err(DatasetError::CalibrationEntry { path: path.to_path_buf(), expected: "Tr" })
+    Err(DatasetError::calibration_entry(path, "Tr"))
 }
 
 fn isometry_of(rows: &[f64; 12]) -> Option<Isometry3<f64>> {

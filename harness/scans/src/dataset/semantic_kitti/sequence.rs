@@ -18,7 +18,8 @@ use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::kitti::split_folder::SplitFolder;
-use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
+use crate::dataset::numbered_files::{SIX_DIGITS, numbered_file, numbered_files};
+use crate::dataset::on_disk::{bytes_of, entries_of, names_of};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::unpaired_files::UnpairedFiles;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
@@ -30,7 +31,7 @@ const LABELS: &str = "labels";
 
 /// An open SemanticKITTI data set: poses and times are in memory, scans and labels are read one at a time.
 #[derive(Debug, Clone)]
-pub struct SemanticKitti {
+struct SemanticKitti {
     // Invariant: `sequences` has every sequence that `scan_ids` names.
     listing: Listing,
     sequences: BTreeMap<String, Sequence>,
@@ -46,40 +47,34 @@ struct Sequence {
 
 /// Whether `folder` looks like SemanticKITTI.
 pub fn is_semantic_kitti(folder: &Path) -> bool {
-    std::fs::read_dir(folder.join(SEQUENCES)).is_ok_and(|mut entries| {
-        entries.any(|entry| {
-            entry.is_ok_and(|it| it.path().join(SCANS).is_dir() || it.path().join(LABELS).is_dir())
-        })
-    })
+    let is_sequence = |it: &PathBuf| it.join(SCANS).is_dir() || it.join(LABELS).is_dir();
+    entries_of(&folder.join(SEQUENCES)).is_ok_and(|it| it.iter().any(is_sequence))
 }
 
 /// Opens the folder of `source`: all drives that have labels, or only those of `sequences`.
 ///
-/// # Errors
-///
-/// [`DatasetError`] if files are missing, contradict each other, or are damaged. Scans and labels are not looked into.
-pub fn open_semantic_kitti(
-    source: DatasetSource,
-    sequences: Option<&BTreeSet<String>>,
-) -> Result<SemanticKitti, DatasetError> {
+/// Scans and labels are not looked into.
+pub fn open_semantic_kitti(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
+    let sequences = source.parts.sequences.take();
     let mut folder = SplitFolder::unchecked(&source.path);
     let present = labeled_sequences(&folder)?;
-    if let Some(missing) = sequences.and_then(|names| names.iter().find(|name| !present.contains(*name))) {
+    if let Some(missing) = sequences.iter().flatten().find(|name| !present.contains(*name)) {
         let path = folder.path_of(&format!("{SEQUENCES}/{missing}/{LABELS}"));
-        return Err(DatasetError::MissingSelected { path });
+        return Err(DatasetError::missing_selected(&path));
     }
     let (mut scan_ids, mut opened) = (Vec::new(), BTreeMap::new());
-    for name in sequences.unwrap_or(&present) {
+    for name in sequences.as_ref().unwrap_or(&present) {
         let numbers = scan_numbers(&mut folder, name)?;
         opened.insert(name.clone(), open_sequence(&mut folder, name, &numbers)?);
         scan_ids.extend(numbers.into_iter().map(|index| ScanId { sequence: name.clone(), index }));
     }
     if scan_ids.is_empty() {
-        return Err(DatasetError::NoScans { path: folder.path_of(SEQUENCES) });
+        return Err(DatasetError::no_scans(folder.path_of(SEQUENCES)));
     }
     let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::SemanticKitti, folder.finish());
-    Ok(SemanticKitti { listing: Listing { description, scan_ids }, sequences: opened, classes })
+    let listing = Listing { description, scan_ids };
+    Ok(Box::new(SemanticKitti { listing, sequences: opened, classes }))
 }
 
 impl Dataset for SemanticKitti {
@@ -89,12 +84,9 @@ impl Dataset for SemanticKitti {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let id = self.listing.scan_ids[scan_idx].clone();
-        let root = self.listing.description.root.as_deref().expect("it was recorded");
-        let sequence = root.join(SEQUENCES).join(&id.sequence);
-        let points = read_velodyne_bin(&numbered_file(&sequence.join(SCANS), id.index, "bin"))?;
+        let points = read_velodyne_bin(&self.file(&id, SCANS, "bin"))?;
         let path = self.label_file(&id);
-        let bytes = std::fs::read(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
-        let labels = parse_label_file(&path, &bytes, points.n_in_file())?;
+        let labels = parse_label_file(&path, &bytes_of(&path)?, points.n_in_file())?;
         let mut classes = ClassReader::new(&self.classes, &[]);
         let scan = label_scan(id, points, (&labels, &path), &mut classes);
         if !classes.unknown().is_empty() {
@@ -114,9 +106,7 @@ impl Dataset for SemanticKitti {
     }
 
     fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
-        let id = &self.listing.scan_ids[scan_idx];
-        let scans = self.listing.description.root.as_deref()?.join(SEQUENCES).join(&id.sequence).join(SCANS);
-        Some(numbered_file(&scans, id.index, "bin").metadata().ok()?.len())
+        Some(self.file(&self.listing.scan_ids[scan_idx], SCANS, "bin").metadata().ok()?.len())
     }
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
@@ -126,9 +116,13 @@ impl Dataset for SemanticKitti {
 }
 
 impl SemanticKitti {
-    fn label_file(&self, id: &ScanId) -> PathBuf {
+    fn file(&self, id: &ScanId, kind: &str, extension: &str) -> PathBuf {
         let root = self.listing.description.root.as_deref().expect("it was recorded");
-        numbered_file(&root.join(SEQUENCES).join(&id.sequence).join(LABELS), id.index, "label")
+        numbered_file(&root.join(SEQUENCES).join(&id.sequence).join(kind), id.index, extension)
+    }
+
+    fn label_file(&self, id: &ScanId) -> PathBuf {
+        self.file(id, LABELS, "label")
     }
 
     /// Of all labels that can be read, so that they are said at once.
@@ -149,21 +143,12 @@ impl SemanticKitti {
 
 fn labeled_sequences(folder: &SplitFolder) -> Result<BTreeSet<String>, DatasetError> {
     let sequences = folder.path_of(SEQUENCES);
-    let io_error = |source| DatasetError::Io { path: sequences.clone(), source };
-    let mut names = BTreeSet::new();
-    for entry in std::fs::read_dir(&sequences).map_err(io_error)? {
-        let path = entry.map_err(io_error)?.path();
-        if is_hidden(&path) || !path.join(LABELS).is_dir() {
-            continue;
-        }
-        match path.file_name().and_then(|name| name.to_str()) {
-            Some(name) => names.insert(name.to_owned()),
-            None => return Err(DatasetError::FileName { path, expected: "the UTF-8 name of a sequence" }),
-        };
-    }
+    let labeled: Vec<PathBuf> =
+        entries_of(&sequences)?.into_iter().filter(|it| it.join(LABELS).is_dir()).collect();
+    let names: BTreeSet<String> = names_of(&labeled, "the UTF-8 name of a sequence")?.into_iter().collect();
     if names.is_empty() {
         let (scans, labels) = (sequences.clone(), sequences.join(format!("*/{LABELS}")));
-        return Err(DatasetError::Unlabeled { scans, labels });
+        return Err(DatasetError::unlabeled(&scans, &labels));
     }
     Ok(names)
 }
@@ -172,16 +157,15 @@ fn labeled_sequences(folder: &SplitFolder) -> Result<BTreeSet<String>, DatasetEr
 fn scan_numbers(folder: &mut SplitFolder, name: &str) -> Result<BTreeSet<u32>, DatasetError> {
     let path_of = |folder: &SplitFolder, kind: &str| folder.path_of(&format!("{SEQUENCES}/{name}/{kind}"));
     let (scans, labels) = (path_of(folder, SCANS), path_of(folder, LABELS));
-    let (numbers, labeled) = (numbered_files(&scans, "bin")?, numbered_files(&labels, "label")?);
+    let (numbers, labeled) =
+        (numbered_files(&scans, "bin", SIX_DIGITS)?, numbered_files(&labels, "label", SIX_DIGITS)?);
     let unpaired = UnpairedFiles {
         scans: numbers.difference(&labeled).map(|number| format!("{number:06}.bin")).collect(),
         labels: labeled.difference(&numbers).map(|number| format!("{number:06}.label")).collect(),
     };
-    if !unpaired.is_empty() {
-        return Err(DatasetError::Unpaired { labels, unpaired });
-    }
+    unpaired.refuse(&labels)?;
     if numbers.is_empty() {
-        return Err(DatasetError::NoScans { path: scans });
+        return Err(DatasetError::no_scans(scans));
     }
     for number in &numbers {
         folder.add_scan(&format!("{SEQUENCES}/{name}/{SCANS}/{number:06}.bin"))?;
@@ -204,7 +188,7 @@ fn open_sequence(
         Some(text) => {
             let scan = folder.path_of(&format!("{SEQUENCES}/{name}/{SCANS}"));
             let calibration = folder.read_text(&file("calib"), |calibration| {
-                DatasetError::ScanWithoutCalibration { scan, calibration }
+                DatasetError::without_calibration(&scan, calibration)
             })?;
             let camera_from_sensor = parse_camera_from_sensor(&folder.path_of(&file("calib")), &calibration)?;
             let poses = parse_poses(&folder.path_of(&file("poses")), &text)?;

@@ -20,10 +20,6 @@ const MAX_MAGNITUDE: f32 = 1e4;
 type Values = BTreeMap<&'static str, f32>;
 
 /// The lasers in `text` by their numbers, from 0. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If it is neither kind of file, or lasers are missing or twice there.
 pub fn parse_calibration_file(text: &str) -> Result<Vec<Laser>, String> {
     let listed = if text.trim_start().starts_with('<') { parse_xml(text)? } else { parse_yaml(text)? };
     let mut lasers = BTreeMap::new();
@@ -83,6 +79,11 @@ fn check_step(step_m: f32) -> Result<(), String> {
     Err(format!("has distances in steps of {step_m} m; only {DISTANCE_STEP_M} is supported"))
 }
 
+fn begin_laser(lasers: &mut Vec<Values>) -> Result<(), String> {
+    lasers.push(Values::new());
+    if lasers.len() > MAX_LASERS { Err(format!("has more than {MAX_LASERS} lasers")) } else { Ok(()) }
+}
+
 /// A list of items, each with names and numbers, whether in lines or between braces. Not all of YAML: what such files have.
 fn parse_yaml(text: &str) -> Result<Vec<Values>, String> {
     let mut lasers: Vec<Values> = Vec::new();
@@ -90,10 +91,7 @@ fn parse_yaml(text: &str) -> Result<Vec<Values>, String> {
         let line = line.split('#').next().unwrap_or_default().trim();
         let begins = line == "-" || line.starts_with("- ");
         if begins {
-            lasers.push(Values::new());
-            if lasers.len() > MAX_LASERS {
-                return Err(format!("has more than {MAX_LASERS} lasers"));
-            }
+            begin_laser(&mut lasers)?;
         }
         for pair in line.trim_start_matches("- ").split([',', '{', '}']) {
             let Some((name, value)) = pair.split_once(':') else { continue };
@@ -120,10 +118,7 @@ fn parse_xml(text: &str) -> Result<Vec<Values>, String> {
                 content.clear();
                 if element.name().as_ref() == b"px" {
                     is_in_laser = true;
-                    lasers.push(Values::new());
-                    if lasers.len() > MAX_LASERS {
-                        return Err(format!("has more than {MAX_LASERS} lasers"));
-                    }
+                    begin_laser(&mut lasers)?;
                 }
             }
             Event::Text(text) => {

@@ -43,17 +43,13 @@ pub fn is_capture(path: &Path) -> bool {
 /// file. `take` is shown each and may refuse the file; its errors are the rest of a sentence about it.
 ///
 /// Returns the rest of a sentence about the end of the file if it is cut off.
-///
-/// # Errors
-///
-/// [`DatasetError::Io`]; [`DatasetError::Damaged`] if it is no capture, or breaks off in a record that cannot be.
 pub fn walk_payloads(
     path: &Path,
     port: u16,
     length: usize,
     mut take: impl FnMut(Payload, &[u8]) -> Result<(), String>,
 ) -> Result<Option<String>, DatasetError> {
-    let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
+    let io_error = DatasetError::io(path);
     let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
     let file = std::fs::File::open(path).map_err(io_error)?;
     let mut reader = create_reader(BUFFER_BYTES, file)

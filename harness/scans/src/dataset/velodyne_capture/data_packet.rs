@@ -57,10 +57,6 @@ pub struct DataPacket<'a> {
 
 impl<'a> DataPacket<'a> {
     /// The packet in `bytes`. Errors are the rest of a sentence about the file.
-    ///
-    /// # Errors
-    ///
-    /// If it is none, or of a sensor that is not known.
     pub fn parse(bytes: &'a [u8; N_PACKET_BYTES]) -> Result<Self, String> {
         let flag = |block: usize| {
             u16::from_le_bytes([bytes[block * N_BLOCK_BYTES], bytes[block * N_BLOCK_BYTES + 1]])
@@ -134,10 +130,6 @@ impl<'a> DataPacket<'a> {
 
     /// Appends the points of `blocks`, and what is known of them beside. Measurements without a
     /// return are none.
-    ///
-    /// # Errors
-    ///
-    /// If a calibration puts a point too far off; the rest of a sentence about the file.
     pub fn append_points(
         &self,
         blocks: Range<usize>,

@@ -12,12 +12,13 @@ use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::calibration_file::parse_calibration_file;
-use super::capture_file::{Payload, is_capture, walk_payloads};
+use super::capture_file::{Payload, walk_payloads};
 use super::data_packet::{DATA_PORT, DataPacket, FULL_TURN, N_BLOCKS, N_PACKET_BYTES};
 use super::laser_table::{Laser, VelodyneModel, lasers_of};
 use crate::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::on_disk::stem_of;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::{DamagePolicy, DatasetSource, StatedBy};
 use crate::dataset::text_file::read_text_file;
@@ -37,7 +38,7 @@ const MAX_MICROS_BETWEEN_PACKETS: u64 = 1_000_000;
 
 /// An open capture.
 #[derive(Debug)]
-pub struct VelodyneCapture {
+struct VelodyneCapture {
     listing: Listing,
     path: PathBuf,
     lasers: Vec<Laser>,
@@ -64,20 +65,11 @@ impl Revolution {
     }
 }
 
-/// Whether `path` is a capture of packets.
-pub fn is_velodyne_capture(path: &Path) -> bool {
-    is_capture(path)
-}
-
 /// Opens the capture of `source`.
 ///
 /// What is not a whole revolution at its beginning or end is left out, unless there is nothing else. If damage is to be
 /// skipped, so are packets that are none, and the end of a capture that is cut off is left out.
-///
-/// # Errors
-///
-/// [`DatasetError`] if it is damaged, holds no data packets of a known sensor, or lacks the calibration that the sensor needs.
-pub fn open_velodyne_capture(source: DatasetSource) -> Result<VelodyneCapture, DatasetError> {
+pub fn open_velodyne_capture(source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let path = source.path.clone();
     let mut finder = RevolutionFinder::default();
     let mut first_bad = None;
@@ -100,11 +92,9 @@ pub fn open_velodyne_capture(source: DatasetSource) -> Result<VelodyneCapture, D
     };
     let (revolutions, payloads) = finder.finish();
     let mut checksum = DatasetChecksum::default();
-    let metadata =
-        std::fs::metadata(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
-    checksum.add_scan("capture", metadata.len());
+    checksum.add_file("capture", &path)?;
     let lasers = lasers_beside(&path, model, &mut checksum)?;
-    let sequence = path.file_stem().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+    let sequence = stem_of(&path);
     let scan_ids =
         (0..revolutions.len() as u32).map(|index| ScanId { sequence: sequence.clone(), index }).collect();
     let mut source = source;
@@ -113,14 +103,8 @@ pub fn open_velodyne_capture(source: DatasetSource) -> Result<VelodyneCapture, D
     }
     let description = source.describe(DatasetFormat::VelodynePcap, checksum.finish());
     let left_out = cut_off.or(first_bad);
-    Ok(VelodyneCapture {
-        listing: Listing { description, scan_ids },
-        path,
-        lasers,
-        revolutions,
-        payloads,
-        left_out,
-    })
+    let listing = Listing { description, scan_ids };
+    Ok(Box::new(VelodyneCapture { listing, path, lasers, revolutions, payloads, left_out }))
 }
 
 impl Dataset for VelodyneCapture {
@@ -147,7 +131,7 @@ impl Dataset for VelodyneCapture {
 
 impl VelodyneCapture {
     fn read_points(&self, revolution: &Revolution) -> Result<PositionedPoints, DatasetError> {
-        let io_error = |source| DatasetError::Io { path: self.path.clone(), source };
+        let io_error = DatasetError::io(&self.path);
         let damaged = |problem| DatasetError::Damaged { path: self.path.clone(), problem };
         let mut file = File::open(&self.path).map_err(io_error)?;
         let mut points = PositionedPoints::default();
@@ -266,10 +250,7 @@ fn lasers_beside(
     }
     let Some(file) = candidates.iter().find(|it| it.is_file()) else {
         return match model {
-            VelodyneModel::Hdl64e => {
-                let scan = path.to_path_buf();
-                Err(DatasetError::ScanWithoutCalibration { scan, calibration: of_folder })
-            }
+            VelodyneModel::Hdl64e => Err(DatasetError::without_calibration(path, &of_folder)),
             _ => Ok(lasers_of(model)),
         };
     };

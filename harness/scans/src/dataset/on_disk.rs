@@ -1,0 +1,52 @@
+//! Files and folders, read so that an error names them.
+
+use std::path::{Path, PathBuf};
+
+use super::DatasetError;
+
+/// All of the file at `path`.
+///
+/// Read, not mapped into memory: a mapped file that another program cuts off ends the process.
+pub fn bytes_of(path: &Path) -> Result<Vec<u8>, DatasetError> {
+    std::fs::read(path).map_err(DatasetError::io(path))
+}
+
+/// The size of the file at `path` in bytes.
+pub fn n_bytes_of(path: &Path) -> Result<u64, DatasetError> {
+    Ok(std::fs::metadata(path).map_err(DatasetError::io(path))?.len())
+}
+
+/// What lies in `folder` and is not hidden, in the order of names.
+pub fn entries_of(folder: &Path) -> Result<Vec<PathBuf>, DatasetError> {
+    let entries = std::fs::read_dir(folder).and_then(|it| it.map(|entry| Ok(entry?.path())).collect());
+    let mut paths: Vec<PathBuf> = entries.map_err(DatasetError::io(folder))?;
+    paths.retain(|path| !is_hidden(path));
+    paths.sort();
+    Ok(paths)
+}
+
+/// Whether the name begins with a dot, as those of the copies that some systems leave beside a file.
+pub fn is_hidden(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
+}
+
+/// Whether the name ends in a dot and `extension`.
+pub fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|it| it == extension)
+}
+
+/// The last part of `path`; empty if it has none, as `..`.
+pub fn name_of(path: &Path) -> String {
+    path.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// The same without what follows the last dot.
+pub fn stem_of(path: &Path) -> String {
+    path.file_stem().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// The names of `paths`, each of which has to be in UTF-8.
+pub fn names_of(paths: &[PathBuf], expected: &str) -> Result<Vec<String>, DatasetError> {
+    let name = |path: &PathBuf| path.file_name().and_then(|it| it.to_str()).map(str::to_owned);
+    paths.iter().map(|path| name(path).ok_or_else(|| DatasetError::file_name(path, expected))).collect()
+}
