@@ -218,7 +218,7 @@ mod tests {
             ("top_m", 1.44),
             ("view_cosine", 1.0),
             ("share_above_1.4_m", 14.0 / 96.0),
-            ("high_end_top_m", 1.21),
+            ("low_end_top_m", 1.21),
             ("middle_share", 1.0 / 3.0),
             ("on_sides_share", 1.0),
             ("root_n_points", 96.0_f32.sqrt().sqrt()),
