@@ -103,18 +103,21 @@ mod tests {
         assert!(components.judge.objects != tree.objects);
         assert!((0.3..=1.2).contains(&components.tolerance_m(None)));
         assert_eq!(components.tolerance_m(Some("of nobody")), components.tolerance_m(Some(PAPER_SENSOR)));
-        let made = Provenance { command: String::new(), data: Vec::new(), seed: 1, split: String::new() };
-        assert_eq!(TrainedComponents::from_bytes(&components.to_file(made).to_bytes()).unwrap(), components);
+        assert_eq!(
+            TrainedComponents::from_bytes(&components.to_file(Provenance::default()).to_bytes()).unwrap(),
+            components
+        );
     }
 
     #[test]
     fn models_of_others_and_without_tolerances_are_refused() {
         let error = tree_from_bytes(include_bytes!("params/kd_tree_trained.model")).unwrap_err();
         assert_eq!(error.to_string(), "it is a model of \"kd-tree-trained\", not of \"kd-tree-tree\"");
-        let made = || Provenance { command: String::new(), data: Vec::new(), seed: 1, split: String::new() };
         let judge = TrainedComponents::shipped().judge;
         for tolerances_m in [BTreeMap::new(), [(PAPER_SENSOR.to_owned(), -0.5)].into()] {
-            let bytes = TrainedComponents::new(Arc::clone(&judge), tolerances_m).to_file(made()).to_bytes();
+            let bytes = TrainedComponents::new(Arc::clone(&judge), tolerances_m)
+                .to_file(Provenance::default())
+                .to_bytes();
             let error = TrainedComponents::from_bytes(&bytes).unwrap_err().to_string();
             assert_eq!(error, "bad head: tolerance_m is no table of metres for each sensor");
         }

@@ -6,9 +6,10 @@ use detector::OrientedBox;
 use detector::classify::model_file::{ModelFile, ModelFileError};
 use detector::classify::nu_svm::NuSvm;
 use detector::classify::svm_model::SvmModel;
+use detector::describe::object_describer::ObjectDescriber as _;
 use detector::describe::trained_file::Provenance;
 
-use crate::pca_features::{N_PCA_FEATURES, PcaDescriber, PcaFeatures};
+use crate::pca_features::{N_PCA_FEATURES, PcaDescriber};
 
 /// What it calls itself in its file.
 const PCA_MODEL: &str = "pca";
@@ -43,7 +44,7 @@ impl PcaVehicleModel {
     /// [`ModelFileError`] if it is of another kind or version, trained with other constants, or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelFileError> {
         let file = ModelFile::from_bytes(bytes, PCA_MODEL, &PcaDescriber::constants())?;
-        let svm = SvmModel::of(&file, PcaFeatures::NAMES)?;
+        let svm = SvmModel::of(&file, PcaDescriber::NAMES)?;
         Ok(Self { describer: PcaDescriber::default(), svm: NuSvm::new(&svm) })
     }
 
@@ -58,7 +59,7 @@ impl PcaVehicleModel {
         bounding_box: &OrientedBox,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<[f32; N_PCA_FEATURES]> {
-        Some(self.describer.describe(bounding_box, positions_m)?.values())
+        self.describer.describe(bounding_box, positions_m)
     }
 
     /// How surely what is seen like this is a vehicle: above 0 it is one.

@@ -36,6 +36,7 @@
 
 // Numbers that are the same on every machine.
 pub mod portable_math;
+pub mod seeded_draws;
 
 // The contract.
 pub mod point_cloud;

@@ -8,13 +8,13 @@ pub const N_SPLITS: usize = (1 << DEPTH) - 1;
 pub const N_LEAVES: usize = 1 << DEPTH;
 
 /// A tree of decisions, all of them equally deep: decision i is followed by 2i + 1 if its value is less than the threshold,
-/// and by 2i + 2 if not.
+/// and by 2i + 2 if not. The place behind the last decision is there so that an index is masked and not checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecisionTree {
     /// Which value each decision looks at.
-    pub value_of_split: [u8; N_SPLITS],
+    pub value_of_split: [u8; N_LEAVES],
     /// What it compares it with.
-    pub thresholds: [f32; N_SPLITS],
+    pub thresholds: [f32; N_LEAVES],
     /// What is added, from the left.
     pub leaves: [f32; N_LEAVES],
 }
@@ -25,10 +25,8 @@ pub struct DecisionTree {
 /// same to the bit on every machine: it compares, and adds in the order of the trees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Forest<const D: usize> {
-    // Invariant: every decision looks at one of the D values.
+    // Invariant: every decision looks at one of the D values. There is nothing behind the last of a tree.
     trees: Vec<DecisionTree>,
-    // Invariant: the same trees, in this order.
-    walked: Vec<WalkedTree>,
     base: f32,
 }
 
@@ -42,19 +40,14 @@ const MAX_VALUES: usize = 64;
 /// Values of some examples.
 type Block = [[f32; MAX_VALUES]; N_IN_BLOCK];
 
-/// A tree as it is walked: padded to 64 decisions, so that an index is masked and not checked.
-#[derive(Debug, Clone, PartialEq)]
-struct WalkedTree {
-    value_of_split: [u8; N_LEAVES],
-    thresholds: [f32; N_LEAVES],
-    leaves: [f32; N_LEAVES],
-}
-
 impl<const D: usize> Forest<D> {
     /// A forest of these trees, whose sum starts at `base`. `None` if a tree looks at a value that there is not.
-    pub fn new(trees: Vec<DecisionTree>, base: f32) -> Option<Self> {
+    pub fn new(mut trees: Vec<DecisionTree>, base: f32) -> Option<Self> {
+        for tree in &mut trees {
+            (tree.value_of_split[N_SPLITS], tree.thresholds[N_SPLITS]) = (0, 0.0);
+        }
         let is_sound = trees.iter().all(|it| it.value_of_split.iter().all(|&value| usize::from(value) < D));
-        is_sound.then(|| Self { walked: trees.iter().map(WalkedTree::new).collect(), trees, base })
+        is_sound.then_some(Self { trees, base })
     }
 
     /// The sum for these values. What is not a number is never less than a threshold.
@@ -75,7 +68,7 @@ impl<const D: usize> Forest<D> {
             }
             // Several are on their way at a time, so that the processor need not wait for one of them. Compiled for wide vectors this
             // takes twice as long: the compiler then gathers the values, and gathering is slow.
-            for tree in &self.walked {
+            for tree in &self.trees {
                 for (abreast, first) in sums.chunks_mut(N_ABREAST).zip((0..).step_by(N_ABREAST)) {
                     tree.add(&block, first, abreast);
                 }
@@ -100,24 +93,10 @@ impl DecisionTree {
     fn leaf<const D: usize>(&self, values: &[f32; D]) -> usize {
         let mut place = 0;
         for _ in 0..DEPTH {
-            place = self.next(place, values);
+            let is_left = values[usize::from(self.value_of_split[place])] < self.thresholds[place];
+            place = 2 * place + 1 + usize::from(!is_left);
         }
         place - N_SPLITS
-    }
-
-    #[inline(always)]
-    fn next<const D: usize>(&self, place: usize, values: &[f32; D]) -> usize {
-        let is_left = values[usize::from(self.value_of_split[place])] < self.thresholds[place];
-        2 * place + 1 + usize::from(!is_left)
-    }
-}
-
-impl WalkedTree {
-    fn new(tree: &DecisionTree) -> Self {
-        let (mut value_of_split, mut thresholds) = ([0; N_LEAVES], [0.0; N_LEAVES]);
-        value_of_split[..N_SPLITS].copy_from_slice(&tree.value_of_split);
-        thresholds[..N_SPLITS].copy_from_slice(&tree.thresholds);
-        Self { value_of_split, thresholds, leaves: tree.leaves }
     }
 
     /// Adds to each of `sums` what the examples from `first` on lead to.
@@ -145,7 +124,7 @@ mod tests {
 
     /// A tree that counts in binary: whether each of six values is 0.5 and more.
     fn counting_tree() -> DecisionTree {
-        let mut value_of_split = [0; N_SPLITS];
+        let mut value_of_split = [0; N_LEAVES];
         for (split, value) in value_of_split.iter_mut().enumerate() {
             *value = (split as u32 + 1).ilog2() as u8;
         }
@@ -153,7 +132,7 @@ mod tests {
         for (leaf, sum) in leaves.iter_mut().enumerate() {
             *sum = leaf as f32;
         }
-        DecisionTree { value_of_split, thresholds: [0.5; N_SPLITS], leaves }
+        DecisionTree { value_of_split, thresholds: [0.5; N_LEAVES], leaves }
     }
 
     #[test]
@@ -174,8 +153,8 @@ mod tests {
         #[test]
         fn the_sum_is_that_of_the_trees_one_after_the_other(
             trees in prop::collection::vec((
-                prop::collection::vec(0_u8..6, N_SPLITS),
-                prop::collection::vec(-1.0_f32..1.0, N_SPLITS),
+                prop::collection::vec(0_u8..6, N_LEAVES),
+                prop::collection::vec(-1.0_f32..1.0, N_LEAVES),
                 prop::collection::vec(-1.0_f32..1.0, N_LEAVES),
             ), 0..30),
             values in prop::array::uniform6(-1.0_f32..1.0),

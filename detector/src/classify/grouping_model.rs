@@ -5,17 +5,16 @@ use std::sync::{Arc, LazyLock};
 use crate::classify::forest::Forest;
 use crate::classify::model_file::{ModelFile, ModelFileError};
 use crate::classify::object_looks::{LEAST_WORTH, N_MORE_LOOKS, ObjectLooks};
-use crate::classify::vehicle_model::N_FEATURES;
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::Provenance;
-use crate::describe::vehicle_features::VehicleFeatures;
+use crate::describe::vehicle_features::{N_FEATURES, VEHICLE_FEATURES, joined};
 use crate::group::node_context::{CONTEXT_VALUES, N_SECOND_LOOK_VALUES, OBJECT_COST};
 use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES};
 
 /// Number of the values that tell vehicles.
 pub const N_VEHICLE_VALUES: usize = N_FEATURES + OF_GROUP.len();
 
-/// Which of [`NODE_VALUES`] tell vehicles, too: not those that [`VehicleFeatures`] has from the points, nor those of what a group is a
+/// Which of [`NODE_VALUES`] tell vehicles, too: not those that [`VEHICLE_FEATURES`] has from the points, nor those of what a group is a
 /// part of or of the wall on which it lies.
 const OF_GROUP: [&str; 22] = [
     "log_points_over_expected",
@@ -48,10 +47,10 @@ static PLACES_OF_GROUP: LazyLock<[usize; OF_GROUP.len()]> = LazyLock::new(|| {
 });
 
 /// The names of the values that tell vehicles: those of the vehicle model, and those of the group alone. Each is there once.
-pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = both(VehicleFeatures::NAMES, OF_GROUP);
+pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = joined(VEHICLE_FEATURES, OF_GROUP);
 
 /// The names of the values that a second look at a group sees: those of the group, and its context.
-pub const SECOND_LOOK_VALUES: [&str; N_SECOND_LOOK_VALUES] = both(NODE_VALUES, CONTEXT_VALUES);
+pub const SECOND_LOOK_VALUES: [&str; N_SECOND_LOOK_VALUES] = joined(NODE_VALUES, CONTEXT_VALUES);
 
 /// What a model of groupings calls itself in its file.
 pub const GROUPING_MODEL: &str = "groupings";
@@ -140,20 +139,6 @@ pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES])
     values
 }
 
-/// Some names, and others behind them.
-const fn both<const A: usize, const B: usize, const N: usize>(
-    first: [&'static str; A],
-    second: [&'static str; B],
-) -> [&'static str; N] {
-    let mut names = [""; N];
-    let mut place = 0;
-    while place < N {
-        names[place] = if place < A { first[place] } else { second[place - A] };
-        place += 1;
-    }
-    names
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
@@ -167,7 +152,7 @@ mod tests {
         let values = vehicle_values(&features, &node);
         for (value, name) in values.into_iter().zip(VEHICLE_VALUES) {
             let found = if value < 100.0 {
-                VehicleFeatures::NAMES[value as usize]
+                VEHICLE_FEATURES[value as usize]
             } else {
                 NODE_VALUES[value as usize - 100]
             };
@@ -179,11 +164,10 @@ mod tests {
     #[test]
     fn a_model_comes_back_from_its_file_and_not_with_other_constants() {
         let model = GroupingModel::shipped();
-        let made = Provenance { command: String::new(), data: Vec::new(), seed: 1, split: String::new() };
-        let file = model.to_file(GROUPING_MODEL, made.clone(), toml::Table::new());
+        let file = model.to_file(GROUPING_MODEL, Provenance::default(), toml::Table::new());
         assert_eq!(GroupingModel::from_bytes(&file.to_bytes()).unwrap(), *model);
         let dearer = [("context_object_cost".to_owned(), 0.5.into())].into_iter().collect();
-        let file = model.to_file(GROUPING_MODEL, made, dearer);
+        let file = model.to_file(GROUPING_MODEL, Provenance::default(), dearer);
         let error = GroupingModel::from_bytes(&file.to_bytes()).unwrap_err().to_string();
         let expected =
             "it was trained with context_object_cost = 0.5, and the program has context_object_cost = 0.42";

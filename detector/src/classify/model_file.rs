@@ -134,10 +134,8 @@ impl ModelFile {
     ) -> Self {
         let mut bytes = forest.base().to_le_bytes().to_vec();
         for tree in forest.trees() {
-            bytes.extend_from_slice(&tree.value_of_split);
-            for number in tree.thresholds.iter().chain(&tree.leaves) {
-                bytes.extend_from_slice(&number.to_le_bytes());
-            }
+            bytes.extend_from_slice(&tree.value_of_split[..N_SPLITS]);
+            bytes.extend(f32_bytes(tree.thresholds[..N_SPLITS].iter().chain(&tree.leaves)));
         }
         self.with_part(name, values.map(str::to_owned).to_vec(), bytes)
     }
@@ -254,7 +252,7 @@ impl ModelFile {
     /// [`ModelFileError`] if there are none, or they are damaged.
     pub fn prototypes(&self) -> Result<PrototypeLibrary, ModelFileError> {
         let (_, bytes) = self.part(PROTOTYPES)?;
-        let library = std::str::from_utf8(bytes).ok().and_then(|it| PrototypeLibrary::from_toml(it).ok());
+        let library = std::str::from_utf8(bytes).ok().and_then(PrototypeLibrary::from_toml);
         library.ok_or(ModelFileError::Part { name: PROTOTYPES })
     }
 
@@ -305,27 +303,18 @@ fn check_constants(found: &toml::Table, expected: &toml::Table) -> Result<(), Mo
 }
 
 fn forest_of<const D: usize>(bytes: &[u8]) -> Option<Forest<D>> {
-    let finite = |bytes: &[u8; 4]| Some(f32::from_le_bytes(*bytes)).filter(|it| it.is_finite());
     let (base, trees) = bytes.split_first_chunk::<4>()?;
     let (trees, []) = trees.as_chunks::<N_TREE>() else { return None };
     let tree = |bytes: &[u8; N_TREE]| {
-        let (value_of_split, numbers) = bytes.split_first_chunk::<N_SPLITS>()?;
-        let (numbers, _) = numbers.as_chunks::<4>();
-        let mut tree = DecisionTree {
-            value_of_split: *value_of_split,
-            thresholds: [0.0; N_SPLITS],
-            leaves: [0.0; N_LEAVES],
-        };
-        let (thresholds, leaves) = numbers.split_at(N_SPLITS);
-        for (number, bytes) in tree.thresholds.iter_mut().zip(thresholds) {
-            *number = finite(bytes)?;
-        }
-        for (number, bytes) in tree.leaves.iter_mut().zip(leaves) {
-            *number = finite(bytes)?;
-        }
-        Some(tree)
+        let (splits, numbers) = bytes.split_at(N_SPLITS);
+        let numbers = f32_numbers(numbers)?;
+        let (thresholds_of_splits, leaves) = numbers.split_at(N_SPLITS);
+        let (mut value_of_split, mut thresholds) = ([0; N_LEAVES], [0.0; N_LEAVES]);
+        value_of_split[..N_SPLITS].copy_from_slice(splits);
+        thresholds[..N_SPLITS].copy_from_slice(thresholds_of_splits);
+        Some(DecisionTree { value_of_split, thresholds, leaves: leaves.try_into().ok()? })
     };
-    Forest::new(trees.iter().map(tree).collect::<Option<_>>()?, finite(base)?)
+    Forest::new(trees.iter().map(tree).collect::<Option<_>>()?, *f32_numbers(base)?.first()?)
 }
 
 const _: () = assert!(N_SPLITS == (1 << DEPTH) - 1);
@@ -333,6 +322,7 @@ const _: () = assert!(N_SPLITS == (1 << DEPTH) - 1);
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::describe::prototype_library::tests::library;
 
     const VALUES: [&str; 2] = ["length_m", "width_m"];
     const MODEL: &str = "chairs";
@@ -358,7 +348,7 @@ mod tests {
             split: "none".to_owned(),
         };
         let file = ModelFile::new(MODEL, made, constants(0.42)).with_forest("objects", VALUES, &forest());
-        file.with_prototypes(&PrototypeLibrary::drawn())
+        file.with_prototypes(&library())
     }
 
     fn read(bytes: &[u8]) -> Result<ModelFile, ModelFileError> {
@@ -371,11 +361,18 @@ mod tests {
         let file = read(&bytes).unwrap();
         assert_eq!(file, model());
         assert_eq!(file.forest("objects", VALUES), Ok(forest()));
-        assert_eq!(file.prototypes(), Ok(PrototypeLibrary::drawn()));
+        assert_eq!(file.prototypes(), Ok(library()));
         assert_eq!(file.to_bytes(), bytes);
         // People find what it was made of in it.
         let text = String::from_utf8_lossy(&bytes);
         assert!(text.contains("command = \"train\"") && text.contains("cost = 0.42"), "{text}");
+    }
+
+    #[test]
+    fn shipped_profiles_are_written_as_they_were_read() {
+        let file = ModelFile::of_any_kind(include_bytes!("../params/clusters.model")).unwrap();
+        let (_, text) = file.part(PROTOTYPES).unwrap();
+        assert_eq!(file.prototypes().unwrap().to_toml().as_bytes(), text);
     }
 
     #[test]

@@ -73,17 +73,17 @@ impl ObjectLooks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::classify::forest::{DecisionTree, N_LEAVES, N_SPLITS};
+    use crate::classify::forest::{DecisionTree, N_LEAVES};
 
     #[test]
     fn what_the_look_before_expects_little_of_is_not_looked_at_again() {
         // Worth 0.5 if the first value is 1 and more, and 0.1 if not; then 0.14 or 0.3 if it is 3 and more; then 0.9 whatever is seen.
         let mut leaves = [0.5; N_LEAVES];
         leaves[..N_LEAVES / 2].fill(0.1);
-        let tree = DecisionTree { value_of_split: [0; N_SPLITS], thresholds: [1.0; N_SPLITS], leaves };
+        let tree = DecisionTree { value_of_split: [0; N_LEAVES], thresholds: [1.0; N_LEAVES], leaves };
         let mut leaves_again = [0.3; N_LEAVES];
         leaves_again[..N_LEAVES / 2].fill(0.14);
-        let again = DecisionTree { thresholds: [3.0; N_SPLITS], leaves: leaves_again, ..tree.clone() };
+        let again = DecisionTree { thresholds: [3.0; N_LEAVES], leaves: leaves_again, ..tree.clone() };
         let more = [Forest::new(vec![again], 0.0).unwrap(), Forest::new(Vec::new(), 0.9).unwrap()];
         let looks = ObjectLooks { first: Forest::new(vec![tree], 0.0).unwrap(), more };
         let of_value = |value| std::array::from_fn(|place| if place == 0 { value } else { 0.0 });

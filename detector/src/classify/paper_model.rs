@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 use crate::classify::model_file::{ModelFile, ModelFileError};
 use crate::classify::nu_svm::NuSvm;
 use crate::classify::svm_model::SvmModel;
-use crate::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber, PaperFeatures};
+use crate::describe::object_describer::ObjectDescriber as _;
+use crate::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber};
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::Provenance;
 use crate::oriented_box::OrientedBox;
@@ -62,7 +63,7 @@ impl PaperModel {
     ///
     /// [`ModelFileError`] if a part is missing or damaged.
     pub fn of(file: &ModelFile) -> Result<Self, ModelFileError> {
-        let svm = SvmModel::of(file, PaperFeatures::NAMES)?;
+        let svm = SvmModel::of(file, PaperDescriber::NAMES)?;
         Ok(Self { describer: PaperDescriber::new(file.prototypes()?), svm: NuSvm::new(&svm) })
     }
 
@@ -77,7 +78,7 @@ impl PaperModel {
         bounding_box: &OrientedBox,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<[f32; N_PAPER_FEATURES]> {
-        Some(self.describer.describe(bounding_box, positions_m)?.values())
+        self.describer.describe(bounding_box, positions_m)
     }
 
     /// How surely what is seen like this is a vehicle: above 0 it is one. What shows nothing has the margin of the background.
@@ -101,7 +102,7 @@ mod tests {
         let printed: &[u8] = include_bytes!("../params/paper_as_printed.model");
         for (bytes, numbers) in [(shipped, (0.2156, 0.4)), (printed, (0.1078, 0.0377))] {
             let file = ModelFile::from_bytes(bytes, PAPER_MODEL, &toml::Table::new()).unwrap();
-            let svm = SvmModel::of(&file, PaperFeatures::NAMES).unwrap();
+            let svm = SvmModel::of(&file, PaperDescriber::NAMES).unwrap();
             assert_eq!((svm.gamma, svm.nu), numbers);
         }
         assert_ne!(PaperModel::shipped(), PaperModel::as_printed());

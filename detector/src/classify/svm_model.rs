@@ -95,9 +95,7 @@ mod tests {
     }
 
     fn file() -> ModelFile {
-        let made =
-            Provenance { command: "train".to_owned(), data: Vec::new(), seed: 7, split: "none".to_owned() };
-        ModelFile::new("chairs", made, toml::Table::new())
+        ModelFile::new("chairs", Provenance::default(), toml::Table::new())
     }
 
     #[test]

@@ -8,12 +8,9 @@ use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::surroundings::Surroundings;
 use crate::describe::trained_file::Provenance;
-use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
+use crate::describe::vehicle_features::{N_FEATURES, VEHICLE_FEATURES, VehicleDescriber};
 use crate::detection::DetectedClass;
 use crate::oriented_box::OrientedBox;
-
-/// Number of values that the model looks at.
-pub const N_FEATURES: usize = VehicleFeatures::NAMES.len();
 
 /// The decision on what need not be looked at: less likely a vehicle than anything that is ranked as one.
 pub const NO_VEHICLE: f32 = -10.0;
@@ -52,7 +49,7 @@ impl VehicleModel {
     /// [`ModelFileError`] if it is of another kind or version, or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelFileError> {
         let file = ModelFile::from_bytes(bytes, CLUSTER_MODEL, &toml::Table::new())?;
-        Ok(Self::new(file.prototypes()?, file.forest(VEHICLES, VehicleFeatures::NAMES)?))
+        Ok(Self::new(file.prototypes()?, file.forest(VEHICLES, VEHICLE_FEATURES)?))
     }
 
     /// A model from the prototypes and the forest that was trained with them.
@@ -64,7 +61,7 @@ impl VehicleModel {
     /// The file of this model.
     pub fn to_file(&self, made: Provenance) -> ModelFile {
         let file = ModelFile::new(CLUSTER_MODEL, made, toml::Table::new()).with_prototypes(self.prototypes());
-        file.with_forest(VEHICLES, VehicleFeatures::NAMES, &self.forest)
+        file.with_forest(VEHICLES, VEHICLE_FEATURES, &self.forest)
     }
 
     /// The same model, which is asked about what `bounds` allow.
@@ -83,7 +80,7 @@ impl VehicleModel {
         if !self.bounds.allow(bounding_box, surroundings.ground_m) {
             return None;
         }
-        Some(self.describer.describe(bounding_box, surroundings, positions_m)?.values())
+        self.describer.describe(bounding_box, surroundings, positions_m)
     }
 
     /// The logarithm of the odds that what is seen like this is a vehicle: above 0 it is one.
@@ -111,9 +108,10 @@ mod tests {
     #[test]
     fn the_shipped_file_is_a_model_that_comes_back_from_its_file() {
         let model = VehicleModel::shipped();
-        assert_ne!(model.describer, VehicleDescriber::new(PrototypeLibrary::drawn()));
-        let made = Provenance { command: String::new(), data: Vec::new(), seed: 1, split: String::new() };
-        assert_eq!(VehicleModel::from_bytes(&model.to_file(made).to_bytes()).unwrap(), model);
+        assert_eq!(
+            VehicleModel::from_bytes(&model.to_file(Provenance::default()).to_bytes()).unwrap(),
+            model
+        );
     }
 
     #[test]

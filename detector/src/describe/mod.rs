@@ -21,5 +21,6 @@ pub mod prototype_library;
 pub mod prototype_file;
 
 // What a classifier sees of an object: the values of the papers, and ours.
+pub mod object_describer;
 pub mod paper_features;
 pub mod vehicle_features;

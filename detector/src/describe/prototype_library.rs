@@ -161,7 +161,6 @@ pub(crate) mod tests {
 
     /// A box and a wedge.
     pub(crate) fn library() -> PrototypeLibrary {
-        let made = Provenance { command: "test".to_owned(), data: vec![], seed: 0, split: "none".to_owned() };
         let prototype = |name: &str, contour_m: &[[f32; 2]]| Prototype {
             name: name.to_owned(),
             contour_m: contour_m.to_vec(),
@@ -170,7 +169,7 @@ pub(crate) mod tests {
             prototype("box", &[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]),
             prototype("wedge", &WEDGE),
         ];
-        PrototypeLibrary::new(made, 0.2, prototypes).unwrap()
+        PrototypeLibrary::new(Provenance::default(), 0.2, prototypes).unwrap()
     }
 
     const WEDGE: [[f32; 2]; 4] = [[0.0, 0.0], [3.0, 0.0], [3.0, 0.3], [0.0, 1.0]];

@@ -71,6 +71,7 @@ fn on_main_plane(bounding_box: &OrientedBox, contour_m: &[[f32; 2]]) -> Vec<[f32
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::describe::prototype_library::tests::library;
 
     fn contours(products: &[StageProduct], name: &str) -> Vec<Vec<[f32; 3]>> {
         let product = products.iter().find(|it| it.name == name).unwrap();
@@ -86,7 +87,7 @@ mod tests {
         let points = (0..).zip(notched).map(|(point_idx, [along, up])| (point_idx, [along, 0.3, up]));
         let mut fitted = FittedObjects::default();
         fitted.add(points, bounding_box, &[]);
-        let products = vehicle_shapes(&PrototypeLibrary::drawn(), &fitted);
+        let products = vehicle_shapes(&library(), &fitted);
         assert_eq!(
             contours(&products, "convex_profiles"),
             [[[0.0, 0.0, 0.0], [0.6, 0.0, 0.0], [0.6, 0.0, 1.0], [0.0, 0.0, 1.0]]]
@@ -101,7 +102,7 @@ mod tests {
             OrientedBox { center_m: [0.0; 3], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
         let mut fitted = FittedObjects::default();
         fitted.add(std::iter::empty(), bounding_box, &[]);
-        let products = vehicle_shapes(&PrototypeLibrary::drawn(), &fitted);
+        let products = vehicle_shapes(&library(), &fitted);
         assert!(contours(&products, "concave_profiles").is_empty());
     }
 }

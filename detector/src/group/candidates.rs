@@ -311,11 +311,9 @@ impl StandingPart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::density_weighting::DensityWeighting;
     use crate::params::HierarchicalParams;
-    use crate::segment::ground_segmentation::GroundSegmentation;
-
-    const SENSOR_HEIGHT_M: f32 = 1.73;
+    use crate::pipeline::frame::Frame;
+    use crate::segment::drawn_ground::{SENSOR_HEIGHT_M, road, segmented};
 
     /// A place, and heights above the road in decimetres.
     type Column = ([f32; 2], std::ops::Range<i8>);
@@ -326,32 +324,19 @@ mod tests {
     /// A level road with columns of points, each at a place and at heights above the road.
     fn candidates_of(columns: &[Column]) -> (PointCloud, HierarchicalGrid, Candidates) {
         let params = HierarchicalParams::shipped();
-        let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
-        let mut cloud: PointCloud =
-            steps().flat_map(|x| steps().map(move |y| [x, y, -SENSOR_HEIGHT_M])).collect();
+        let mut cloud: PointCloud = road(100).collect();
         for ([x_m, y_m], decimetres) in columns {
             for height in decimetres.clone() {
                 cloud.push([*x_m, *y_m, 0.1 * f32::from(height) + 0.05 - SENSOR_HEIGHT_M], 0.0);
             }
         }
-        let mut grid = HierarchicalGrid::new(params.grid.clone());
-        grid.fill(&cloud);
-        let mut terrain = Terrain::new(params.terrain.clone(), &grid, SENSOR_HEIGHT_M);
-        terrain.estimate(&grid);
-        let weighting = DensityWeighting::new(&params.density_weighting);
-        let mut classes = Vec::new();
-        GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting).segment(
-            &grid,
-            &terrain,
-            &mut classes,
-        );
+        let Frame { grid, terrain, mut classes, mut walls, .. } = segmented(&params, &cloud);
         let mut candidates = Candidates::new(
             params.grouping.candidates.clone(),
             params.foreground.clone(),
             params.ground.tall_height_m,
         );
         candidates.find_hanging(&cloud, &grid, &terrain, &mut classes);
-        let mut walls = WallRefinement::new(params.walls.clone(), &grid);
         walls.refine_on_walls(&grid, &terrain, |it| candidates.hangs(it), &mut classes);
         candidates.find(&cloud, &grid, &classes, &walls);
         (cloud, grid, candidates)

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::seeded_draws::SeededDraws;
+use crate::seeded_draws::SeededDraws;
 
 /// Rounds after which the grouping ends in any case.
 const MOST_ROUNDS: usize = 100;

@@ -18,7 +18,6 @@ pub mod point_pair_angles;
 pub mod patch_descriptor;
 
 // Their labels, their graphs, and how often each pattern occurs.
-pub mod seeded_draws;
 pub mod k_means;
 pub mod labels;
 pub mod patterns;

@@ -188,12 +188,7 @@ mod tests {
         let center = |class_idx, bag: [f32; 2]| Center { class_idx, bag: bag.to_vec() };
         let weights = |offset, of_columns: [f32; 2]| ClassWeights { offset, of_columns: of_columns.to_vec() };
         PartialModel {
-            made: Provenance {
-                command: "train".to_owned(),
-                data: vec!["objects".to_owned()],
-                seed: 1,
-                split: "none".to_owned(),
-            },
+            made: Provenance::default(),
             params,
             classes: vec!["tree".to_owned(), "a \"pole\"".to_owned()],
             labeler: Labeler {

@@ -300,10 +300,6 @@ mod tests {
         TrainingCloud { class_idx, object_idx, part: 0, way_idx: 0, described }
     }
 
-    fn made() -> Provenance {
-        Provenance { command: String::new(), data: Vec::new(), seed: 0, split: String::new() }
-    }
-
     fn params() -> PartialParams {
         let mut params = PartialParams::of_paper();
         params.labels.n_labels = 2;
@@ -318,11 +314,11 @@ mod tests {
     fn the_mean_bags_are_those_of_the_classes() {
         let clouds: Vec<TrainingCloud> =
             (0..4).flat_map(|it| [cloud(0, it, 0.0), cloud(1, it, 1.0)]).collect();
-        let model = train(&names(), &clouds, &params(), made()).unwrap();
+        let model = train(&names(), &clouds, &params(), Provenance::default()).unwrap();
         assert_eq!((model.vocabulary.patterns().len(), model.decision.centers.len()), (2, 2));
         let [low, high] = [0, 1].map(|it| &model.decision.centers[it].bag);
         assert_eq!(low.iter().zip(high).map(|(a, b)| (a - b).abs()).sum::<f32>(), 2.0);
-        assert_eq!(model, train(&names(), &clouds, &params(), made()).unwrap());
+        assert_eq!(model, train(&names(), &clouds, &params(), Provenance::default()).unwrap());
     }
 
     #[test]
@@ -338,7 +334,8 @@ mod tests {
             first.map(|it| of_way(0, it)).chain(second.map(|it| of_way(1, it))).collect()
         };
         let weight = |clouds: &[TrainingCloud]| {
-            train(&names(), clouds, &params, made()).unwrap().decision.weights[1].of_columns[1].abs()
+            train(&names(), clouds, &params, Provenance::default()).unwrap().decision.weights[1].of_columns[1]
+                .abs()
         };
         assert!(weight(&clouds(40)) < 0.02, "{}", weight(&clouds(40)));
         let mut of_one_way = clouds(40);
@@ -350,8 +347,9 @@ mod tests {
 
     #[test]
     fn nothing_is_learned_of_classes_without_clouds() {
-        let error =
-            |names: &[String], clouds: &[TrainingCloud]| train(names, clouds, &params(), made()).unwrap_err();
+        let error = |names: &[String], clouds: &[TrainingCloud]| {
+            train(names, clouds, &params(), Provenance::default()).unwrap_err()
+        };
         assert_eq!(error(&names()[..1], &[]), TrainingError::Classes { n_classes: 1 });
         assert_eq!(error(&names(), &[cloud(0, 0, 0.0)]), TrainingError::NoCloud { class: "high".to_owned() });
         let empty = TrainingCloud { described: DescribedCloud::default(), ..cloud(1, 1, 0.0) };

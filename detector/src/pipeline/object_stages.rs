@@ -87,7 +87,7 @@ impl Stage for Features {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
         let Self { model, bounds, raster } = self;
         let Frame { grid, terrain, fitted, .. } = frame;
-        raster.fill(fitted.members.positions_m(&(0..fitted.members.len())).iter().copied());
+        raster.fill(fitted.members.all_positions_m().iter().copied());
         fitted.describe(|bounding_box, positions_m| {
             let [x_m, y_m, _] = bounding_box.center_m;
             let ground_m = terrain.elevation_m(grid.nearest_column_and_row([x_m, y_m]));

@@ -193,7 +193,7 @@ impl Stage for GroupDecisions {
             let node = groups.describer.of_node(*taken.next()?)?;
             let features =
                 describer.describe(bounding_box, &node.surroundings, positions_m.iter().copied())?;
-            Some(vehicle_values(&features.values(), &node.values))
+            Some(vehicle_values(&features, &node.values))
         });
         model.vehicles.sums(fitted.values().iter(), decisions);
         fitted.take_decisions(decisions);

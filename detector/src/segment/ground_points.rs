@@ -32,22 +32,20 @@ pub fn ground_points(
 mod tests {
     use super::*;
     use crate::params::HierarchicalParams;
+    use crate::pipeline::frame::Frame;
+    use crate::segment::drawn_ground::{road, segmented};
 
     #[test]
     fn the_foot_of_a_pole_is_ground_and_what_stands_on_it_is_not() {
         let params = HierarchicalParams::shipped();
-        let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
-        let mut cloud: PointCloud = steps().flat_map(|x| steps().map(move |y| [x, y, -1.73])).collect();
+        let mut cloud: PointCloud = road(100).collect();
         let n_road = cloud.len();
         // A pole of 4 m, and what lies beyond the grid.
         for height_m in [0.05, 0.1, 0.3, 1.0, 2.0, 3.0, 4.0] {
             cloud.push([9.0, 3.0, height_m - 1.73], 0.0);
         }
         cloud.push([1e6, 0.0, -1.73], 0.0);
-        let mut grid = HierarchicalGrid::new(params.grid.clone());
-        grid.fill(&cloud);
-        let mut terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
-        terrain.estimate(&grid);
+        let Frame { grid, terrain, .. } = segmented(&params, &cloud);
         let cell_of_pole = grid.cell_of_point()[n_road] as usize;
         let mut classes = vec![SurfaceClass::Ground; grid.cells().len()];
         for class in [SurfaceClass::Tall, SurfaceClass::Short, SurfaceClass::Clutter] {

@@ -126,11 +126,8 @@ mod tests {
     use super::*;
     use crate::params::HierarchicalParams;
     use crate::params::paper::PaperParams;
-
-    fn ground(params: &HierarchicalParams) -> GroundSegmentation {
-        let weighting = DensityWeighting::new(&params.density_weighting);
-        GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting)
-    }
+    use crate::pipeline::foreground_stages::ground;
+    use crate::segment::drawn_ground::{class_around, road, segmented};
 
     /// The same as the paper prints it.
     fn printed() -> HierarchicalParams {
@@ -144,23 +141,8 @@ mod tests {
 
     /// The same on a road that rises by `rise` over run to the front, with other parameters.
     fn class_by(params: &HierarchicalParams, rise: f32, extra: &[[f32; 3]]) -> SurfaceClass {
-        let mut grid = HierarchicalGrid::new(params.grid.clone());
-        let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
-        let mut cloud: crate::PointCloud =
-            steps().flat_map(|x| steps().map(move |y| [x, y, rise * x - 1.73])).collect();
-        for &position_m in extra {
-            cloud.push(position_m, 0.0);
-        }
-        grid.fill(&cloud);
-        let mut terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
-        terrain.estimate(&grid);
-        let mut classes = Vec::new();
-        ground(params).segment(&grid, &terrain, &mut classes);
-        let near = |&&cell_idx: &&u32| {
-            let [x, y] = grid.center_m(cell_idx);
-            (x - 9.0).abs() <= 0.3 && (y - 3.0).abs() <= 0.3
-        };
-        classes[*grid.occupied().iter().find(near).unwrap() as usize]
+        let road = road(100).map(|[x, y, z]| [x, y, z + rise * x]);
+        class_around(&segmented(params, &road.chain(extra.iter().copied()).collect()), [9.0, 3.0])
     }
 
     fn column(from_m: f32, to_m: f32) -> Vec<[f32; 3]> {
@@ -233,24 +215,11 @@ mod tests {
 
     /// The class of the cell around (9.0, 3.0) of a level road that has these points there and no others.
     fn class_over_hole(params: &HierarchicalParams, points_m: &[[f32; 3]]) -> SurfaceClass {
-        let mut grid = HierarchicalGrid::new(params.grid.clone());
-        let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
-        let road = steps().flat_map(|x| steps().map(move |y| [x, y, -1.73]));
         let column_and_row = |[x, y, _]: [f32; 3]| {
             [x, y].map(|it| ((it + params.grid.extent_m) / params.grid.cell_size_m) as i32)
         };
-        let hole = column_and_row(points_m[0]);
-        let around = road.filter(|&it| column_and_row(it) != hole);
-        grid.fill(&around.chain(points_m.iter().copied()).collect());
-        let mut terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
-        terrain.estimate(&grid);
-        let mut classes = Vec::new();
-        ground(params).segment(&grid, &terrain, &mut classes);
-        let is_there = |&&cell_idx: &&u32| {
-            let [x, y] = grid.center_m(cell_idx);
-            column_and_row([x, y, 0.0]) == hole
-        };
-        classes[*grid.occupied().iter().find(is_there).unwrap() as usize]
+        let around = road(100).filter(|&it| column_and_row(it) != column_and_row(points_m[0]));
+        class_around(&segmented(params, &around.chain(points_m.iter().copied()).collect()), [9.0, 3.0])
     }
 
     #[test]

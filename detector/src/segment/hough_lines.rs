@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use crate::portable_math;
+use crate::seeded_draws::SeededDraws;
 
 /// Tuning of [`HoughLines::find`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -122,7 +123,7 @@ impl HoughLines {
         for &cell_idx in cells {
             self.states[cell_idx as usize] = CellState::Waiting;
         }
-        let mut random = SplitMix(self.params.seed);
+        let mut random = SeededDraws::new(self.params.seed);
         while !self.waiting.is_empty() {
             let drawn = random.below(self.waiting.len());
             let cell_idx = self.waiting.swap_remove(drawn);
@@ -242,23 +243,6 @@ impl HoughLines {
                 self.votes[bin] -= 1;
             }
         }
-    }
-}
-
-/// A small generator whose numbers are the same everywhere (Steele, Lea, Flood 2014).
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    /// A number below `n`, which fits in 32 bits.
-    fn below(&mut self, n: usize) -> usize {
-        (((self.next() >> 32) * n as u64) >> 32) as usize
     }
 }
 

@@ -21,3 +21,6 @@ pub mod object_points;
 
 // The same for detectors that label points instead of cells.
 pub mod clusters;
+
+#[cfg(test)]
+pub(crate) mod drawn_ground;

@@ -414,12 +414,10 @@ fn turn_tall(classes: &mut [SurfaceClass], cell_idx: u32) -> Option<u32> {
 mod tests {
     use super::*;
     use crate::PointCloud;
-    use crate::grid::density_weighting::DensityWeighting;
     use crate::params::HierarchicalParams;
     use crate::params::paper::PaperParams;
-    use crate::segment::ground_segmentation::GroundSegmentation;
+    use crate::segment::drawn_ground::{SENSOR_HEIGHT_M, class_around, road, segmented};
 
-    const SENSOR_HEIGHT_M: f32 = 1.73;
     /// The rise of the topmost beam, as tangent.
     const TOP_RISE: f32 = 0.035;
 
@@ -435,9 +433,7 @@ mod tests {
 
         /// Ground as far as `left_m` to the left.
         fn open_ground(left_m: f32) -> Self {
-            let steps = || (-150..150).map(|step| step as f32 * 0.2 + 0.1);
-            let rows = move || steps().filter(move |&y| y < left_m);
-            Self(steps().flat_map(|x| rows().map(move |y| [x, y, -SENSOR_HEIGHT_M])).collect())
+            Self(road(150).filter(|[_, y, _]| *y < left_m).collect())
         }
 
         /// A surface `height_m` high over the line from one point of the ground plan to another.
@@ -490,24 +486,9 @@ mod tests {
             place_m: [f32; 2],
             refine: impl Fn(&mut WallRefinement, (&HierarchicalGrid, &Terrain), &mut [SurfaceClass]),
         ) -> SurfaceClass {
-            let mut grid = HierarchicalGrid::new(params.grid.clone());
-            grid.fill(&self.0);
-            let mut terrain = Terrain::new(params.terrain.clone(), &grid, SENSOR_HEIGHT_M);
-            terrain.estimate(&grid);
-            let mut classes = Vec::new();
-            let weighting = DensityWeighting::new(&params.density_weighting);
-            GroundSegmentation::new(params.ground, &params.grid, &weighting).segment(
-                &grid,
-                &terrain,
-                &mut classes,
-            );
-            let mut walls = WallRefinement::new(params.walls, &grid);
-            refine(&mut walls, (&grid, &terrain), &mut classes);
-            let near = |&&cell_idx: &&u32| {
-                let [x, y] = grid.center_m(cell_idx);
-                (x - place_m[0]).abs() <= 0.3 && (y - place_m[1]).abs() <= 0.3
-            };
-            classes[*grid.occupied().iter().find(near).expect("a point was drawn there") as usize]
+            let mut frame = segmented(&params, &self.0);
+            refine(&mut frame.walls, (&frame.grid, &frame.terrain), &mut frame.classes);
+            class_around(&frame, place_m)
         }
     }
 

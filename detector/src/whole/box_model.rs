@@ -70,9 +70,7 @@ mod tests {
     #[test]
     fn the_shipped_model_comes_back_from_its_file() {
         let shipped = BoxModel::shipped();
-        let made =
-            Provenance { command: "train".to_owned(), data: Vec::new(), seed: 1, split: "none".to_owned() };
-        let bytes = shipped.to_file(made).to_bytes();
+        let bytes = shipped.to_file(Provenance::default()).to_bytes();
         assert_eq!(BoxModel::from_bytes(&bytes).as_ref(), Ok(&*shipped));
     }
 }

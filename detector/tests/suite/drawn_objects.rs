@@ -64,7 +64,6 @@ pub fn drawn_model(params: &PartialParams) -> PartialModel {
             TrainingCloud::described(positions_m.into_iter(), class_idx, (object_idx, 0), params)
         })
         .collect();
-    let made =
-        Provenance { command: "drawn".to_owned(), data: Vec::new(), seed: 0, split: "none".to_owned() };
-    train(&CLASSES.map(str::to_owned), &clouds, params, made).expect("all classes have objects")
+    train(&CLASSES.map(str::to_owned), &clouds, params, Provenance::default())
+        .expect("all classes have objects")
 }

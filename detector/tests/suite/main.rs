@@ -4,7 +4,6 @@
 mod cell_fitness;
 mod drawn_street;
 mod velodyne_scans;
-mod drawn_vehicles;
 mod nu_svc;
 mod trained_on_drawings;
 mod vehicle_model;

@@ -1,7 +1,6 @@
 //! The vehicle model inside the detector of the papers.
 
 use detector::classify::paper_model::PaperModel;
-use detector::describe::prototype_library::PrototypeLibrary;
 use detector::params::HierarchicalParams;
 use detector::pipeline::paper_detector::paper;
 use detector::pipeline::stage_list::Pipeline;
@@ -11,12 +10,11 @@ use detector::{DetectedClass, Detector, DetectorOutput, PointCloud};
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M};
 use crate::same_as_reference::beyond_papers;
-use crate::trained_on_drawings::vehicle_model;
+use crate::trained_on_drawings::{HATCHBACK_M, vehicle_model};
 
 /// A hatchback ahead, and a box of its size to the right.
 fn street() -> PointCloud {
-    let hatchback = &PrototypeLibrary::drawn().prototypes()[0].contour_m.clone();
-    DrawnStreet::road().vehicle([7.0, 3.0], hatchback).block([5.0, 9.0], [-5.0, -3.2], 1.5).cloud()
+    DrawnStreet::road().vehicle([7.0, 3.0], &HATCHBACK_M).block([5.0, 9.0], [-5.0, -3.2], 1.5).cloud()
 }
 
 fn detector_by(model: Option<PaperModel>) -> Pipeline {

@@ -165,10 +165,10 @@ fn is_apart(first_m: [f64; 2], second_m: [f64; 2], distance_m: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use detector::{DetectedClass, Detection, PointCloud};
+    use crate::matching::drawn_labels::{annotation, labeled};
+    use detector::{DetectedClass, Detection};
     use proptest::prelude::*;
     use reports::vocabulary::class::AnnotationClass;
-    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
 
     fn any_box() -> impl Strategy<Value = OrientedBox> {
         let place = [-6.0_f32..6.0, -6.0..6.0, -1.0..1.0];
@@ -186,22 +186,8 @@ mod tests {
     }
 
     fn scene(annotations: &[OrientedBox], detections: &[OrientedBox]) -> (LabeledScan, Detections) {
-        let annotation = |bounding_box: &OrientedBox| Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: Some(*bounding_box),
-            point_indices: Vec::new(),
-            track: None,
-            occlusion: None,
-            truncation: None,
-        };
-        let scan = LabeledScan {
-            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-            cloud: PointCloud::default(),
-            annotations: annotations.iter().map(annotation).collect(),
-            point_regions: Vec::<PointRegion>::new(),
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        };
+        let annotations = annotations.iter().map(|it| annotation(AnnotationClass::Car, Some(*it), []));
+        let scan = labeled([], annotations);
         let class = DetectedClass::Object;
         let detection = |bounding_box: &OrientedBox| Detection::new(&[], *bounding_box, class, None);
         (scan, detections.iter().map(detection).collect())

@@ -230,9 +230,9 @@ fn upper_edge_rad(scan: &LabeledScan) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matching::drawn_labels::{annotation, labeled};
     use detector::{OrientedBox, PointCloud};
     use proptest::prelude::*;
-    use scans::annotation::{LabeledArea, PointRegion, ScanId};
 
     use AnnotationClass::{Pole, StreetFurniture, Tree};
 
@@ -253,17 +253,6 @@ mod tests {
         on_ground(|_, _| -1.7)
     }
 
-    fn annotation(class: AnnotationClass) -> Annotation {
-        Annotation {
-            class,
-            bounding_box: None,
-            point_indices: Vec::new(),
-            track: None,
-            occlusion: None,
-            truncation: None,
-        }
-    }
-
     impl Drawing {
         /// A box of 1 m by 50 cm, 10 m ahead, between these heights.
         fn boxed(mut self, [bottom_m, top_m]: [f32; 2]) -> Self {
@@ -272,8 +261,7 @@ mod tests {
                 length_width_height_m: [1.0, 0.5, top_m - bottom_m],
                 yaw_rad: 0.7,
             };
-            let boxed = Annotation { bounding_box: Some(bounding_box), ..annotation(StreetFurniture) };
-            self.annotations.push(boxed);
+            self.annotations.push(annotation(StreetFurniture, Some(bounding_box), []));
             self
         }
 
@@ -284,8 +272,7 @@ mod tests {
             for step in 0..n_points {
                 self.cloud.push([x_m, 0.0, (top_m - 0.1 * step as f32).max(bottom_m)], 0.0);
             }
-            let point_indices = (first..first + n_points).collect();
-            self.annotations.push(Annotation { point_indices, ..annotation(class) });
+            self.annotations.push(annotation(class, None, first..first + n_points));
             self
         }
 
@@ -296,14 +283,7 @@ mod tests {
         }
 
         fn heights_m(self) -> Vec<Option<f64>> {
-            let scan = LabeledScan {
-                id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-                point_regions: vec![PointRegion::Labeled; self.cloud.len()],
-                labeled_area: LabeledArea::Everywhere,
-                points_left_out: Vec::new(),
-                cloud: self.cloud,
-                annotations: self.annotations,
-            };
+            let scan = labeled(self.cloud.positions_m(), self.annotations);
             let all: Vec<usize> = (0..scan.annotations.len()).collect();
             heights_above_ground_m(&scan, &all)
         }
@@ -382,7 +362,7 @@ mod tests {
         level().column(Pole, 10.0, [-1.6, 1.3]).check(3.0);
         level().column(Pole, 10.0, [0.0, 1.3]).check(3.0);
         level().column(StreetFurniture, 10.0, [-2.0, 1.0]).check(3.0);
-        let nowhere = Drawing { annotations: vec![annotation(Pole)], ..level() };
+        let nowhere = Drawing { annotations: vec![annotation(Pole, None, [])], ..level() };
         assert_eq!(nowhere.heights_m(), [None]);
     }
 
@@ -409,7 +389,8 @@ mod tests {
     #[test]
     fn each_is_told_by_itself() {
         let three = level().boxed([-1.7, 1.3]).column(Pole, 12.0, [-1.7, 0.3]);
-        let three = Drawing { annotations: [three.annotations, vec![annotation(Tree)]].concat(), ..three };
+        let three =
+            Drawing { annotations: [three.annotations, vec![annotation(Tree, None, [])]].concat(), ..three };
         let found: Vec<_> = three.heights_m().iter().map(|it| it.map(|it| (it * 100.0).round())).collect();
         assert_eq!(found, [Some(300.0), Some(200.0), None]);
     }

@@ -103,9 +103,9 @@ fn direction_of([x_m, y_m]: [f32; 2]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matching::drawn_labels::labeled;
     use detector::PointCloud;
     use proptest::prelude::*;
-    use scans::annotation::ScanId;
 
     /// Points all round at these ranges, of which those within `deg` of forward are inside the region.
     fn scan(labeled_area: LabeledArea, inside_deg: f32) -> LabeledScan {
@@ -122,9 +122,7 @@ mod tests {
             }
         };
         let point_regions = cloud.positions_m().map(region).collect();
-        let id = ScanId { sequence: "drawn".to_owned(), index: 0 };
-        let (annotations, points_left_out) = (Vec::new(), Vec::new());
-        LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out }
+        LabeledScan { point_regions, labeled_area, ..labeled(cloud.positions_m(), []) }
     }
 
     /// A camera at the sensor that looks forward: x to the right is -y, y down is -z; 1000 × 400 pixels, 45° to either side.
@@ -184,11 +182,7 @@ mod tests {
         check(LabeledArea::AsPoints, [10.0, 8.0], false);
         check(LabeledArea::AsPoints, [10.0, 9.0], true);
         check(LabeledArea::AsPoints, [-70.0, 0.1], true);
-        let empty = LabeledScan {
-            cloud: PointCloud::default(),
-            point_regions: Vec::new(),
-            ..scan(LabeledArea::AsPoints, 0.0)
-        };
+        let empty = LabeledScan { labeled_area: LabeledArea::AsPoints, ..labeled([], []) };
         assert!(LabeledPlaces::of(&empty).is_outside([1.0, 0.0]));
     }
 

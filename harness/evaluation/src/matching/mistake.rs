@@ -308,22 +308,17 @@ fn listed(names: &[String]) -> String {
 mod tests {
     use std::ops::Range;
 
-    use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use detector::DetectedClass;
 
     use super::*;
-    use crate::matching::assign::{MatchingParams, assign};
-    use crate::matching::eligibility::EligibilityParams;
+    use crate::matching::assign::assign;
+    use crate::matching::drawn_labels::{annotations_in_row, detections_in_row, labeled, row, standard};
     use reports::vocabulary::class::AnnotationClass::{self, Car, Pedestrian};
     use reports::vocabulary::task::Task;
-    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
+    use scans::annotation::Annotation;
     use scans::dataset::AnnotatedClasses;
 
     const N_POINTS: u32 = 200;
-
-    fn boxed(range: &Range<u32>) -> OrientedBox {
-        let center_m = [(range.start + range.end - 1) as f32 * 0.05, 0.0, 0.0];
-        OrientedBox { center_m, length_width_height_m: [1.0; 3], yaw_rad: 0.0 }
-    }
 
     /// Points along x, 10 cm apart; annotations, detections, dropped clusters and surfaces are ranges of them.
     #[track_caller]
@@ -334,28 +329,10 @@ mod tests {
         lost: &[(SurfaceClass, Range<u32>)],
         expected: &[&str],
     ) {
-        let annotation = |(number, (class, range)): (u32, &(AnnotationClass, Range<u32>))| Annotation {
-            class: *class,
-            bounding_box: Some(boxed(range)),
-            point_indices: range.clone().collect(),
-            track: Some(number),
-            occlusion: None,
-            truncation: None,
-        };
-        let scan = LabeledScan {
-            id: ScanId { sequence: "drawn".into(), index: 0 },
-            cloud: (0..N_POINTS).map(|step| [step as f32 * 0.1, 0.0, 0.0]).collect::<PointCloud>(),
-            annotations: (0..).zip(annotations).map(annotation).collect(),
-            point_regions: vec![PointRegion::Labeled; N_POINTS as usize],
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        };
-        let mut all = Detections::default();
-        for (class, range) in detections {
-            let point_indices: Vec<u32> = range.clone().collect();
-            let (bounding_box, score) = (boxed(range), Some(-0.25));
-            all.push(Detection::new(&point_indices, bounding_box, *class, score));
-        }
+        let annotations = (0..).zip(annotations_in_row(annotations));
+        let annotations = annotations.map(|(number, it)| Annotation { track: Some(number), ..it });
+        let scan = labeled(row(N_POINTS), annotations);
+        let all = detections_in_row(detections, Some(-0.25));
         let mut surfaces = vec![SurfaceClass::Short; N_POINTS as usize];
         let mut clusters = vec![None; N_POINTS as usize];
         for (class, range) in lost {
@@ -370,9 +347,8 @@ mod tests {
             product("points", Shape::LabeledPoints(surfaces)),
             product("clusters", Shape::Clusters(clusters)),
         ];
-        let params = MatchingParams { criterion, eligibility: EligibilityParams::STANDARD };
         let annotated = AnnotatedClasses::EveryObject;
-        let assignment = assign(&scan, &all, Task::Vehicles, &annotated, &params);
+        let assignment = assign(&scan, &all, Task::Vehicles, &annotated, &standard(criterion));
         let evidence = Evidence::gather(&scan, &all, &products, criterion);
         let found: Vec<String> = evidence.mistakes(&assignment).into_iter().map(|it| it.text).collect();
         assert_eq!(found, expected);

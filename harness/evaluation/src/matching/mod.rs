@@ -14,3 +14,6 @@ mod ignored_detections;
 pub mod detection_order;
 pub mod assign;
 pub mod mistake;
+
+#[cfg(test)]
+pub(crate) mod drawn_labels;

@@ -136,37 +136,21 @@ fn ends_of_lists(owners: impl Iterator<Item = usize>, n: usize) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use crate::matching::drawn_labels::{UNIT, annotation, labeled, row};
+    use detector::{DetectedClass, Detection};
     use proptest::prelude::*;
     use reports::vocabulary::class::AnnotationClass;
-    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use std::collections::BTreeSet;
 
     const N_POINTS: u32 = 30;
 
     fn overlap(annotations: &[BTreeSet<u32>], detections: &[BTreeSet<u32>]) -> PointOverlap {
-        let annotation = |points: &BTreeSet<u32>| Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: points.iter().copied().collect(),
-            track: None,
-            occlusion: None,
-            truncation: None,
-        };
-        let scan = LabeledScan {
-            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-            cloud: (0..N_POINTS).map(|it| [it as f32, 0.0, 0.0]).collect::<PointCloud>(),
-            annotations: annotations.iter().map(annotation).collect(),
-            point_regions: vec![PointRegion::Labeled; N_POINTS as usize],
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        };
-        let bounding_box = OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
+        let car = |points: &BTreeSet<u32>| annotation(AnnotationClass::Car, None, points.iter().copied());
+        let scan = labeled(row(N_POINTS), annotations.iter().map(car));
         let mut all = Detections::default();
         for points in detections {
             let point_indices: Vec<u32> = points.iter().copied().collect();
-            let class = DetectedClass::Object;
-            all.push(Detection::new(&point_indices, bounding_box, class, None));
+            all.push(Detection::new(&point_indices, UNIT, DetectedClass::Object, None));
         }
         PointOverlap::count(&scan, &all)
     }

@@ -72,46 +72,19 @@ fn is_joined(scan: &LabeledScan, overlap: &PointOverlap, pair: [usize; 2]) -> bo
 mod tests {
     use super::*;
     use crate::matching::criterion::Criterion;
-    use crate::matching::eligibility::EligibilityParams;
-    use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use crate::matching::drawn_labels::{drawn_in_letters, standard};
+    use detector::DetectedClass;
     use reports::vocabulary::class::AnnotationClass;
-    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
 
-    /// Ten points a letter: each letter of a drawing is one object, a dot is no object.
-    fn points_of(drawing: &str, letter: char) -> Vec<u32> {
-        let letters = drawing.chars().flat_map(|it| std::iter::repeat_n(it, 10));
-        letters.zip(0..).filter(|&(it, _)| it == letter).map(|(_, point_idx)| point_idx).collect()
-    }
-
-    /// Judges the pair of the objects `a` and `b`.
+    /// Judges the pair of the objects `a` and `b`, of ten points a letter.
     #[track_caller]
     fn check(objects: &str, detections: &str, expected: PairOutcome) {
-        let annotations = "ab".chars().zip(0..).map(|(letter, track)| Annotation {
-            class: AnnotationClass::Pedestrian,
-            bounding_box: None,
-            point_indices: points_of(objects, letter),
-            track: Some(track),
-            occlusion: None,
-            truncation: None,
-        });
-        let n_points = 10 * objects.len();
-        let scan = LabeledScan {
-            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-            cloud: (0..n_points).map(|step| [step as f32 * 0.01, 0.0, 0.0]).collect::<PointCloud>(),
-            annotations: annotations.filter(|it| !it.point_indices.is_empty()).collect(),
-            point_regions: vec![PointRegion::Labeled; n_points],
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        };
-        let mut found = Detections::default();
-        for letter in "xyz".chars() {
-            let bounding_box =
-                OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
-            let point_indices = points_of(detections, letter);
-            found.push(Detection::new(&point_indices, bounding_box, DetectedClass::Object, None));
+        let (mut scan, found) =
+            drawn_in_letters(10, (AnnotationClass::Pedestrian, objects), (DetectedClass::Object, detections));
+        for (annotation, track) in scan.annotations.iter_mut().zip(0..) {
+            annotation.track = Some(track);
         }
-        let matching =
-            MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
+        let matching = standard(Criterion::POINTS);
         assert_eq!(judge_pairs(&scan, &found, &[[0, 1]], &matching), [expected], "{objects}\n{detections}");
     }
 

@@ -91,56 +91,20 @@ impl std::ops::AddAssign for SegmentationQuality {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matching::assign::{MatchingParams, assign};
+    use crate::matching::assign::assign;
     use crate::matching::criterion::Criterion;
-    use crate::matching::eligibility::EligibilityParams;
-    use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use crate::matching::drawn_labels::{drawn_in_letters, standard};
+    use detector::DetectedClass;
     use reports::vocabulary::class::AnnotationClass;
     use reports::vocabulary::task::Task;
-    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use scans::dataset::AnnotatedClasses;
-
-    const UNIT: OrientedBox =
-        OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
 
     /// Twenty points a letter: each letter of `annotations` and `detections` is one object, a dot is no object.
     fn quality(annotations: &str, detections: &str) -> SegmentationQuality {
-        const N_POINTS_PER_LETTER: usize = 20;
-        assert_eq!(annotations.len(), detections.len());
-        let points_of = |drawing: &str, letter: char| -> Vec<u32> {
-            let letters = drawing.chars().flat_map(|it| std::iter::repeat_n(it, N_POINTS_PER_LETTER));
-            letters.zip(0..).filter(|&(it, _)| it == letter).map(|(_, point_idx)| point_idx).collect()
-        };
-        let letters_of = |drawing: &str| -> Vec<char> {
-            let letters: std::collections::BTreeSet<char> = drawing.chars().filter(|&it| it != '.').collect();
-            letters.into_iter().collect()
-        };
-        let annotation = |letter: char| Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: points_of(annotations, letter),
-            track: None,
-            occlusion: None,
-            truncation: None,
-        };
-        let n_points = annotations.len() * N_POINTS_PER_LETTER;
-        let scan = LabeledScan {
-            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-            cloud: (0..n_points).map(|step| [step as f32 * 0.01, 0.0, 0.0]).collect::<PointCloud>(),
-            annotations: letters_of(annotations).into_iter().map(annotation).collect(),
-            point_regions: vec![PointRegion::Labeled; n_points],
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        };
-        let mut found = Detections::default();
-        for letter in letters_of(detections) {
-            let point_indices = points_of(detections, letter);
-            let class = DetectedClass::Vehicle;
-            found.push(Detection::new(&point_indices, UNIT, class, None));
-        }
-        let params =
-            MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
-        let assignment = assign(&scan, &found, Task::Vehicles, &AnnotatedClasses::EveryObject, &params);
+        let (scan, found) =
+            drawn_in_letters(20, (AnnotationClass::Car, annotations), (DetectedClass::Vehicle, detections));
+        let (everything, params) = (AnnotatedClasses::EveryObject, standard(Criterion::POINTS));
+        let assignment = assign(&scan, &found, Task::Vehicles, &everything, &params);
         SegmentationQuality::of(&scan, &found, &assignment)
     }
 

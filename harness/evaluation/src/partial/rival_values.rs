@@ -3,6 +3,7 @@
 use baselines::pca_features::{N_PCA_FEATURES, PcaDescriber};
 use detector::PointCloud;
 use detector::classify::grouping_model::GroupingModel;
+use detector::describe::object_describer::ObjectDescriber as _;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::surroundings::Surroundings;
 use detector::describe::vehicle_features::VehicleDescriber;
@@ -27,7 +28,7 @@ pub fn extent_values(cloud: &PointCloud) -> Option<[f32; N_EXTENTS]> {
 pub fn pca_values(cloud: &PointCloud) -> Option<[f32; N_PCA_FEATURES]> {
     let points_m = finite(cloud);
     let bounding_box = ObjectBox::PrincipalAxes.around(&points_m)?;
-    Some(PcaDescriber::default().describe(&bounding_box, points_m.into_iter())?.values())
+    PcaDescriber::default().describe(&bounding_box, points_m.into_iter())
 }
 
 /// The values of our vehicle model, of an object that stands alone; `None` without points.
@@ -35,12 +36,7 @@ pub fn vehicle_values(cloud: &PointCloud) -> Option<[f32; N_VEHICLE_VALUES]> {
     let points_m = finite(cloud);
     let bounding_box = ObjectBox::ConvexHull.around(&points_m)?;
     let library: PrototypeLibrary = GroupingModel::shipped().library.clone();
-    let features = VehicleDescriber::new(library).describe(
-        &bounding_box,
-        &Surroundings::default(),
-        points_m.into_iter(),
-    )?;
-    Some(features.values())
+    VehicleDescriber::new(library).describe(&bounding_box, &Surroundings::default(), points_m.into_iter())
 }
 
 fn finite(cloud: &PointCloud) -> Vec<[f32; 3]> {

@@ -7,7 +7,9 @@ use detector::pipeline::foreground_stages::foreground;
 use detector::pipeline::frame::Frame;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 use reports::vocabulary::class::AnnotationClass;
-use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use scans::annotation::LabeledScan;
+
+use crate::matching::drawn_labels::{annotation, labeled};
 
 const SENSOR_HEIGHT_M: f32 = 1.73;
 const N_ROAD_CELLS: u64 = 40 * 20;
@@ -27,28 +29,14 @@ pub const CAR_RANGE_M: f64 = 10.0;
 
 /// The scan, with the car annotated; the annotation claims ten points only.
 pub fn scan() -> LabeledScan {
-    let cloud = cloud();
     let first_of_car = N_ROAD as u32;
-    let car = Annotation {
-        class: AnnotationClass::Car,
-        bounding_box: Some(OrientedBox {
-            center_m: [CAR_RANGE_M as f32, 0.0, -0.75],
-            length_width_height_m: [4.0, 1.8, 1.5],
-            yaw_rad: 0.0,
-        }),
-        point_indices: (first_of_car..first_of_car + 10).collect(),
-        track: None,
-        occlusion: None,
-        truncation: None,
+    let bounding_box = OrientedBox {
+        center_m: [CAR_RANGE_M as f32, 0.0, -0.75],
+        length_width_height_m: [4.0, 1.8, 1.5],
+        yaw_rad: 0.0,
     };
-    LabeledScan {
-        id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-        point_regions: vec![PointRegion::Labeled; cloud.len()],
-        labeled_area: LabeledArea::Everywhere,
-        points_left_out: Vec::new(),
-        cloud,
-        annotations: vec![car],
-    }
+    let car = annotation(AnnotationClass::Car, Some(bounding_box), first_of_car..first_of_car + 10);
+    labeled(cloud().positions_m(), [car])
 }
 
 /// What the stages up to the foreground know of the scan.

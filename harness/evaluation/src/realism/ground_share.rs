@@ -4,7 +4,7 @@ use detector::pipeline::frame::Frame;
 use detector::surface_class::SurfaceClass;
 use reports::numbers::curve_pair::{CurvePair, Sides};
 
-use super::distribution::distribution;
+use super::distribution::spread_over_scans;
 
 /// The points of one scan, and those among them that are ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,16 +29,7 @@ pub fn ground_share(counts: &Sides<Vec<GroundCount>>) -> CurvePair {
     let percent = |count: &GroundCount| 100.0 * count.n_ground as f64 / count.n_points as f64;
     let percents =
         |scans: &Vec<GroundCount>| scans.iter().filter(|count| count.n_points > 0).map(percent).collect();
-    CurvePair {
-        statistic: "ground_share",
-        title: "share of ground points",
-        bins_of: None,
-        focus_m: None,
-        unit: "%",
-        counted: "scans",
-        least_n: Sides { left: 1, right: 1 },
-        bins: distribution(counts.as_ref().map(percents)),
-    }
+    spread_over_scans("ground_share", "share of ground points", "%", counts.as_ref().map(percents))
 }
 
 #[cfg(test)]

@@ -83,7 +83,7 @@ pub fn boost<const D: usize>(
 /// A tree all of whose leaves lie equally deep.
 fn even_tree(trained: &Tree) -> DecisionTree {
     let mut tree =
-        DecisionTree { value_of_split: [0; N_SPLITS], thresholds: [0.0; N_SPLITS], leaves: [0.0; N_LEAVES] };
+        DecisionTree { value_of_split: [0; N_LEAVES], thresholds: [0.0; N_LEAVES], leaves: [0.0; N_LEAVES] };
     fill(&mut tree, trained, (0, 0));
     tree
 }

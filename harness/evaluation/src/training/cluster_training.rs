@@ -1,9 +1,8 @@
 //! The trees that tell vehicles among clusters, trained.
 
-use detector::classify::vehicle_model::N_FEATURES;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::seen_size::may_be_vehicle;
-use detector::describe::vehicle_features::VehicleDescriber;
+use detector::describe::vehicle_features::{N_FEATURES, VehicleDescriber};
 
 use super::candidate_kind::CandidateKind;
 use super::candidates::Candidate;
@@ -28,9 +27,9 @@ pub fn described_clusters(candidates: &[Candidate], library: &PrototypeLibrary) 
     };
     let example = |it: &Candidate| {
         let positions_m = it.positions_m.iter().copied();
-        let features = describer.describe(&it.bounding_box, &it.surroundings, positions_m)?;
+        let values = describer.describe(&it.bounding_box, &it.surroundings, positions_m)?;
         let (sequence, is_vehicle) = (it.sequence.clone(), it.kind.is_vehicle());
-        Some(ClusterExample { sequence, values: features.values(), is_vehicle })
+        Some(ClusterExample { sequence, values, is_vehicle })
     };
     candidates.iter().filter(is_asked).filter_map(example).collect()
 }

@@ -1,32 +1,11 @@
 //! Candidates as the classifiers see them.
 
-use baselines::pca_features::{N_PCA_FEATURES, PcaDescriber};
 use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams};
 use detector::classify::svm_model::SvmModel;
 use detector::classify::svm_training::train_svm;
-use detector::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber};
+use detector::describe::object_describer::ObjectDescriber;
 
 use super::candidates::Candidate;
-
-/// Takes the `D` values of a vehicle model from a candidate.
-pub trait CandidateDescriber<const D: usize> {
-    /// The values; `None` without points.
-    fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; D]>;
-}
-
-impl CandidateDescriber<N_PAPER_FEATURES> for PaperDescriber {
-    fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; N_PAPER_FEATURES]> {
-        let positions_m = candidate.positions_m.iter().copied();
-        self.describe(&candidate.bounding_box, positions_m).map(|it| it.values())
-    }
-}
-
-impl CandidateDescriber<N_PCA_FEATURES> for PcaDescriber {
-    fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; N_PCA_FEATURES]> {
-        let positions_m = candidate.positions_m.iter().copied();
-        self.describe(&candidate.bounding_box, positions_m).map(|it| it.values())
-    }
-}
 
 /// An object with what the classifier sees of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,30 +20,24 @@ pub struct DescribedObject<const D: usize> {
 
 impl<const D: usize> DescribedObject<D> {
     /// What `describer` sees of `candidate`; `None` without points.
-    pub fn of(candidate: &Candidate, describer: &mut impl CandidateDescriber<D>) -> Option<Self> {
-        Some(Self {
-            kind: candidate.kind.name(),
-            is_vehicle: candidate.kind.is_vehicle(),
-            features: describer.values_of(candidate)?,
-        })
+    pub fn of(candidate: &Candidate, describer: &mut impl ObjectDescriber<D>) -> Option<Self> {
+        let features = describer.describe(&candidate.bounding_box, candidate.positions_m.iter().copied())?;
+        Some(Self { kind: candidate.kind.name(), is_vehicle: candidate.kind.is_vehicle(), features })
     }
 }
 
-/// The classifier of vehicles against background of `selected` candidates, whose values `describer` takes and `names`
-/// names.
+/// The classifier of vehicles against background of `selected` candidates, whose values `describer` takes.
 ///
 /// # Errors
 ///
 /// [`NuSvcError`] if there is no such classifier.
-pub fn fit_model<const D: usize>(
+pub fn fit_model<const D: usize, S: ObjectDescriber<D>>(
     selected: &[&Candidate],
-    describer: &mut impl CandidateDescriber<D>,
-    names: [&'static str; D],
+    describer: &mut S,
     params: &NuSvcParams,
 ) -> Result<SvmModel<D>, NuSvcError> {
-    let objects: Vec<DescribedObject<D>> =
-        selected.iter().filter_map(|it| DescribedObject::of(it, describer)).collect();
-    let vectors: Vec<[f32; D]> = objects.iter().map(|it| it.features).collect();
-    let is_vehicle: Vec<bool> = objects.iter().map(|it| it.is_vehicle).collect();
-    train_svm(&vectors, &is_vehicle, names, params)
+    let objects = selected.iter().filter_map(|it| DescribedObject::of(it, describer));
+    let (vectors, is_vehicle): (Vec<[f32; D]>, Vec<bool>) =
+        objects.map(|it| (it.features, it.is_vehicle)).unzip();
+    train_svm(&vectors, &is_vehicle, S::NAMES, params)
 }

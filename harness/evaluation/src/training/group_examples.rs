@@ -145,7 +145,7 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
         groups.push(GroupExample {
             node_idx: node.node_idx,
             node_values: node.values,
-            vehicle_values: vehicle_values(&features.values(), &node.values),
+            vehicle_values: vehicle_values(&features, &node.values),
             labels: (2 * n_labeled > point_indices.len()).then_some(labels),
         });
     }

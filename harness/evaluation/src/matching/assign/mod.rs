@@ -207,19 +207,19 @@ mod properties;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use crate::matching::drawn_labels::{
+        UNIT, annotations_in_row, detections_in_row, labeled, row, standard,
+    };
+    use detector::{DetectedClass, Detection, OrientedBox};
     use reports::vocabulary::class::AnnotationClass;
-    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
+    use scans::annotation::{LabeledArea, PointRegion};
     use std::ops::Range;
 
     use AnnotationClass::{Car, Pedestrian, Tram, Tree};
     use DetectedClass::{Object, Vehicle};
 
     const EVERYTHING: AnnotatedClasses = AnnotatedClasses::EveryObject;
-    const STANDARD: MatchingParams =
-        MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
-    const UNIT: OrientedBox =
-        OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
+    const STANDARD: MatchingParams = standard(Criterion::POINTS);
 
     /// 200 points along x, 10 cm apart; annotations and detections are ranges of them.
     struct Street {
@@ -231,31 +231,9 @@ mod tests {
         annotations: &[(AnnotationClass, Range<u32>)],
         detections: &[(DetectedClass, Range<u32>)],
     ) -> Street {
-        let cloud: PointCloud = (0..200).map(|step| [step as f32 * 0.1, 0.0, 0.0]).collect();
-        let center = |range: &Range<u32>| {
-            let center_m = [(range.start + range.end - 1) as f32 * 0.05, 0.0, 0.0];
-            OrientedBox { center_m, ..UNIT }
-        };
-        let annotation = |(class, range): &(AnnotationClass, Range<u32>)| Annotation {
-            class: *class,
-            bounding_box: Some(center(range)),
-            point_indices: range.clone().collect(),
-            track: None,
-            occlusion: None,
-            truncation: None,
-        };
-        let mut all = Detections::default();
-        for (class, range) in detections {
-            let point_indices: Vec<u32> = range.clone().collect();
-            let bounding_box = center(range);
-            all.push(Detection::new(&point_indices, bounding_box, *class, None));
-        }
-        let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        let id = ScanId { sequence: "drawn".into(), index: 0 };
-        let annotations = annotations.iter().map(annotation).collect();
-        let (labeled_area, points_left_out) = (LabeledArea::AsPoints, Vec::new());
-        let scan = LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out };
-        Street { scan, detections: all }
+        let mut scan = labeled(row(200), annotations_in_row(annotations));
+        scan.labeled_area = LabeledArea::AsPoints;
+        Street { scan, detections: detections_in_row(detections, None) }
     }
 
     impl Street {
@@ -490,8 +468,7 @@ mod tests {
     #[test]
     fn centres_within_two_metres_match_whatever_the_points() {
         let shifted = street(&[(Car, 0..40)], &[(Vehicle, 30..40), (Vehicle, 100..140)]);
-        let params =
-            MatchingParams { criterion: Criterion::CENTRE, eligibility: EligibilityParams::STANDARD };
+        let params = standard(Criterion::CENTRE);
         let it = assign(&shifted.scan, &shifted.detections, Task::Vehicles, &EVERYTHING, &params);
         assert!(matches!(it.annotations[0], AnnotationOutcome::Matched { detection_idx: 0, .. }));
         assert_eq!(it.detections[1], DetectionOutcome::False(FalseReason::NothingThere));
@@ -506,14 +483,13 @@ mod tests {
         );
         // 0.3 m apart they share 0.7 of 1.3, and 0.4 m apart 0.6 of 1.4.
         for criterion in [Criterion::BEV_IOU, Criterion::IOU_3D] {
-            let params = MatchingParams { criterion, eligibility: EligibilityParams::STANDARD };
+            let params = standard(criterion);
             let (annotations, detections) = two.judge_by(Task::Vehicles, &EVERYTHING, params);
             assert_eq!(annotations, ["0 at 0.46", "missed: merged with others"]);
             assert_eq!(detections, ["0 at 0.46", "false: fragment", "false: nothing there"]);
         }
         two.scan.annotations[0].bounding_box = None;
-        let params =
-            MatchingParams { criterion: Criterion::BEV_IOU, eligibility: EligibilityParams::STANDARD };
+        let params = standard(Criterion::BEV_IOU);
         let (annotations, detections) = two.judge_by(Task::Vehicles, &EVERYTHING, params);
         assert_eq!(annotations[0], "ignored: no box");
         assert_eq!(detections[0], "ignored: on ignored annotation");

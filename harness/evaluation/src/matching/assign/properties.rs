@@ -2,12 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+use detector::{DetectedClass, Detection, OrientedBox};
 use proptest::prelude::*;
 use reports::vocabulary::class::AnnotationClass;
-use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
+use scans::annotation::{Annotation, LabeledArea, PointRegion};
 
 use super::*;
+use crate::matching::drawn_labels::{annotation, labeled, standard};
 use crate::metrics::counts::{Counts, FalseDetections};
 use crate::metrics::segmentation_quality::SegmentationQuality;
 
@@ -66,16 +67,8 @@ fn any_drawn() -> impl Strategy<Value = Drawn> {
 
 fn any_annotation() -> impl Strategy<Value = Annotation> {
     let class = prop::sample::select(vec![Car, Car, Car, Pedestrian, Tram, Tree, Pole]);
-    (class, prop::option::weighted(0.8, any_box()), any_points()).prop_map(
-        |(class, bounding_box, point_indices)| Annotation {
-            class,
-            bounding_box,
-            point_indices,
-            track: None,
-            occlusion: None,
-            truncation: None,
-        },
-    )
+    (class, prop::option::weighted(0.8, any_box()), any_points())
+        .prop_map(|(class, bounding_box, point_indices)| annotation(class, bounding_box, point_indices))
 }
 
 fn any_scan() -> impl Strategy<Value = LabeledScan> {
@@ -90,10 +83,7 @@ fn any_scan() -> impl Strategy<Value = LabeledScan> {
     )
         .prop_map(|(annotations, point_regions, labeled_area)| {
             let place = |it: usize| [(it % 12) as f32 - 4.0, (it / 12) as f32 - 2.0, (it % 5) as f32];
-            let cloud = (0..N_POINTS).map(place).collect::<PointCloud>();
-            let id = ScanId { sequence: "drawn".to_owned(), index: 0 };
-            let points_left_out = Vec::new();
-            LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out }
+            LabeledScan { point_regions, labeled_area, ..labeled((0..N_POINTS).map(place), annotations) }
         })
 }
 
@@ -243,20 +233,8 @@ proptest! {
 fn tiling_the_plane_is_paid_for() {
     let bounding_box =
         OrientedBox { center_m: [3.0, 1.0, 0.5], length_width_height_m: [2.0, 1.0, 1.0], yaw_rad: 0.0 };
-    let annotation = Annotation {
-        class: Car,
-        bounding_box: Some(bounding_box),
-        point_indices: (0..20).collect(),
-        track: None,
-        occlusion: None,
-        truncation: None,
-    };
-    let cloud: PointCloud = (0..20).map(|it| [2.5 + 0.05 * it as f32, 1.0, 0.5]).collect();
-    let point_regions = vec![PointRegion::Labeled; cloud.len()];
-    let id = ScanId { sequence: "drawn".to_owned(), index: 0 };
-    let labeled_area = LabeledArea::Everywhere;
-    let (annotations, points_left_out) = (vec![annotation], Vec::new());
-    let scan = LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out };
+    let positions_m = (0..20).map(|it| [2.5 + 0.05 * it as f32, 1.0, 0.5]);
+    let scan = labeled(positions_m, [annotation(Car, Some(bounding_box), 0..20)]);
     let tile = |it: i32| Drawn {
         point_indices: Vec::new(),
         bounding_box: OrientedBox {
@@ -267,9 +245,8 @@ fn tiling_the_plane_is_paid_for() {
         score: Some(0.1),
     };
     let tiles: Vec<Drawn> = (0..10_000).map(tile).collect();
-    let params = |criterion| MatchingParams { criterion, eligibility: EligibilityParams::STANDARD };
     for criterion in Criterion::ALL {
-        let it = assign(&scan, &detections_of(&tiles), Task::Vehicles, &EVERYTHING, &params(criterion));
+        let it = assign(&scan, &detections_of(&tiles), Task::Vehicles, &EVERYTHING, &standard(criterion));
         let counts = Counts::of(&it);
         let n_found = u64::from(!matches!(criterion, Criterion::Points { .. }));
         assert_eq!((counts.n_matched, counts.n_false), (n_found, 10_000 - n_found), "{}", criterion.name());

@@ -2,19 +2,20 @@
 
 use std::sync::atomic::AtomicBool;
 
-use baselines::pca_features::{PcaDescriber, PcaFeatures};
+use baselines::pca_features::PcaDescriber;
 use baselines::pca_vehicle_model::PcaVehicleModel;
 use detector::classify::model_file::ModelFile;
 use detector::classify::nu_svc_solver::NuSvcParams;
 use detector::classify::paper_model::PaperModel;
 use detector::classify::svm_model::SvmModel;
-use detector::describe::paper_features::{PaperDescriber, PaperFeatures};
+use detector::describe::object_describer::ObjectDescriber;
+use detector::describe::paper_features::PaperDescriber;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use evaluation::run::config::RunConfig;
 use evaluation::run::config::{PAPER_FILE, PCA_FILE};
 use evaluation::training::candidates::Candidate;
-use evaluation::training::described_object::{CandidateDescriber, DescribedObject, fit_model};
+use evaluation::training::described_object::{DescribedObject, fit_model};
 use evaluation::training::evaluation::evaluate;
 use evaluation::training::model_kind::ModelKind;
 use evaluation::training::selection::select;
@@ -57,11 +58,11 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
             let library = training.prototypes()?;
             let mut describer = PaperDescriber::new(library.clone());
             let file = |svm: &SvmModel<_>, made| (PAPER_FILE, PaperModel::file(&library, svm, made));
-            training.fit_and_judge(&mut describer, PaperFeatures::NAMES, file, Some(&library))?
+            training.fit_and_judge(&mut describer, file, Some(&library))?
         }
         ModelKind::Pca => {
             let file = |svm: &SvmModel<_>, made| (PCA_FILE, PcaVehicleModel::file(svm, made));
-            training.fit_and_judge(&mut PcaDescriber::default(), PcaFeatures::NAMES, file, None)?
+            training.fit_and_judge(&mut PcaDescriber::default(), file, None)?
         }
     };
     for (name, content) in files {
@@ -129,10 +130,9 @@ impl Training<'_> {
         prototypes_of(&self.taught, self.arguments.prototypes as usize, self.made.clone())
     }
 
-    fn fit_and_judge<const D: usize, S: CandidateDescriber<D>>(
+    fn fit_and_judge<const D: usize, S: ObjectDescriber<D>>(
         &self,
         describer: &mut S,
-        names: [&'static str; D],
         file: impl FnOnce(&SvmModel<D>, Provenance) -> (&'static str, ModelFile),
         library: Option<&PrototypeLibrary>,
     ) -> Result<FilesAndText, Failure> {
@@ -144,7 +144,7 @@ impl Training<'_> {
             tolerance: self.kind.tolerance(),
             max_steps: MOST_STEPS,
         };
-        let model = fit_model(&selected, describer, names, &params).map_err(|error| nothing(&error))?;
+        let model = fit_model(&selected, describer, &params).map_err(|error| nothing(&error))?;
         let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = self
             .judged
             .iter()

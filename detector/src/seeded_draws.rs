@@ -2,14 +2,12 @@
 
 /// A stream of random numbers: the generator `SplitMix64` of Steele, Lea and Flood 2014.
 #[derive(Debug, Clone)]
-pub struct SeededDraws {
-    state: u64,
-}
+pub struct SeededDraws(u64);
 
 impl SeededDraws {
     /// The stream of `seed`.
     pub fn new(seed: u64) -> Self {
-        Self { state: seed }
+        Self(seed)
     }
 
     /// A number in 0 to 1, without 1.
@@ -18,9 +16,14 @@ impl SeededDraws {
         (self.next() >> 11) as f64 * TO_SHARE
     }
 
+    /// A number below `n`, which fits in 32 bits.
+    pub fn below(&mut self, n: usize) -> usize {
+        (((self.next() >> 32) * n as u64) >> 32) as usize
+    }
+
     fn next(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.state;
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         mixed ^ (mixed >> 31)
