@@ -158,6 +158,7 @@ fn a_run_that_cannot_be() {
         ("nowhere -o out", &[nowhere, "kitti-tracking"]),
         // The last of several costs nothing either.
         ("street nowhere -o out", &["there is no data set \"nowhere\""]),
+        ("street-narow -o out", &["there is no data set \"street-narow\"; did you mean \"street-narrow\"?"]),
         ("street ./street -o out", &["two data sets are called \"street\""]),
         ("street --seed 7 -o out", &["--seed is only for simulated data sets"]),
         (

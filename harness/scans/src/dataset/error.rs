@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use reports::verdicts::suggestion::closest;
+
 use super::shown_name::shown;
 
 /// Why labelled scans cannot be read: a sentence, of its own kind only where somebody looks at the kind.
@@ -114,11 +116,24 @@ impl DatasetError {
 
     /// There is no data set of this name beside those that are `known`.
     pub fn unknown_dataset(name: &str, known: &[String]) -> Self {
-        let known = known.join(", ");
-        let message = format!(
-            "there is no data set {name:?}: it is neither in the catalogue ({known}) nor a path that exists"
-        );
+        let message = match closest(name, known.iter().map(String::as_str)) {
+            Some(closest) => format!(
+                "there is no data set {name:?}; did you mean {closest:?}? It is neither in the catalogue (scanbench data list) nor \
+                 a path that exists"
+            ),
+            None => format!(
+                "there is no data set {name:?}: it is neither in the catalogue ({}) nor a path that exists",
+                known.join(", ")
+            ),
+        };
         Self::Usage(message)
+    }
+
+    /// The data set `id` of the catalogue, in `root`, has the name of another folder here.
+    pub fn two_of_a_name(id: &str, root: &Path) -> Self {
+        Self::Usage(format!(
+            "{id:?} is a data set of the catalogue, in {root:?}, and a folder here: write ./{id} for the folder here, or {root:?}"
+        ))
     }
 
     /// The format asked for is not that of the catalogue.

@@ -113,6 +113,7 @@ fn open_catalogued(
         };
         return Err(DatasetError::Unsound(format!("{id:?} is not at {root:?}: {remedy}{download}")));
     }
+    refuse_two_of_a_name(id, &root)?;
     let path = detect_format(&root, &[entry.format])?.path;
     let mut parts = entry.parts.clone();
     if let Some(list) = &entry.scan_list {
@@ -147,6 +148,13 @@ fn open_catalogued(
         }
         _ => Ok(dataset),
     }
+}
+
+/// Whoever writes a name may mean the folder that has it.
+fn refuse_two_of_a_name(id: &str, root: &Path) -> Result<(), DatasetError> {
+    let here = Path::new(id);
+    let is_another = here.is_dir() && here.canonicalize().ok() != root.canonicalize().ok();
+    if is_another { Err(DatasetError::two_of_a_name(id, root)) } else { Ok(()) }
 }
 
 fn open_path<S>(

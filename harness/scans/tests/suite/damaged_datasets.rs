@@ -77,9 +77,14 @@ impl Disk {
 
     /// A catalogue with the data set `street` on this disk, and `lines` in its entry.
     fn catalogue(&self, format: &str, lines: &str) -> Catalogue {
+        self.catalogue_of("street", format, lines)
+    }
+
+    /// The same where the data set is called `id`.
+    fn catalogue_of(&self, id: &str, format: &str, lines: &str) -> Catalogue {
         let root = self.folder.path().display();
         let text = format!(
-            "[recorded.street]\nformat = \"{format}\"\nroot = '{root}'\nannotated_classes = \"every-object\"\n\
+            "[recorded.{id}]\nformat = \"{format}\"\nroot = '{root}'\nannotated_classes = \"every-object\"\n\
              sensor_height_m = 2.1\nlicence = \"ours\"\nurl = \"https://example.org/street\"\n{lines}\n"
         );
         parse_catalogue("datasets.toml", &text).unwrap()
@@ -306,6 +311,15 @@ fn a_catalogued_format_is_not_overridden() {
         open_dataset("street", &OpenOptions { format, ..OpenOptions::default() }, &catalogue),
         &["street", "kitti-object", "kitti-tracking"],
     );
+}
+
+#[test]
+fn a_name_of_the_catalogue_and_of_a_folder_here_is_neither() {
+    let disk = Disk::with_objects();
+    // There is such a folder where tests run.
+    let catalogue = disk.catalogue_of("src", "kitti-object", "");
+    let words = ["\"src\" is a data set of the catalogue", "write ./src for the folder here"];
+    check_usage(open_dataset("src", &OpenOptions::default(), &catalogue), &words);
 }
 
 #[test]
