@@ -116,16 +116,17 @@ impl DatasetError {
 
     /// There is no data set of this name beside those that are `known`.
     pub fn unknown_dataset(name: &str, known: &[String]) -> Self {
-        let message = match closest(name, known.iter().map(String::as_str)) {
-            Some(closest) => format!(
-                "there is no data set {name:?}; did you mean {closest:?}? It is neither in the catalogue (scanbench data list) nor \
-                 a path that exists"
-            ),
-            None => format!(
-                "there is no data set {name:?}: it is neither in the catalogue ({}) nor a path that exists",
-                known.join(", ")
-            ),
+        /// More names are not read through by somebody who meant one of them.
+        const MOST_LISTED: usize = 10;
+        let closest = closest(name, known.iter().map(String::as_str));
+        let listed = match closest {
+            Some(_) if known.len() > MOST_LISTED => "scanbench data list".to_owned(),
+            _ => known.join(", "),
         };
+        let it = closest.map_or_else(|| ": it".to_owned(), |it| format!("; did you mean {it:?}? It"));
+        let message = format!(
+            "there is no data set {name:?}{it} is neither in the catalogue ({listed}) nor a path that exists"
+        );
         Self::Usage(message)
     }
 
