@@ -170,7 +170,7 @@ fn wrong_usage_is_named_on_stderr() {
 #[test]
 fn completions_know_the_verbs_of_every_shell() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        let script = help(&format!("completions {shell}"));
+        let script = Workplace::new().succeed(format!("completions {shell}").as_str()).stdout;
         for word in ["selftest", "detectors", "ablation", "sensor-height"] {
             assert!(script.contains(word), "{shell}: {script}");
         }
@@ -179,7 +179,7 @@ fn completions_know_the_verbs_of_every_shell() {
 
 #[test]
 fn bash_completes_a_verb() {
-    let script = help("completions bash");
+    let script = Workplace::new().succeed("completions bash").stdout;
     let complete = "COMP_WORDS=(scanbench self); COMP_CWORD=1; _scanbench scanbench self scanbench; echo \"${COMPREPLY[@]}\"";
     let Ok(output) = Command::new("bash").args(["-c", &format!("{script}\n{complete}")]).output() else {
         eprintln!("skipped bash_completes_a_verb: no bash");

@@ -208,7 +208,7 @@ fn going_on_with_something_else_is_refused() {
         assert!(ended.stderr.contains(&says), "{more:?}: {}", ended.stderr);
     };
     refused(&["-P", "cell_size_m=0.4:0.8:0.4"], "sweep.points, sweep.swept");
-    refused(&with(&CELLS, &["--seed", "2"]), "datasets, seeds.street-narrow");
+    refused(&with(&CELLS, &["--seed", "2"]), "datasets, seeds.street-narrow, shard.parts");
     refused(&with(&CELLS, &["--scans", "0..4"]), "datasets, shard.parts");
     let support = "config.hierarchical.walls.min_support, detectors";
     refused(&with(&CELLS, &["-P", "walls.min_support=0.7"]), support);
