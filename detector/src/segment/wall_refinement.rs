@@ -459,15 +459,15 @@ mod tests {
         fn class_at(&self, place_m: [f32; 2], enabled: bool) -> SurfaceClass {
             let mut params = HierarchicalParams::shipped();
             params.walls.enabled = enabled;
-            self.class_by(params, place_m)
+            self.class_by(&params, place_m)
         }
 
         /// The same as the paper prints it.
         fn printed_class_at(&self, place_m: [f32; 2]) -> SurfaceClass {
-            self.class_by(PaperParams::shipped().stages(&HierarchicalParams::shipped()), place_m)
+            self.class_by(&PaperParams::shipped().stages(&HierarchicalParams::shipped()), place_m)
         }
 
-        fn class_by(&self, params: HierarchicalParams, place_m: [f32; 2]) -> SurfaceClass {
+        fn class_by(&self, params: &HierarchicalParams, place_m: [f32; 2]) -> SurfaceClass {
             self.class_refined(params, place_m, |walls, (grid, terrain), classes| {
                 walls.refine(grid, terrain, classes);
             })
@@ -475,18 +475,18 @@ mod tests {
 
         /// The class of the cell around `place_m` where all hangs over the street that lies to the right of `from_x_m`.
         fn class_if_hanging(&self, place_m: [f32; 2], from_x_m: f32) -> SurfaceClass {
-            self.class_refined(HierarchicalParams::shipped(), place_m, |walls, (grid, terrain), classes| {
+            self.class_refined(&HierarchicalParams::shipped(), place_m, |walls, (grid, terrain), classes| {
                 walls.refine_on_walls(grid, terrain, |it| grid.center_m(it)[0] > from_x_m, classes);
             })
         }
 
         fn class_refined(
             &self,
-            params: HierarchicalParams,
+            params: &HierarchicalParams,
             place_m: [f32; 2],
             refine: impl Fn(&mut WallRefinement, (&HierarchicalGrid, &Terrain), &mut [SurfaceClass]),
         ) -> SurfaceClass {
-            let mut frame = segmented(&params, &self.0);
+            let mut frame = segmented(params, &self.0);
             refine(&mut frame.walls, (&frame.grid, &frame.terrain), &mut frame.classes);
             class_around(&frame, place_m)
         }
@@ -553,7 +553,7 @@ mod tests {
     fn what_reaches_the_upper_end_of_the_view_is_cut_off() {
         let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
         let params = HierarchicalParams::shipped();
-        street.class_refined(params, [3.1, 9.1], |walls, (grid, terrain), classes| {
+        street.class_refined(&params, [3.1, 9.1], |walls, (grid, terrain), classes| {
             assert!(!walls.is_cut_off(10.0, 5.0), "nothing was seen yet");
             walls.refine(grid, terrain, classes);
             // Less than two degrees below the topmost beam, and more.
@@ -564,7 +564,7 @@ mod tests {
         let cars = Drawing::road().surface([-12.0, 7.1], [12.0, 7.1], 1.5);
         for street in [&cars.clone(), &cars.surface([9.1, -4.1], [9.2, -4.1], 3.0)] {
             street.class_refined(
-                HierarchicalParams::shipped(),
+                &HierarchicalParams::shipped(),
                 [3.1, 7.1],
                 |walls, (grid, terrain), classes| {
                     walls.refine(grid, terrain, classes);
@@ -577,19 +577,23 @@ mod tests {
     #[test]
     fn a_cell_knows_how_long_its_wall_is() {
         let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
-        street.class_refined(HierarchicalParams::shipped(), [3.1, 9.1], |walls, (grid, terrain), classes| {
-            let cell_at = |place_m| {
-                let [column, row] = grid.nearest_column_and_row(place_m);
-                row * grid.n_columns() + column
-            };
-            walls.refine(grid, terrain, classes);
-            let length_m = walls.length_of_wall_m(cell_at([3.1, 9.1]));
-            assert!((length_m - 24.0).abs() <= 0.6, "{length_m}");
-            assert_eq!(walls.length_of_wall_m(cell_at([3.1, 4.1])), 0.0);
-            // A scan without a wall.
-            walls.refine(grid, terrain, &mut vec![SurfaceClass::Unseen; classes.len()]);
-            assert_eq!(walls.length_of_wall_m(cell_at([3.1, 9.1])), 0.0);
-        });
+        street.class_refined(
+            &HierarchicalParams::shipped(),
+            [3.1, 9.1],
+            |walls, (grid, terrain), classes| {
+                let cell_at = |place_m| {
+                    let [column, row] = grid.nearest_column_and_row(place_m);
+                    row * grid.n_columns() + column
+                };
+                walls.refine(grid, terrain, classes);
+                let length_m = walls.length_of_wall_m(cell_at([3.1, 9.1]));
+                assert!((length_m - 24.0).abs() <= 0.6, "{length_m}");
+                assert_eq!(walls.length_of_wall_m(cell_at([3.1, 4.1])), 0.0);
+                // A scan without a wall.
+                walls.refine(grid, terrain, &mut vec![SurfaceClass::Unseen; classes.len()]);
+                assert_eq!(walls.length_of_wall_m(cell_at([3.1, 9.1])), 0.0);
+            },
+        );
     }
 
     #[test]

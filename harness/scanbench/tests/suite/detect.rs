@@ -31,8 +31,7 @@ fn read_clusters(csv: &str) -> Vec<Option<u32>> {
 }
 
 fn drive() -> Workplace {
-    let workplace = Workplace::with_drive(3);
-    workplace
+    Workplace::with_drive(3)
 }
 
 #[test]

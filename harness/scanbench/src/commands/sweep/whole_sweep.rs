@@ -80,19 +80,21 @@ fn add_shard(
     tally.check_official().map_err(|problem| shard.damaged(problem))?;
     // Threads leave them in any order.
     scans.sort_unstable_by_key(ScanAtPoint::key);
-    if let Some((key, found)) = expected.first_difference(scans.iter().map(ScanAtPoint::key)) {
-        let in_words = |it: [usize; 3]| format!("data set {}, scan {}, point {}", it[0], it[1], it[2]);
-        let [key, found] = [key, found].map(|it| it.map_or_else(|| "nothing".to_owned(), in_words));
-        return Err(shard.damaged(format!("{SWEPT_SCANS_JSONL} has {found} where {key} is expected")));
+    if let Some(difference) = expected.first_difference(scans.iter().map(ScanAtPoint::key)) {
+        return Err(shard.damaged(format!("{SWEPT_SCANS_JSONL} has {difference}")));
     }
-    scans.iter().for_each(|it| tally.add(it));
+    for scan in &scans {
+        tally.add(scan);
+    }
     let mut timed: Vec<TimedScan> = Vec::new();
     shard.each_line(TIMED_SCANS_JSONL, |scan: TimedScan| {
         expected.check_times(&scan, timed.last())?;
         timed.push(scan);
         Ok(())
     })?;
-    timed.into_iter().for_each(|it| tally.add_times(it));
+    for scan in timed {
+        tally.add_times(scan);
+    }
     Ok(())
 }
 
@@ -115,16 +117,20 @@ impl Expected<'_> {
         })
     }
 
-    /// The first result that is expected and not there, or there and not expected.
-    fn first_difference(
-        &self,
-        mut found: impl Iterator<Item = [usize; 3]>,
-    ) -> Option<(Option<[usize; 3]>, Option<[usize; 3]>)> {
-        let differs = |key| {
-            let found = found.next();
-            (found != Some(key)).then_some((Some(key), found))
+    /// In words, the first result that is expected and not there, or there and not expected.
+    fn first_difference(&self, mut found: impl Iterator<Item = [usize; 3]>) -> Option<String> {
+        let in_words = |it: Option<[usize; 3]>| match it {
+            Some([dataset_idx, scan_idx, point_idx]) => {
+                format!("data set {dataset_idx}, scan {scan_idx}, point {point_idx}")
+            }
+            None => "nothing".to_owned(),
         };
-        { self.keys() }.find_map(differs).or_else(|| Some((None, Some(found.next()?))))
+        // One more than there are, so that nothing is expected behind the last.
+        let mut expected = self.keys().map(Some).chain([None]);
+        expected.find_map(|key| {
+            let found = found.next();
+            (found != key).then(|| format!("{} where {} is expected", in_words(found), in_words(key)))
+        })
     }
 
     fn check(&self, scan: &ScanAtPoint) -> Result<(), String> {
