@@ -184,7 +184,7 @@ pub enum DetectorListError {
 
 fn or_was_meant(name: &str, known: &[&'static str]) -> String {
     let closest = closest(name, known.iter().copied());
-    closest.map_or_else(String::new, |it| format!(", did you mean {it:?}?"))
+    closest.map_or_else(String::new, |it| format!(" (did you mean {it:?}?)"))
 }
 
 fn of_file(file: Option<&Path>) -> String {

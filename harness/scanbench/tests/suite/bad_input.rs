@@ -164,7 +164,8 @@ fn a_run_that_cannot_be() {
         (
             "street -d pca,kdtree -o out",
             &[
-                "there is no detector \"kdtree\"",
+                "there is no detector \"kdtree\" (did you mean \"kd-tree\"?)",
+                "no scanbench.toml tells of others",
                 "detectors are hierarchical, kd-tree-trained, kd-tree-tree, paper, kd-tree-same-walls, kd-tree, pca",
             ],
         ),

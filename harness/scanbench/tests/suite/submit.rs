@@ -162,3 +162,15 @@ fn pods_get_the_words_of_the_run_and_the_number_of_shards() {
     let lines: Vec<String> = words.iter().map(|it| format!("            - {it:?}\n")).collect();
     assert!(merge.contains(&lines.concat()), "{merge}");
 }
+
+#[test]
+fn limits_are_those_of_shards_and_merge_and_so_many_run_at_once() {
+    let workplace = Workplace::new();
+    let options = "--shards 3 --at-once 2 --time 10 --memory 2G -o jobs";
+    workplace.succeed(&format!("submit slurm {options} -- run street-narrow -d pca"));
+    assert!(workplace.read("jobs/shards.sh").contains("#SBATCH --array=1-3%2\n"));
+    for script in ["shards", "merge"] {
+        let text = workplace.read(&format!("jobs/{script}.sh"));
+        assert!(text.contains("#SBATCH --time=10\n#SBATCH --mem=2G\n"), "{text}");
+    }
+}
