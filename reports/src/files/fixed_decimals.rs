@@ -11,6 +11,16 @@ pub fn fixed_decimals(value: f64, decimals: usize) -> String {
     }
 }
 
+/// A share of 1 in percent with one decimal, such as `12.5`.
+pub fn percent(share: f64) -> String {
+    fixed_decimals(100.0 * share, 1)
+}
+
+/// The same with its sign, such as `+12.5`.
+pub fn signed_percent(share: f64) -> String {
+    format!("{}{}", if share > 0.0 { "+" } else { "" }, percent(share))
+}
+
 /// `value` with three digits that count, but never without those before the decimal point.
 pub(crate) fn three_digits(value: f64) -> String {
     let magnitude = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
@@ -60,6 +70,12 @@ mod tests {
         check(-0.004, 2, "0.00");
         check(-0.006, 2, "-0.01");
         check(-0.4, 0, "0");
+    }
+
+    #[test]
+    fn shares_are_percentages_with_a_sign_where_it_is_asked_for() {
+        assert_eq!([0.125, -0.5].map(percent), ["12.5", "-50.0"]);
+        assert_eq!([0.125, -0.5, 0.0].map(signed_percent), ["+12.5", "-50.0", "0.0"]);
     }
 
     #[test]

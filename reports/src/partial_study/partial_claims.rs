@@ -1,14 +1,26 @@
 //! Which claims of the paper about partial clouds hold.
 
+use serde::{Deserialize, Serialize};
+
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::rows::partial_row::Told;
 use crate::vocabulary::partial_class::PartialClass;
 
-/// A claim, and what was measured.
+/// What the paper claims.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PartialClaim {
+    /// Trees are classified as poles until the crown shows.
+    PolesFirst,
+    /// From step 5 on every class is nearest to itself on average.
+    RightOnAverage,
+    /// The more is seen, the better the decision.
+    EverBetter,
+}
+
+/// What was measured of a claim.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Claim {
-    /// What the paper says.
-    pub text: &'static str,
+pub struct MeasuredClaim {
     /// Whether it holds; `None` if it cannot be told from these rows.
     pub holds: Option<bool>,
     /// What that rests on.
@@ -20,14 +32,31 @@ const LATE: u32 = 5;
 /// Steps at which no more than a trunk is seen from below.
 const TRUNK_ALONE: u32 = 3;
 
-/// The three claims, as one curve has it.
-///
-/// Paper: BG section 4.
-pub fn claims(curve: &PartialCurve) -> [Claim; 3] {
-    [trees_are_poles_first(curve), right_on_average(curve), ever_better(curve)]
+impl PartialClaim {
+    /// All, in the order of BG section 4.
+    pub const ALL: [Self; 3] = [Self::PolesFirst, Self::RightOnAverage, Self::EverBetter];
+
+    /// What the paper says.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::PolesFirst => "trees are taken for poles until the crown shows",
+            Self::RightOnAverage => "from step 5 on every class is right on average",
+            Self::EverBetter => "the more is seen, the better the decision",
+        }
+    }
+
+    /// What one curve says of it.
+    pub fn measured(self, curve: &PartialCurve) -> MeasuredClaim {
+        let (holds, number) = match self {
+            Self::PolesFirst => trees_are_poles_first(curve),
+            Self::RightOnAverage => right_on_average(curve),
+            Self::EverBetter => ever_better(curve),
+        };
+        MeasuredClaim { holds, number }
+    }
 }
 
-fn trees_are_poles_first(curve: &PartialCurve) -> Claim {
+fn trees_are_poles_first(curve: &PartialCurve) -> (Option<bool>, String) {
     let share = |is_asked: &dyn Fn(u32) -> bool| {
         let trees = curve
             .steps
@@ -40,7 +69,7 @@ fn trees_are_poles_first(curve: &PartialCurve) -> Claim {
     };
     let early = share(&|step| step <= TRUNK_ALONE);
     let late = share(&|step| step >= LATE);
-    let (holds, number) = match early.zip(late) {
+    match early.zip(late) {
         Some((early, late)) => (
             Some(early > 0.0 && early > 2.0 * late),
             format!(
@@ -50,8 +79,7 @@ fn trees_are_poles_first(curve: &PartialCurve) -> Claim {
             ),
         ),
         None => (None, "there are no trees at these steps".to_owned()),
-    };
-    Claim { text: "trees are taken for poles until the crown shows", holds, number }
+    }
 }
 
 /// The classes whose mean error to themselves is not the least at a step, where errors are known.
@@ -70,7 +98,7 @@ fn wrong_on_average(step: &PartialStep) -> Option<Vec<PartialClass>> {
     is_known.then_some(wrong)
 }
 
-fn right_on_average(curve: &PartialCurve) -> Claim {
+fn right_on_average(curve: &PartialCurve) -> (Option<bool>, String) {
     let late = curve.steps.iter().filter(|it| it.step >= LATE);
     let wrong: Vec<String> = late
         .clone()
@@ -85,11 +113,10 @@ fn right_on_average(curve: &PartialCurve) -> Claim {
         (true, []) => format!("from step {LATE} on each class is nearest to itself on average"),
         (true, wrong) => format!("{} means are nearest to another class: {}", wrong.len(), wrong.join(", ")),
     };
-    let text = "from step 5 on every class is right on average";
-    Claim { text, holds: is_known.then_some(wrong.is_empty()), number }
+    (is_known.then_some(wrong.is_empty()), number)
 }
 
-fn ever_better(curve: &PartialCurve) -> Claim {
+fn ever_better(curve: &PartialCurve) -> (Option<bool>, String) {
     let recalls: Vec<f64> = curve.steps.iter().filter_map(|it| it.mean_recall).collect();
     let falls: Vec<f64> = recalls.windows(2).map(|it| it[0] - it[1]).filter(|it| *it > 0.0).collect();
     let largest = falls.iter().copied().fold(0.0, f64::max);
@@ -103,8 +130,7 @@ fn ever_better(curve: &PartialCurve) -> Claim {
             100.0 * largest
         ),
     };
-    let holds = (recalls.len() > 1).then_some(falls.is_empty());
-    Claim { text: "the more is seen, the better the decision", holds, number }
+    ((recalls.len() > 1).then_some(falls.is_empty()), number)
 }
 
 #[cfg(test)]
@@ -112,6 +138,10 @@ mod tests {
     use super::*;
     use crate::partial_study::partial_curves::tests::rows;
     use crate::rows::partial_row::tests::row;
+
+    fn claims(curve: &PartialCurve) -> [MeasuredClaim; 3] {
+        PartialClaim::ALL.map(|it| it.measured(curve))
+    }
 
     #[test]
     fn what_cannot_be_told_is_not_said_and_falls_are_counted() {

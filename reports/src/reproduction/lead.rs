@@ -1,7 +1,7 @@
 //! Whether one detector of a run leads another, and on which scenes.
 
 use super::judged_claim::Seen;
-use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::fixed_decimals::{percent, signed_percent};
 use crate::numbers::tally::Tally;
 use crate::uncertainty::sample::{Draw, Question, Sample};
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
@@ -74,7 +74,6 @@ impl SceneLead {
 
 /// What is seen of a lead that is to be there on each of `leads`.
 pub fn seen(reading: &str, leads: &[SceneLead]) -> Seen {
-    let percent = |it: f64| fixed_decimals(100.0 * it, 1);
     let name = |it: &SceneLead| if leads.len() > 1 { format!("{}: ", it.scene) } else { String::new() };
     let numbers = leads.iter().map(|it| {
         format!("{}{} against {}", name(it), percent(it.difference.after), percent(it.difference.before))
@@ -84,8 +83,7 @@ pub fn seen(reading: &str, leads: &[SceneLead]) -> Seen {
             .difference
             .interval
             .map_or_else(String::new, |it| format!(" ({} to {})", percent(it.ends[0]), percent(it.ends[1])));
-        let sign = if it.difference.difference() > 0.0 { "+" } else { "" };
-        format!("{sign}{}{ends}", percent(it.difference.difference()))
+        format!("{}{ends}", signed_percent(it.difference.difference()))
     });
     Seen {
         reading: reading.to_owned(),

@@ -56,9 +56,18 @@ impl Method {
             ("pca values", MethodKind::Pca),
             ("vehicle values", MethodKind::VehicleValues),
         ];
-        let graphs = [(OURS, PartialParams::shipped()), ("bag of graphs (paper)", PartialParams::of_paper())];
-        let graphs = graphs.map(|(name, params)| (name, MethodKind::BagOfGraphs(Box::new(params))));
-        graphs.into_iter().chain(rivals).map(|(name, kind)| Self { name: name.to_owned(), kind }).collect()
+        let rivals = rivals.map(|(name, kind)| Self { name: name.to_owned(), kind });
+        let ours = Self::graphs(OURS, PartialParams::shipped());
+        [ours, Self::of_paper()].into_iter().chain(rivals).collect()
+    }
+
+    /// The bag of graphs to the letter of the paper.
+    pub fn of_paper() -> Self {
+        Self::graphs("bag of graphs (paper)", PartialParams::of_paper())
+    }
+
+    fn graphs(name: &str, params: PartialParams) -> Self {
+        Self { name: name.to_owned(), kind: MethodKind::BagOfGraphs(Box::new(params)) }
     }
 
     /// The bag of graphs whole, and without each of its parts.
@@ -91,7 +100,7 @@ impl Method {
         let variant = |(name, change): Variant<'_>| {
             let mut params = whole.clone();
             change(&mut params);
-            Self { name: name.to_owned(), kind: MethodKind::BagOfGraphs(Box::new(params)) }
+            Self::graphs(name, params)
         };
         variants.into_iter().map(variant).collect()
     }

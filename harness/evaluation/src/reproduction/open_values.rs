@@ -1,6 +1,6 @@
 //! The values that the papers have and do not state.
 
-/// A parameter of the detector `paper` that the papers leave open.
+/// A parameter of `paper`, or of a rival, that the papers leave open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpenValue {
     /// Its full name.
@@ -41,7 +41,7 @@ const fn ratios(low: f64, high: f64) -> OpenRange {
     OpenRange::Numbers { low, high, is_whole: false, is_log: true }
 }
 
-/// All that there are, in the order of the stages; the criterion of matching last.
+/// All of `paper`, in the order of the stages; the criterion of matching last.
 pub const OPEN_VALUES: [OpenValue; 13] = [
     OpenValue {
         parameter: "paper.terrain.low_quantile",
@@ -110,6 +110,64 @@ pub const OPEN_VALUES: [OpenValue; 13] = [
     },
 ];
 
+/// Those of the rival of HG.
+const KD_TREE_VALUES: [OpenValue; 3] = [
+    OpenValue {
+        parameter: "kd_tree.tolerance_m",
+        said: "HG 5: connected components over a kd-tree of PCL, no tolerance",
+        range: ratios(0.1, 1.5),
+    },
+    OpenValue {
+        parameter: "kd_tree.min_points",
+        said: "the smallest object is not stated",
+        range: OpenRange::Numbers { low: 5.0, high: 60.0, is_whole: true, is_log: true },
+    },
+    OpenValue {
+        parameter: "kd_tree.foreground",
+        said: "HG 5: neither which points are clustered",
+        range: OpenRange::Words(&["short", "refined"]),
+    },
+];
+
+/// Those of the rival of VM.
+const PCA_VALUES: [OpenValue; 5] = [
+    OpenValue {
+        parameter: "pca.grid.cell_size_m",
+        said: "VM 6: a 2-D occupancy grid, no cell size",
+        range: ratios(0.15, 1.0),
+    },
+    OpenValue {
+        parameter: "pca.occupancy.min_height_difference_m",
+        said: "VM 6: what makes a cell occupied is not stated",
+        range: numbers(0.05, 0.6),
+    },
+    OpenValue {
+        parameter: "pca.occupancy.min_points",
+        said: "VM 6: what makes a cell occupied is not stated",
+        range: whole(1.0, 6.0),
+    },
+    OpenValue {
+        parameter: "pca.cluster.min_points",
+        said: "the smallest object is not stated",
+        range: OpenRange::Numbers { low: 5.0, high: 60.0, is_whole: true, is_log: true },
+    },
+    OpenValue {
+        parameter: "pca.cluster.max_extent_m",
+        said: "the largest object is not stated",
+        range: numbers(8.0, 30.0),
+    },
+];
+
+/// The open values of a detector of the papers but the criterion of matching; none of any other detector.
+pub fn open_values_of(detector: &str) -> &'static [OpenValue] {
+    match detector {
+        "paper" => &OPEN_VALUES[..OPEN_VALUES.len() - 1],
+        "kd-tree" => &KD_TREE_VALUES,
+        "pca" => &PCA_VALUES,
+        _ => &[],
+    }
+}
+
 impl OpenRange {
     /// The value at a share of the range, 0 to 1, as it is written.
     pub fn at(self, share: f64) -> String {
@@ -152,7 +210,9 @@ mod tests {
     #[test]
     fn ranges_hold_the_shipped_values_and_are_parameters() {
         let config = RunConfig::load(None).unwrap();
-        for OpenValue { parameter, range, .. } in OPEN_VALUES {
+        let of_detectors = ["paper", "kd-tree", "pca"].into_iter().flat_map(open_values_of);
+        for OpenValue { parameter, range, .. } in OPEN_VALUES.iter().chain(of_detectors) {
+            let range = *range;
             let shipped = config.value_of(parameter).expect(parameter);
             match range {
                 OpenRange::Words(words) => assert!(words.contains(&shipped.as_str().unwrap())),

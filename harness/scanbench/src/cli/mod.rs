@@ -62,7 +62,7 @@ pub use params::ParamsArgs;
 pub use partial::{LearnedFrom, PartialArgs};
 pub use program::{Cli, Command};
 pub use report::ReportArgs;
-pub use reproduce::{PaperName, ReproduceArgs};
+pub use reproduce::{ChosenFor, PaperName, ReproduceArgs};
 pub use results::{NamedResults, ResultFilesArgs};
 pub use robustness::RobustnessArgs;
 pub use run::RunArgs;

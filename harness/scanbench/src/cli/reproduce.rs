@@ -1,6 +1,7 @@
 //! Arguments of `scanbench reproduce`.
 
 use clap::{Args, ValueEnum};
+use reports::vocabulary::task::Task;
 
 use super::help_text::DETECTORS;
 use super::output::OutputArgs;
@@ -11,7 +12,7 @@ use super::timing::TimingArgs;
 #[derive(Debug, Args)]
 #[command(after_help = REPRODUCE_EXAMPLES)]
 pub struct ReproduceArgs {
-    /// Which paper: hg (objects over a hierarchical grid), vm (vehicles by their model), or all
+    /// Which paper: hg (objects over a hierarchical grid), vm (vehicles by their model), or all, with bg (partial clouds of objects)
     #[arg(value_enum, ignore_case = true, default_value = "all", help_heading = clap::builder::Resettable::Reset)]
     pub paper: PaperName,
     /// The scans.
@@ -24,9 +25,16 @@ pub struct ReproduceArgs {
     /// Seed of the draw of settings
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = DETECTORS)]
     pub settings_seed: u64,
-    /// Choose the values that the papers leave open by these scans, instead of judging claims
-    #[arg(long, help_heading = DETECTORS, conflicts_with_all = ["output", "overwrite", "warmup"])]
-    pub choose: bool,
+    /// Simulated objects of each class that the method of BG learns from, and as many others that judge it
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(help_heading = DETECTORS)]
+    pub per_class: u32,
+    /// Choose the values that the papers leave open by these scans, instead of judging claims: those of paper, or of a rival
+    ///
+    /// The setting with the greatest mean rate wins: of paper over both tasks, of a rival in its own.
+    #[arg(long, value_enum, value_name = "DETECTOR", num_args = 0..=1, require_equals = true, default_missing_value = "paper")]
+    #[arg(help_heading = DETECTORS, conflicts_with_all = ["output", "overwrite", "warmup"])]
+    pub choose: Option<ChosenFor>,
     /// Where the page and the tables are written.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -42,8 +50,39 @@ pub enum PaperName {
     Hg,
     /// Vehicles by their model
     Vm,
-    /// Both
+    /// Both, and BG: partial clouds of objects
     All,
+}
+
+/// A detector of the papers that has open values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ChosenFor {
+    /// The method of the papers
+    Paper,
+    /// The rival of objects
+    KdTree,
+    /// The rival of vehicles
+    Pca,
+}
+
+impl ChosenFor {
+    /// Its name among detectors.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::KdTree => "kd-tree",
+            Self::Pca => "pca",
+        }
+    }
+
+    /// What it is chosen for.
+    pub fn tasks(self) -> &'static [Task] {
+        match self {
+            Self::Paper => &Task::ALL,
+            Self::KdTree => &[Task::Objects],
+            Self::Pca => &[Task::Vehicles],
+        }
+    }
 }
 
 impl PaperName {
@@ -59,10 +98,11 @@ impl PaperName {
 
 const REPRODUCE_EXAMPLES: &str = "\
 Examples:
-  scanbench reproduce                              both papers, on simulated streets
+  scanbench reproduce                              all three papers, on simulated streets and objects
   scanbench reproduce all streets ~/data/kitti_tracking -o runs/papers
   scanbench reproduce hg --settings 1000
   scanbench reproduce all --choose training-streets --scans 0..300:6
+  scanbench reproduce all --choose=kd-tree training-streets --scans 0..300:6
 
 Runs the method of the papers and its rivals, judges each claim of the papers, and says
 under which of the values that they leave open it holds. Writes reproduction.html, .md,

@@ -15,3 +15,4 @@ pub mod partial_table;
 pub mod claims_table;
 pub mod open_values_table;
 pub mod rate_table;
+pub mod background_table;

@@ -2,7 +2,7 @@
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::Interval;
-use crate::partial_study::partial_claims::claims;
+use crate::partial_study::partial_claims::{MeasuredClaim, PartialClaim};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::rows::partial_row::Told;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
@@ -151,17 +151,18 @@ fn confusion(step: &PartialStep) -> Grid {
 }
 
 fn claim_grid(curve: &PartialCurve) -> Grid {
-    let line = |claim: crate::partial_study::partial_claims::Claim| {
-        let verdict = match claim.holds {
+    let line = |claim: PartialClaim| {
+        let MeasuredClaim { holds, number } = claim.measured(curve);
+        let verdict = match holds {
             Some(true) => "holds",
             Some(false) => "does not hold",
             None => "cannot be told",
         };
-        let cells = [claim.text.to_owned(), verdict.to_owned(), claim.number].map(Cell::new);
+        let cells = [claim.text().to_owned(), verdict.to_owned(), number].map(Cell::new);
         Line { kind: LineKind::Dataset, cells: cells.to_vec() }
     };
     let columns = ["claim", "verdict", "measured"].map(Column::left);
-    Grid { columns: columns.to_vec(), lines: claims(curve).into_iter().map(line).collect() }
+    Grid { columns: columns.to_vec(), lines: PartialClaim::ALL.map(line).to_vec() }
 }
 
 #[cfg(test)]

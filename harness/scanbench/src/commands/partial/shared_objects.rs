@@ -64,9 +64,17 @@ pub struct ObjectEntry {
 /// Somebody asked for an end.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted after object {object_idx} of {set:?}")]
-struct Interrupted {
-    object_idx: usize,
-    set: String,
+pub struct Interrupted {
+    /// The last object that was judged.
+    pub object_idx: usize,
+    /// Its set.
+    pub set: String,
+}
+
+impl From<Interrupted> for Failure {
+    fn from(error: Interrupted) -> Self {
+        Self::Interrupted(error.into())
+    }
 }
 
 impl<'a> SharedObjects<'a> {
@@ -105,7 +113,7 @@ impl<'a> SharedObjects<'a> {
                 journal.add(&ObjectEntry { set_idx, method_idx, object_idx, lines })?;
                 progress.inc(1);
                 if interruption_flag().load(Ordering::Relaxed) {
-                    return Err(Failure::Interrupted(Interrupted { object_idx, set: name.clone() }.into()));
+                    return Err(Interrupted { object_idx, set: name.clone() }.into());
                 }
                 Ok(())
             });

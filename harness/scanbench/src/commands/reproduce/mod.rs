@@ -2,6 +2,9 @@
 
 mod choose;
 mod settings_study;
+mod partial_objects;
+mod observations;
+mod backgrounds;
 mod judge;
 mod rate_tables;
 mod papers_run;
@@ -11,7 +14,10 @@ use crate::commands::failure::Failure;
 
 /// Judges the claims of the papers, or chooses the values that they leave open.
 pub fn reproduce(arguments: &ReproduceArgs) -> Result<(), Failure> {
-    if arguments.choose { choose::choose(arguments) } else { papers_run::papers_run(arguments) }
+    match arguments.choose {
+        Some(detector) => choose::choose(arguments, detector),
+        None => papers_run::papers_run(arguments),
+    }
 }
 
 /// The method of the papers.

@@ -13,12 +13,15 @@ use reports::reproduction::sensitivity::Sensitivity;
 use reports::run_folder::run_directory::{REPRODUCTION_JSON, RunDirectory};
 use reports::tables::formats::format::Format as _;
 use reports::tables::sheet::Tabular;
+use reports::tables::studies::background_table::BackgroundTable;
 use reports::tables::studies::claims_table::{ClaimsTable, lead};
 use reports::tables::studies::open_values_table::OpenValuesTable;
 use reports::vocabulary::study::Study;
 
 use super::METHOD;
-use super::judge::Judge;
+use super::backgrounds::backgrounds;
+use super::judge::{Judge, of_first_origin};
+use super::partial_objects::PartialObjects;
 use super::rate_tables::RateTables;
 use super::settings_study::SettingsStudy;
 use crate::cli::{PaperName, ReproduceArgs};
@@ -75,13 +78,22 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     let leads = LeadsOf::new(tally);
     let rates = RateTables { tally, leads: &leads };
     let of_run = (tally, &leads, &numbers.report);
-    let judge = Judge::new(of_run, &config, &datasets, settings.as_ref(), interruption_flag())?;
-    let claims = judge.claims(papers(arguments.paper));
+    let papers = papers(arguments.paper);
+    let of_bg = papers.contains(&Paper::BagOfGraphs);
+    let objects = of_bg.then(|| PartialObjects::judge(arguments.per_class, interruption_flag())).transpose()?;
+    let mut notes = notes(settings.as_ref().map(|it| &it.sensitivity));
+    notes.extend(objects.as_ref().map(PartialObjects::note));
+    let backgrounds = backgrounds(of_first_origin(&datasets), &config, interruption_flag())?;
+    let beside = (settings.as_ref(), objects);
+    let judge = Judge::new(of_run, &config, &datasets, beside, interruption_flag())?;
+    let claims = judge.claims(papers);
     let written = Written {
         arguments,
         claims: &claims,
+        notes: &notes,
         judge: &judge,
         rates: &rates,
+        backgrounds: &backgrounds,
         settings: settings.as_ref().map(|it| &it.sensitivity),
     };
     written.write(&made.directory)?;
@@ -98,7 +110,7 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
 fn papers(name: PaperName) -> &'static [Paper] {
     match name {
         PaperName::Hg => &Paper::ALL[..1],
-        PaperName::Vm => &Paper::ALL[1..],
+        PaperName::Vm => &Paper::ALL[1..2],
         PaperName::All => &Paper::ALL,
     }
 }
@@ -125,16 +137,17 @@ const PARTS: [&str; 2] = ["What the data do: objects", "What the data do: vehicl
 struct Written<'a> {
     arguments: &'a ReproduceArgs,
     claims: &'a [JudgedClaim],
+    notes: &'a [String],
     judge: &'a Judge<'a>,
     rates: &'a RateTables<'a>,
+    backgrounds: &'a BackgroundTable,
     settings: Option<&'a Sensitivity>,
 }
 
 impl Written<'_> {
     fn write(&self, directory: &RunDirectory) -> Result<(), ArchiveError> {
-        let Self { arguments, claims, judge, rates, settings } = self;
-        let notes = notes(*settings);
-        let claims_table = ClaimsTable { claims, notes: &notes };
+        let Self { arguments, claims, notes, judge, rates, backgrounds, settings } = self;
+        let claims_table = ClaimsTable { claims, notes };
         write_table(directory, "reproduction", &claims_table)?;
         let json = serde_json::json!({ "schema": SCHEMA, "claims": claims, "settings": settings });
         directory.write_file(REPRODUCTION_JSON, format!("{json:#}\n").as_bytes())?;
@@ -143,6 +156,7 @@ impl Written<'_> {
         let mut tables: Vec<(&str, &dyn Tabular)> = Vec::new();
         tables.extend(TABLES_1.into_iter().zip(&by_scene).map(|(title, it)| (title, it as &dyn Tabular)));
         tables.extend(PARTS.into_iter().zip(&by_part).map(|(title, it)| (title, it as &dyn Tabular)));
+        tables.push(("What the data do: the background of vehicles", *backgrounds));
         let open_values = settings.map(|sensitivity| OpenValuesTable { sensitivity });
         let svg = settings.map(settings_plot);
         if let (Some(table), Some(svg), Some(sensitivity)) = (&open_values, &svg, settings) {
@@ -156,11 +170,12 @@ impl Written<'_> {
         let options = [
             ("--settings", Some(arguments.settings.to_string())),
             ("--settings-seed", Some(arguments.settings_seed.to_string())),
+            ("--per-class", (arguments.paper == PaperName::All).then(|| arguments.per_class.to_string())),
         ];
         let page = ReproductionPage {
             scans: &scans,
             claims,
-            notes: &notes,
+            notes,
             tables: &tables,
             settings_svg: svg.as_deref(),
             command: &reproducible_command(&verb, &arguments.data, &options),
