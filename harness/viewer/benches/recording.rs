@@ -83,6 +83,7 @@ fn record(
                 first_tab: FirstTab::Compare,
                 has_poses: false,
                 at_the_start: false,
+                figures: &[],
             },
             points: PointChoice::default(),
         },

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use evaluation::run::scan_recorder::FigureView;
 use reports::vocabulary::task::Task;
 
 use super::drawn_points::PointChoice;
@@ -45,4 +46,6 @@ pub struct Opening {
     pub has_poses: bool,
     /// What is first on the axis is shown first, instead of what came last.
     pub at_the_start: bool,
+    /// What a tab of its own shows, before all others; none if there are none.
+    pub figures: &'static [FigureView],
 }

@@ -47,7 +47,13 @@ pub fn record_sweep(
         name: directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         file: directory.path_of(SWEEP_RRD),
         viewer: ViewerChoice::None,
-        opening: Opening { shown_task, first_tab: FirstTab::Compare, has_poses: false, at_the_start: true },
+        opening: Opening {
+            shown_task,
+            first_tab: FirstTab::Compare,
+            has_poses: false,
+            at_the_start: true,
+            figures: &[],
+        },
         points: PointChoice::All,
     };
     let detectors: Vec<&str> = plan.detectors.iter().map(ChosenDetector::name).collect();

@@ -43,7 +43,9 @@ impl Paper {
                 "Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in Continuously Streamed \
                  Urban LIDAR Point Clouds, 2014 (VM)"
             }
-            Self::BagOfGraphs => "Rózsa, Szirányi: LIDAR alapú gépi látás a közlekedésben részleges pontfelhőkből, 2016 (BG)",
+            Self::BagOfGraphs => {
+                "Rózsa, Szirányi: LIDAR alapú gépi látás a közlekedésben részleges pontfelhőkből, 2016 (BG)"
+            }
         }
     }
 }

@@ -41,6 +41,17 @@ pub trait ScanRecorder {
     fn finish(self) -> Result<RecordingEnding, Self::Error>;
 }
 
+/// A view of what a stage of a detector leaves behind, as a figure shows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FigureView {
+    /// Its name.
+    pub title: &'static str,
+    /// The detector.
+    pub detector: &'static str,
+    /// The stage.
+    pub stage: &'static str,
+}
+
 /// How a recording ended.
 #[derive(Debug)]
 pub struct RecordingEnding {

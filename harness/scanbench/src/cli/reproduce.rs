@@ -6,6 +6,7 @@ use reports::vocabulary::task::Task;
 use super::help_text::DETECTORS;
 use super::output::OutputArgs;
 use super::scans::DatasetArgs;
+use super::stream::StreamArgs;
 use super::timing::TimingArgs;
 
 /// Arguments of `scanbench reproduce`.
@@ -41,6 +42,9 @@ pub struct ReproduceArgs {
     /// What runs beside what.
     #[command(flatten)]
     pub timing: TimingArgs,
+    /// What is recorded: 30 scans unless --rerun-every says otherwise, with a view for each figure of the papers.
+    #[command(flatten)]
+    pub stream: StreamArgs,
 }
 
 /// A paper.
@@ -106,4 +110,5 @@ Examples:
 
 Runs the method of the papers and its rivals, judges each claim of the papers, and says
 under which of the values that they leave open it holds. Writes reproduction.html, .md,
-.tex and .json, settings.csv, and the files of a run.";
+.tex and .json, settings.csv, and the files of a run. The recording has 30 scans, unless
+--rerun-every says otherwise, and opens with a view for each figure of the papers.";

@@ -61,6 +61,7 @@ pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<Sca
         n_jobs: arguments.timing.n_jobs(),
         started,
         put_up: None,
+        recorded: None,
         pairs: None,
     })
 }

@@ -2,21 +2,23 @@
 
 use std::cell::RefCell;
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use evaluation::run::config::RunConfig;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::gap_experiment::PairTally;
+use evaluation::run::scan_recorder::FigureView;
 use evaluation::run::sink::Sinks;
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
 use serde_json::Value;
 
-use crate::cli::ExperimentArgs;
+use crate::cli::{ExperimentArgs, StreamArgs};
 use crate::commands::config::chosen_detectors;
 use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::RunProgress;
+use crate::commands::recorder::{Recorder, begin_recording};
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::shards::watched_study::WatchedStudy;
 use crate::commands::watched_run::WatchedRun;
@@ -39,6 +41,8 @@ pub struct ScanStudy<'a> {
     pub started: Timestamp,
     /// What was put up for it, if anything.
     pub put_up: Option<PutUp>,
+    /// What is recorded of it, and which figures are views of their own; nothing if `None`.
+    pub recorded: Option<(StreamArgs, &'static [FigureView])>,
     /// What looks at clusters, of which no row speaks.
     pub pairs: Option<&'a RefCell<PairTally<'a>>>,
 }
@@ -72,6 +76,7 @@ impl ScanStudy<'_> {
             n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
             started,
             put_up: None,
+            recorded: None,
             pairs: None,
         })
     }
@@ -111,6 +116,11 @@ impl WatchedStudy for ScanStudy<'_> {
 
     fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a> {
         WatchedRun::of_study(&self.entrants, &self.datasets, (self.n_warmup, self.n_jobs), progress)
+    }
+
+    fn begin_recording(&self, name: &str, file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
+        let Some((stream, figures)) = &self.recorded else { return Ok(None) };
+        begin_recording((stream, figures), (&self.entrants, &self.datasets), (name, file))
     }
 
     fn sinks<'a>(&'a self, _: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {

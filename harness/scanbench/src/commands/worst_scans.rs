@@ -57,6 +57,7 @@ pub fn record(
         n_scans: scans.len(),
         has_poses: again.datasets.iter().any(OpenedDataset::has_poses),
         at_the_start: true,
+        figures: &[],
     })?
     else {
         return Ok(());

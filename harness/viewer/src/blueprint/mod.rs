@@ -1,4 +1,4 @@
-//! How a recording opens: tabs for three tasks, of which one is in front.
+//! How a recording opens: tabs for figures and three tasks, of which one is in front.
 
 use re_sdk_types::blueprint::components::{PanelState, PlayState};
 use rerun::blueprint::{Blueprint, BlueprintActivation, BlueprintPanel, SelectionPanel, Tabs, TimePanel};
@@ -7,6 +7,7 @@ use rerun::{RecordingStream, RecordingStreamBuilder};
 
 use self::compare::compare;
 use self::drive::drive;
+use self::figures::figures;
 use self::scene::Property;
 use self::stages::stages;
 use super::error::StreamError;
@@ -17,6 +18,7 @@ use super::stream_options::{FirstTab, Opening};
 mod scene;
 mod compare;
 mod stages;
+mod figures;
 mod drive;
 pub mod growth;
 
@@ -41,13 +43,15 @@ pub fn send_blueprint(
     layout: &RecordingLayout<'_>,
 ) -> Result<(), StreamError> {
     let mut properties = Vec::new();
-    let mut tabs = vec![compare(layout, &mut properties)];
+    let mut tabs: Vec<_> = figures(layout, &mut properties).into_iter().collect();
+    let n_figures = tabs.len();
+    tabs.push(compare(layout, &mut properties));
     tabs.extend(layout.detectors.iter().map(|detector| stages(layout, detector, &mut properties)));
     if layout.opening.has_poses {
         tabs.push(drive(layout, &mut properties));
     }
     let front = match layout.opening.first_tab {
-        FirstTab::Stages if !layout.detectors.is_empty() => 1,
+        FirstTab::Stages if !layout.detectors.is_empty() => n_figures + 1,
         FirstTab::Drive if layout.opening.has_poses => tabs.len() - 1,
         FirstTab::Compare | FirstTab::Stages | FirstTab::Drive => 0,
     };

@@ -1,12 +1,30 @@
 //! One detector, stage by stage.
 
+use rerun::EntityPath;
 use rerun::blueprint::{ContainerLike, Grid, Horizontal, TimeSeriesView, Vertical};
 
 use super::RecordingLayout;
 use super::compare::{drawn_legend, mistakes};
 use super::scene::{Eye, Property, Scene, ScenePoints, hide};
 use crate::entity_paths;
-use crate::product_views::DetectorViews;
+use crate::product_views::{DetectorViews, StageView};
+
+/// What `stage` left behind.
+pub fn stage_view(title: &str, stage: &StageView, properties: &mut Vec<Property>) -> ContainerLike {
+    let points = if stage.is_of_cells { ScenePoints::None } else { ScenePoints::by(stage.labels) };
+    scene(title, stage.entities.clone(), points, properties)
+}
+
+fn scene(
+    name: &str,
+    contents: Vec<EntityPath>,
+    points: ScenePoints,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
+    let view = Scene { name, frame: entity_paths::SENSOR, eye: Eye::NEAR, contents, points }.view(properties);
+    hide(properties, &view, &entity_paths::ANNOTATIONS.into());
+    view
+}
 
 /// A view for each stage of `detector`, then its scores, and what became of its detections.
 pub fn stages(
@@ -15,24 +33,22 @@ pub fn stages(
     properties: &mut Vec<Property>,
 ) -> ContainerLike {
     let name = &detector.detector;
-    let mut scene = |name: &str, contents, points| {
-        let frame = entity_paths::SENSOR;
-        let view = Scene { name, frame, eye: Eye::NEAR, contents, points }.view(properties);
-        hide(properties, &view, &entity_paths::ANNOTATIONS.into());
-        view
-    };
     let mut views = Vec::new();
     for (number, stage) in (1..).zip(&detector.stages) {
         let title = format!("{number} {}", stage.stage.replace('_', " "));
-        let points = if stage.is_of_cells { ScenePoints::None } else { ScenePoints::by(stage.labels) };
-        views.push(scene(&title, stage.entities.clone(), points));
+        views.push(stage_view(&title, stage, properties));
     }
     let n_stages = detector.stages.len();
     let scores = format!("{} score: vehicle or not", n_stages + 1);
-    views.push(scene(&scores, vec![entity_paths::scores(name)], ScenePoints::by(detector.clusters)));
+    views.push(scene(
+        &scores,
+        vec![entity_paths::scores(name)],
+        ScenePoints::by(detector.clusters),
+        properties,
+    ));
     let outcomes = format!("{} {}: right and wrong", n_stages + 2, layout.opening.shown_task.name());
     let judged = vec![entity_paths::outcomes(name, layout.opening.shown_task)];
-    views.push(scene(&outcomes, judged, ScenePoints::by(detector.surfaces)));
+    views.push(scene(&outcomes, judged, ScenePoints::by(detector.surfaces), properties));
     let n_columns = views.len().div_ceil(2) as u32;
     let grid = Grid::new(views).with_grid_columns(n_columns);
     let times: ContainerLike =

@@ -67,8 +67,12 @@ impl Tabular for BackgroundTable {
             self.vehicles.n,
             self.vehicles.share().map_or_else(|| "–".to_owned(), percent),
         )];
-        Sheet::of("The background that the classifier is judged by".to_owned(), Grid { columns, lines }, notes)
-            .labelled("backgrounds")
+        Sheet::of(
+            "The background that the classifier is judged by".to_owned(),
+            Grid { columns, lines },
+            notes,
+        )
+        .labelled("backgrounds")
     }
 }
 

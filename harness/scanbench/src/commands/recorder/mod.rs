@@ -6,10 +6,13 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use evaluation::run::scan_recorder::{RecordingEnding, Served};
+use evaluation::run::entrant::Entrant;
+use evaluation::run::scan_recorder::{FigureView, RecordingEnding, Served};
 use reports::vocabulary::task::Task;
 
 use crate::cli::StreamArgs;
+use crate::commands::failure::Failure;
+use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::standard_streams::print_diagnostic;
 
 #[cfg(feature = "viewer")]
@@ -44,6 +47,34 @@ pub struct RecordingPlan<'a> {
     pub has_poses: bool,
     /// Whether it opens at its first scan, and not at the last.
     pub at_the_start: bool,
+    /// What a tab of its own shows.
+    pub figures: &'static [FigureView],
+}
+
+/// Begins the recording `file` of what `entrants` do on `datasets`, which is called `name`, and returns it with every how many scans are in
+/// it; `None` if none is wanted.
+pub fn begin_recording(
+    (arguments, figures): (&StreamArgs, &'static [FigureView]),
+    (entrants, datasets): (&[Entrant], &[OpenedDataset]),
+    (name, file): (&str, PathBuf),
+) -> Result<Option<(Recorder, u64)>, Failure> {
+    // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
+    let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
+    let shown_task = if datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
+    let detectors: Vec<&str> = entrants.iter().map(|it| it.name).collect();
+    let n_scans = datasets.iter().map(|it| it.part.len()).sum();
+    let recorder = begin(&RecordingPlan {
+        arguments,
+        default_file: file,
+        name,
+        shown_task,
+        detectors: &detectors,
+        n_scans,
+        has_poses: datasets.iter().any(OpenedDataset::has_poses),
+        at_the_start: false,
+        figures,
+    })?;
+    Ok(recorder.map(|it| (it, u64::from(arguments.every(n_scans)))))
 }
 
 /// Says what went wrong at the end, and returns what still serves the recording.

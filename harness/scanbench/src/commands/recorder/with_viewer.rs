@@ -54,6 +54,7 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
         },
         has_poses: plan.has_poses,
         at_the_start: plan.at_the_start,
+        figures: plan.figures,
     };
     let options = RunRecordingOptions {
         stream: StreamOptions {

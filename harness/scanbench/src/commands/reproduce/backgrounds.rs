@@ -44,7 +44,11 @@ pub fn backgrounds(
                 })
             };
             let said: Vec<bool> = candidates.iter().map(is_vehicle).collect();
-            candidates.iter().zip(said).map(|(it, said)| (it.kind.is_vehicle(), it.kind.name(), said)).collect()
+            candidates
+                .iter()
+                .zip(said)
+                .map(|(it, said)| (it.kind.is_vehicle(), it.kind.name(), said))
+                .collect()
         };
         let found = it.look_unsaid(interrupted, |pass| collect_candidates(pass, &source, classified))?;
         for (is_vehicle, name, said) in found {

@@ -56,16 +56,7 @@ impl<'a> Judge<'a> {
         let by_criterion =
             CountedPoints::of((config, &all), (&["matching.criterion"], points), datasets, interrupted)?;
         let observed = Observations::of(of_first_origin(datasets), config, interrupted)?;
-        Ok(Self {
-            tally,
-            report,
-            leads,
-            datasets,
-            settings,
-            by_criterion,
-            observed,
-            objects,
-        })
+        Ok(Self { tally, report, leads, datasets, settings, by_criterion, observed, objects })
     }
 
     /// All claims of `papers`, judged.
@@ -99,7 +90,9 @@ impl<'a> Judge<'a> {
             ClaimTest::LessJoined { method, rival } => (vec![self.less_joined(method, rival)], None),
             ClaimTest::DensityFalls => (vec![self.observed.density(false)], None),
             ClaimTest::DensityEvened => (vec![self.observed.density(true)], None),
-            ClaimTest::PeakOfFitness { from_m, to_m } => (vec![self.observed.peak_of_fitness([*from_m, *to_m])], None),
+            ClaimTest::PeakOfFitness { from_m, to_m } => {
+                (vec![self.observed.peak_of_fitness([*from_m, *to_m])], None)
+            }
             ClaimTest::PeakOfFRate { from_m, to_m } => {
                 (self.observed.peak_of_f_rate([*from_m, *to_m]).into_iter().collect(), None)
             }
@@ -181,7 +174,8 @@ impl<'a> Judge<'a> {
             |leads: &[&SceneLead]| leads.iter().map(|it| it.difference.difference()).collect::<Vec<_>>();
         let least = points(&hard).into_iter().reduce(f64::min);
         let most = points(&easy).into_iter().reduce(f64::max);
-        let numbers = leads.iter().map(|it| format!("{}: {}", it.scene, signed_percent(it.difference.difference())));
+        let numbers =
+            leads.iter().map(|it| format!("{}: {}", it.scene, signed_percent(it.difference.difference())));
         Seen {
             reading: GOOD_FAITH.to_owned(),
             numbers: numbers.collect::<Vec<_>>().join("; "),

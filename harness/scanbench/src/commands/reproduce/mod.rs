@@ -3,6 +3,7 @@
 mod choose;
 mod settings_study;
 mod partial_objects;
+mod figures;
 mod observations;
 mod backgrounds;
 mod judge;

@@ -20,6 +20,7 @@ use reports::vocabulary::study::Study;
 
 use super::METHOD;
 use super::backgrounds::backgrounds;
+use super::figures::FIGURES;
 use super::judge::{Judge, of_first_origin};
 use super::partial_objects::PartialObjects;
 use super::rate_tables::RateTables;
@@ -30,6 +31,7 @@ use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::open_datasets;
 use crate::commands::paper_files::{write_figure, write_table};
+use crate::commands::recorder::serve_until_interrupted;
 use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::scan_study::ScanStudy;
 use crate::commands::shards::place::Place;
@@ -50,12 +52,18 @@ const RIVALS: [&str; 2] = ["kd-tree", "pca"];
 /// kd-tree has the boxes of VM section 4, as the method has them: claims by boxes and by centres are about the papers' boxes.
 const BOXES_OF_PAPERS: [&str; 2] = ["hierarchical.boxes.outline=false", "hierarchical.boxes.whole=false"];
 
+/// Scans that are recorded, unless more are asked for.
+const MOST_RECORDED: usize = 30;
+
 /// Runs the method, its variants and its rivals, judges the claims, and writes and prints what comes of them.
 pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     let boxes: Vec<_> = BOXES_OF_PAPERS.iter().map(|it| it.parse().expect("the list is tested")).collect();
     let mut config = RunConfig::load(None)?.overridden(&boxes, &[])?;
     let place = Place::claim(Study::Reproduce, None, &arguments.output)?;
     let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
+    let mut stream = arguments.stream.clone();
+    let n_scans: usize = datasets.iter().map(|it| it.part.len()).sum();
+    stream.rerun_every.get_or_insert(n_scans.div_ceil(MOST_RECORDED).max(1) as u32);
     let mut study = ScanStudy {
         entrants: entrants(&config)?,
         config,
@@ -65,9 +73,10 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
         n_jobs: arguments.timing.n_jobs(),
         started: place.started,
         put_up: None,
+        recorded: Some((stream, &FIGURES)),
         pairs: None,
     };
-    let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
+    let Some((made, served)) = execute_watched(&mut study, place)? else { return Ok(()) };
     let ScanStudy { config, mut datasets, .. } = study;
     // The judge looks at scans, too, also at those that were done before.
     for it in &mut datasets {
@@ -80,7 +89,8 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     let of_run = (tally, &leads, &numbers.report);
     let papers = papers(arguments.paper);
     let of_bg = papers.contains(&Paper::BagOfGraphs);
-    let objects = of_bg.then(|| PartialObjects::judge(arguments.per_class, interruption_flag())).transpose()?;
+    let objects =
+        of_bg.then(|| PartialObjects::judge(arguments.per_class, interruption_flag())).transpose()?;
     let mut notes = notes(settings.as_ref().map(|it| &it.sensitivity));
     notes.extend(objects.as_ref().map(PartialObjects::note));
     let backgrounds = backgrounds(of_first_origin(&datasets), &config, interruption_flag())?;
@@ -104,6 +114,9 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
         lead(&claims)
     ));
     print_diagnostic(format_args!("Page: {}", finished.join("reproduction.html").display()));
+    if let Some(served) = served {
+        serve_until_interrupted(&*served, interruption_flag());
+    }
     printed
 }
 

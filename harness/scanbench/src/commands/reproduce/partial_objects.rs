@@ -45,14 +45,21 @@ impl PartialObjects {
         };
         let mut rows: Vec<PartialRow> = Vec::new();
         let progress = progress_over_results(experiment.n_answered_objects(), 0, OBJECTS);
-        let ended = run(&experiment, |_, _| false, false, |it| {
-            rows.extend(it.rows);
-            progress.inc(1);
-            match interrupted.load(Ordering::Relaxed) {
-                false => Ok(()),
-                true => Err(Failure::from(Interrupted { object_idx: it.object_idx, set: OBJECTS.to_owned() })),
-            }
-        });
+        let ended = run(
+            &experiment,
+            |_, _| false,
+            false,
+            |it| {
+                rows.extend(it.rows);
+                progress.inc(1);
+                match interrupted.load(Ordering::Relaxed) {
+                    false => Ok(()),
+                    true => {
+                        Err(Failure::from(Interrupted { object_idx: it.object_idx, set: OBJECTS.to_owned() }))
+                    }
+                }
+            },
+        );
         progress.finish_and_clear();
         ended?;
         Ok(Self { n_per_class, curves: PartialCurve::all(&rows) })

@@ -17,7 +17,7 @@ use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::RunProgress;
-use crate::commands::recorder::{Recorder, serve_until_interrupted};
+use crate::commands::recorder::{Recorder, begin_recording, serve_until_interrupted};
 use crate::commands::run::ending::print_ending;
 use crate::commands::run::setup::{ChosenRun, OpenedRun};
 use crate::commands::shards::place::Place;
@@ -90,10 +90,8 @@ impl WatchedStudy for RunStudy<'_> {
     }
 
     fn begin_recording(&self, name: &str, file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
-        let n_left = self.opened.datasets.iter().map(|it| it.part.len()).sum();
-        let every = u64::from(self.arguments.stream.every(n_left));
-        let recorder = self.opened.begin_recording(self.arguments, name, file)?;
-        Ok(recorder.map(|it| (it, every)))
+        let watched = (&self.opened.entrants[..], &self.opened.datasets[..]);
+        begin_recording((&self.arguments.stream, &[]), watched, (name, file))
     }
 
     fn sinks<'a>(&'a self, folder: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {

@@ -1,13 +1,10 @@
 //! What a run takes, whole or in parts: detectors, parameters, data sets, results of others, a recording.
 
-use std::path::PathBuf;
-
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
-use reports::vocabulary::task::Task;
 
 use crate::cli::RunArgs;
 use crate::commands::config::{choose_criterion, chosen_with_results};
@@ -17,7 +14,6 @@ use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::opened_results::OpenedResults;
 use crate::commands::progress::RunProgress;
-use crate::commands::recorder::{self, Recorder, RecordingPlan};
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::watched_run::WatchedRun;
 
@@ -96,29 +92,5 @@ impl OpenedRun {
             on_failure: arguments.on_detector_failure.rule(),
             ..WatchedRun::of_study(&self.entrants, &self.datasets, timing, progress)
         }
-    }
-
-    /// Begins the recording `file`, which is called `name`; `None` if none is wanted.
-    pub fn begin_recording(
-        &self,
-        arguments: &RunArgs,
-        name: &str,
-        file: PathBuf,
-    ) -> Result<Option<Recorder>, Failure> {
-        // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
-        let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
-        let shown_task =
-            if self.datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
-        let detectors: Vec<&str> = self.entrants.iter().map(|it| it.name).collect();
-        recorder::begin(&RecordingPlan {
-            arguments: &arguments.stream,
-            default_file: file,
-            name,
-            shown_task,
-            detectors: &detectors,
-            n_scans: self.datasets.iter().map(|it| it.part.len()).sum(),
-            has_poses: self.datasets.iter().any(OpenedDataset::has_poses),
-            at_the_start: false,
-        })
     }
 }

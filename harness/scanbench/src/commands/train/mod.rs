@@ -4,6 +4,7 @@ pub mod data;
 pub mod clusters;
 pub mod files;
 pub mod summary;
+pub mod cross_validation;
 pub mod svm;
 pub mod groupings;
 pub mod rivals;

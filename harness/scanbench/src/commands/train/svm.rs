@@ -32,6 +32,7 @@ use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train::clusters::{ClustersOf, prototypes_of};
+use crate::commands::train::cross_validation::FoldedCandidates;
 use crate::commands::train::data::{TrainingData, nothing};
 use crate::commands::train::files::{TrainedModel, write_files};
 use crate::commands::train::summary::summary;
@@ -55,14 +56,17 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
     let training = Training { arguments, kind, data: &data, made, started, taught, judged };
     let (files, printed) = match kind {
         ModelKind::Paper => {
-            let library = training.prototypes()?;
+            let describer_of = |of: &[&Candidate]| Ok(PaperDescriber::new(training.prototypes(of)?));
+            let (params, said) = training.params(describer_of)?;
+            let library = training.prototypes(&training.taught)?;
             let mut describer = PaperDescriber::new(library.clone());
             let file = |svm: &SvmModel<_>, made| (PAPER_FILE, PaperModel::file(&library, svm, made));
-            training.fit_and_judge(&mut describer, file, Some(&library))?
+            training.fit_and_judge((&params, said), &mut describer, file, Some(&library))?
         }
         ModelKind::Pca => {
             let file = |svm: &SvmModel<_>, made| (PCA_FILE, PcaVehicleModel::file(svm, made));
-            training.fit_and_judge(&mut PcaDescriber::default(), file, None)?
+            let (params, said) = training.params(|_| Ok(PcaDescriber::default()))?;
+            training.fit_and_judge((&params, said), &mut PcaDescriber::default(), file, None)?
         }
     };
     for (name, content) in files {
@@ -103,12 +107,24 @@ fn provenance(arguments: &SvmTrainingArgs, kind: ModelKind, data: &TrainingData<
         ("--vehicles", Some(arguments.vehicles.to_string())),
         ("--others", Some(arguments.others.to_string())),
         ("--prototypes", unless(arguments.prototypes.into(), PROTOTYPES.into())),
-        ("--gamma", Some(arguments.gamma.unwrap_or(kind.gamma()).to_string())),
-        ("--nu", Some(arguments.nu.unwrap_or(kind.nu()).to_string())),
+        ("--gamma", Some(comma_separated(&gammas(arguments, kind)))),
+        ("--nu", Some(comma_separated(&nus(arguments, kind)))),
         ("--choice-seed", unless(arguments.choice_seed, CHOICE_SEED)),
     ];
     let verb = format!("train {}", kind.detector());
     data.provenance(&verb, &options, &arguments.judging, arguments.choice_seed)
+}
+
+fn gammas(arguments: &SvmTrainingArgs, kind: ModelKind) -> Vec<f32> {
+    if arguments.gamma.is_empty() { vec![kind.gamma()] } else { arguments.gamma.clone() }
+}
+
+fn nus(arguments: &SvmTrainingArgs, kind: ModelKind) -> Vec<f64> {
+    if arguments.nu.is_empty() { vec![kind.nu()] } else { arguments.nu.clone() }
+}
+
+fn comma_separated(numbers: &[impl ToString]) -> String {
+    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
 }
 
 /// Everything that a model is made of and judged by.
@@ -126,25 +142,41 @@ struct Training<'a> {
 type FilesAndText = (Vec<(&'static str, Vec<u8>)>, String);
 
 impl Training<'_> {
-    fn prototypes(&self) -> Result<PrototypeLibrary, Failure> {
-        prototypes_of(&self.taught, self.arguments.prototypes as usize, self.made.clone())
+    fn prototypes(&self, candidates: &[&Candidate]) -> Result<PrototypeLibrary, Failure> {
+        prototypes_of(candidates, self.arguments.prototypes as usize, self.made.clone())
+    }
+
+    /// Those that were asked for: of several the best on drives that are held out, and what there is to say of it.
+    fn params<const D: usize, S: ObjectDescriber<D>>(
+        &self,
+        describer_of: impl Fn(&[&Candidate]) -> Result<S, Failure>,
+    ) -> Result<(NuSvcParams, String), Failure> {
+        let params =
+            |gamma, nu| NuSvcParams { gamma, nu, tolerance: self.kind.tolerance(), max_steps: MOST_STEPS };
+        let (gammas, nus) = (gammas(self.arguments, self.kind), nus(self.arguments, self.kind));
+        let pairs: Vec<NuSvcParams> =
+            nus.iter().flat_map(|&nu| gammas.iter().map(move |&gamma| params(gamma, nu))).collect();
+        if let [only] = &pairs[..] {
+            return Ok((*only, String::new()));
+        }
+        let folded = FoldedCandidates {
+            taught: &self.taught,
+            numbers: (self.arguments.vehicles as usize, self.arguments.others),
+            seed: self.arguments.choice_seed,
+        };
+        folded.best(&pairs, describer_of, interruption_flag())
     }
 
     fn fit_and_judge<const D: usize, S: ObjectDescriber<D>>(
         &self,
+        (params, said): (&NuSvcParams, String),
         describer: &mut S,
         file: impl FnOnce(&SvmModel<D>, Provenance) -> (&'static str, ModelFile),
         library: Option<&PrototypeLibrary>,
     ) -> Result<FilesAndText, Failure> {
         let numbers = (self.arguments.vehicles as usize, self.arguments.others);
         let selected = select(&self.taught, numbers, self.arguments.choice_seed);
-        let params = NuSvcParams {
-            gamma: self.arguments.gamma.unwrap_or(self.kind.gamma()),
-            nu: self.arguments.nu.unwrap_or(self.kind.nu()),
-            tolerance: self.kind.tolerance(),
-            max_steps: MOST_STEPS,
-        };
-        let model = fit_model(&selected, describer, &params).map_err(|error| nothing(&error))?;
+        let model = fit_model(&selected, describer, params).map_err(|error| nothing(&error))?;
         let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = self
             .judged
             .iter()
@@ -152,7 +184,7 @@ impl Training<'_> {
             .collect();
         let objects: Vec<DescribedObject<D>> = judged.iter().map(|&(_, _, object)| object).collect();
         let evaluation = evaluate(&model, &objects, self.arguments.choice_seed);
-        let printed = summary(&self.data.parted, &selected, library, &model, &evaluation);
+        let printed = said + &summary(&self.data.parted, &selected, library, &model, &evaluation);
         let (file_name, file) = file(&model, self.made.clone());
         let trained = TrainedModel { model, file_name, file, judged, evaluation };
         Ok((write_files((self.data, self.started), &trained)?, printed))

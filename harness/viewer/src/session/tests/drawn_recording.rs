@@ -124,6 +124,7 @@ pub fn options(folder: &Path, viewer: ViewerChoice) -> StreamOptions {
         first_tab: FirstTab::Compare,
         has_poses: true,
         at_the_start: false,
+        figures: &[],
     };
     StreamOptions { name, file, viewer, opening, points: PointChoice::All }
 }
