@@ -97,7 +97,7 @@ pub struct SvmTrainingArgs {
     /// Width of the Gaussian kernel, for standardised features [default: 0.1078, as printed]
     ///
     /// Of several widths and shares the pair with the greatest precision-recall area is taken, on average over five parts of the
-    /// training drives, each judged by a classifier that learned from the other four.
+    /// training drives, each judged by a classifier that learned from the other parts.
     #[arg(long, value_name = "X,...", value_delimiter = ',', help_heading = TRAINING)]
     pub gamma: Vec<f32>,
     /// Share of training examples allowed inside the margin [default: for paper 0.0377, as printed; for pca 0.2]

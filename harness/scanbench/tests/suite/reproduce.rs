@@ -2,14 +2,14 @@
 
 use crate::program::Workplace;
 
-const REPRODUCE: &str = "reproduce all street-narrow street-main-road --simulated-scans 2 --settings 2";
+const REPRODUCE: &str = "reproduce all street-narrow street-main-road --simulated-scans 2 --settings 2 --per-class 3";
 /// Few beams, which are simulated quickly.
 const BEAMS: &str = "--sensor vlp-16 --seed 7 -o";
 
 #[test]
 fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     let workplace = Workplace::new();
-    workplace.succeed(&(REPRODUCE, BEAMS, "first")).check_stdout(&["Of the claims (19) "]);
+    workplace.succeed(&(REPRODUCE, BEAMS, "first")).check_stdout(&["Of the claims (22) "]);
     workplace.succeed(&(REPRODUCE, BEAMS, "second"));
     for name in ["settings.csv", "open_values.md", "settings.svg"] {
         let [first, second] = ["first", "second"].map(|it| workplace.read(&format!("{it}/{name}")));
@@ -25,7 +25,7 @@ fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     assert_eq!(untimed("first"), untimed("second"));
     let json = workplace.json("first/reproduction.json");
     let claims = json["claims"].as_array().unwrap();
-    assert_eq!(claims.len(), 19);
+    assert_eq!(claims.len(), 22);
     assert_eq!(claims[0]["settings"][1], 2);
     let readings: Vec<&str> =
         claims[0]["readings"].as_array().unwrap().iter().map(|it| it["reading"].as_str().unwrap()).collect();
@@ -50,7 +50,14 @@ fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     assert!(exit_code == Some(100) && said.contains(" holds → does not hold."), "{said}");
     assert!(workplace.read("verdict/junit.xml").contains("scanbench.claims"));
     let page = workplace.read("first/reproduction.html");
-    assert!(page.contains("Claim by claim") && page.contains("Under every setting"), "{page}");
+    for part in ["Claim by claim", "Under every setting", "The background that the classifier is judged by"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(workplace.path("first/run.rrd").exists());
+    // The method of BG learns from whole objects, as in the paper, or from parts, and sees them from either end.
+    let of_bg = claims.last().unwrap();
+    assert_eq!((&of_bg["claim"]["paper"], of_bg["readings"].as_array().unwrap().len()), (&"BG".into(), 4));
+    assert_eq!(of_bg["readings"][0]["reading"], "learned from whole, seen from below");
 }
 
 #[test]
@@ -78,4 +85,8 @@ fn one_paper_without_settings_and_judged_streets_choose_nothing() {
     assert!(claims.iter().all(|it| it["claim"]["paper"] == "HG" && it["settings"].is_null()));
     assert!(!workplace.path("hg/settings.csv").exists());
     workplace.refuse("reproduce all --choose streets --settings 2", 2, &["by which scanbench run judges"]);
+    let chosen = "reproduce all --choose=pca training-streets --scans 0..1 --simulated-scans 1 --settings 2";
+    let said = workplace.succeed(&(chosen, "--sensor vlp-16")).stdout;
+    assert!(said.contains("training-main-road vehicles ") && said.contains("pca.grid.cell_size_m = 0.4"), "{said}");
+    assert!(!said.contains("training-main-road objects "), "{said}");
 }

@@ -49,6 +49,23 @@ fn a_model_says_what_it_was_made_of_and_what_was_held_out() {
     ended.check_stderr(&[said]);
 }
 
+#[test]
+fn of_several_parameters_those_are_taken_that_are_best_on_drives_that_are_left_out() {
+    let workplace = Workplace::new();
+    let ended = workplace.succeed(&("train pca", DRIVES, "--nu 0.05,0.3 --gamma 0.1,0.2 -o several"));
+    let areas: Vec<(&str, &str)> =
+        ended.stdout.lines().filter_map(|it| it.trim().strip_prefix("nu ")?.split_once(": ROC ")).collect();
+    assert_eq!(areas.len(), 4, "{}", ended.stdout);
+    let area = |it: &(&str, &str)| it.1.split(' ').next_back().unwrap().parse::<f64>().unwrap();
+    let best = areas.iter().max_by(|a, b| area(a).total_cmp(&area(b))).unwrap().0;
+    ended.check_stdout(&["mean of 2 parts of the training drives", &format!("Taken: nu {best}\n")]);
+    // The same as if nothing else had been asked for.
+    let (nu, gamma) = best.split_once(", gamma ").unwrap();
+    workplace.succeed(&("train pca", DRIVES, "--nu", nu, "--gamma", gamma, "-o one"));
+    assert_eq!(workplace.read("several/objects.csv"), workplace.read("one/objects.csv"));
+    assert!(command_of(&workplace, "several/pca.model").ends_with("--gamma 0.1,0.2 --nu 0.05,0.3"));
+}
+
 /// A detector does not find the same with the shipped models as with others.
 #[track_caller]
 fn check_outcomes(workplace: &Workplace, detector: &str, option: &str) {
@@ -201,6 +218,8 @@ fn what_cannot_be_trained_leaves_nothing() {
         workplace.refuse(&("train", arguments), 2, &[part]);
     }
     workplace.refuse(&("train paper", DRIVES, "--nu 1.5 -o model"), 4, &["nu = 1.5"]);
+    let one_is_left = "training-narrow --simulated-scans 2 --held-out street-narrow --held-out-scans 0..1";
+    workplace.refuse(&("train pca", one_is_left, "--nu 0.2,0.3 -o m"), 4, &["one training drive cannot be parted"]);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Which parameters of a support vector machine are best on drives that it has not seen.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -17,8 +18,8 @@ use crate::commands::failure::Failure;
 use crate::commands::progress::progress_over_results;
 use crate::commands::train::data::nothing;
 
-/// The drives are parted into so many parts.
-const N_FOLDS: usize = 5;
+/// The drives are parted into so many parts at most.
+const MOST_FOLDS: usize = 5;
 
 /// Somebody asked for an end.
 #[derive(Debug, thiserror::Error)]
@@ -29,6 +30,8 @@ struct Interrupted;
 pub struct FoldedCandidates<'a> {
     /// Candidates of training drives.
     pub taught: &'a [&'a Candidate],
+    /// The data set of each.
+    pub datasets: &'a [&'a str],
     /// Most vehicles, and most others for each.
     pub numbers: (usize, f64),
     /// Seed of the choice of examples.
@@ -39,8 +42,8 @@ pub struct FoldedCandidates<'a> {
 type Fold<const D: usize> = [Vec<DescribedObject<D>>; 2];
 
 impl FoldedCandidates<'_> {
-    /// The one of `pairs` with the greatest mean area below the precision-recall curve over five parts of the drives, each judged by a
-    /// classifier that learned from the other four, and a table of all in words. `describer_of` makes what sees of an object what the
+    /// The one of `pairs` with the greatest mean area below the precision-recall curve over five parts of the drives, or fewer of
+    /// fewer drives, each judged by a classifier that learned from the others, and a table of all in words. `describer_of` makes what sees of an object what the
     /// classifier looks at, of the candidates that are learned from.
     pub fn best<const D: usize, S: ObjectDescriber<D>>(
         &self,
@@ -48,9 +51,20 @@ impl FoldedCandidates<'_> {
         describer_of: impl Fn(&[&Candidate]) -> Result<S, Failure>,
         interrupted: &AtomicBool,
     ) -> Result<(NuSvcParams, String), Failure> {
-        let folds: Vec<Fold<D>> =
-            (0..N_FOLDS).map(|it| self.fold(it, &describer_of)).collect::<Result<_, _>>()?;
-        let progress = progress_over_results(pairs.len() * N_FOLDS, 0, "cross-validation");
+        let drive_of_candidate: Vec<(&str, &str)> =
+            self.datasets.iter().zip(self.taught).map(|(dataset, it)| (*dataset, &*it.sequence)).collect();
+        let drives: Vec<(&str, &str)> =
+            drive_of_candidate.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
+        let n_folds = drives.len().min(MOST_FOLDS);
+        if n_folds < 2 {
+            return Err(nothing(&"one training drive cannot be parted; give one --nu and one --gamma").into());
+        }
+        let fold_of = |drive: &(&str, &str)| drives.binary_search(drive).map_or(0, |it| it % n_folds);
+        let folds_of_candidates: Vec<usize> = drive_of_candidate.iter().map(fold_of).collect();
+        let folds: Vec<Fold<D>> = (0..n_folds)
+            .map(|it| self.fold(&folds_of_candidates, it, &describer_of))
+            .collect::<Result<_, _>>()?;
+        let progress = progress_over_results(pairs.len() * n_folds, 0, "cross-validation");
         let jobs: Vec<(&NuSvcParams, &Fold<D>)> =
             pairs.iter().flat_map(|pair| folds.iter().map(move |fold| (pair, fold))).collect();
         let areas: Vec<Result<[f64; 2], Failure>> = jobs
@@ -68,10 +82,10 @@ impl FoldedCandidates<'_> {
         progress.finish_and_clear();
         let areas: Vec<[f64; 2]> = areas.into_iter().collect::<Result<_, _>>()?;
         let mean = |of: &[[f64; 2]], idx: usize| of.iter().map(|it| it[idx]).sum::<f64>() / of.len() as f64;
-        let means: Vec<[f64; 2]> = areas.chunks(N_FOLDS).map(|it| [mean(it, 0), mean(it, 1)]).collect();
+        let means: Vec<[f64; 2]> = areas.chunks(n_folds).map(|it| [mean(it, 0), mean(it, 1)]).collect();
         // The first of equals.
         let best = (0..pairs.len()).rev().max_by(|&a, &b| means[a][1].total_cmp(&means[b][1]));
-        let mut text = format!("Areas below the curves, mean of {N_FOLDS} parts of the training drives:\n");
+        let mut text = format!("Areas below the curves, mean of {n_folds} parts of the training drives:\n");
         for (params, [roc, precision_recall]) in pairs.iter().zip(&means) {
             // Writing to a string cannot fail.
             let _ = writeln!(
@@ -87,21 +101,15 @@ impl FoldedCandidates<'_> {
 
     fn fold<const D: usize, S: ObjectDescriber<D>>(
         &self,
+        folds_of_candidates: &[usize],
         fold_idx: usize,
         describer_of: impl Fn(&[&Candidate]) -> Result<S, Failure>,
     ) -> Result<Fold<D>, Failure> {
-        let mut drives: Vec<&str> = self.taught.iter().map(|it| it.sequence.as_str()).collect();
-        drives.sort_unstable();
-        drives.dedup();
-        if drives.len() < N_FOLDS {
-            let problem = format!("{} drives cannot be parted into {N_FOLDS}", drives.len());
-            return Err(nothing(&problem).into());
-        }
-        let is_judged = |it: &&&Candidate| {
-            drives.binary_search(&it.sequence.as_str()).is_ok_and(|idx| idx % N_FOLDS == fold_idx)
+        let of = |is_judged: bool| -> Vec<&Candidate> {
+            let of_fold = folds_of_candidates.iter().zip(self.taught);
+            of_fold.filter(|it| (*it.0 == fold_idx) == is_judged).map(|it| *it.1).collect()
         };
-        let (judged, learned): (Vec<&Candidate>, Vec<&Candidate>) =
-            self.taught.iter().copied().partition(|it| is_judged(&it));
+        let [learned, judged] = [false, true].map(of);
         let mut describer = describer_of(&learned)?;
         let mut described = |candidates: &[&Candidate]| -> Vec<DescribedObject<D>> {
             candidates.iter().filter_map(|it| DescribedObject::of(it, &mut describer)).collect()

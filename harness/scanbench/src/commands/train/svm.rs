@@ -51,9 +51,9 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
     let candidates = collect_all(&data, arguments.choice_seed, kind, interrupted)?;
     let (judged, taught): (Vec<_>, Vec<_>) =
         candidates.iter().partition(|(dataset, it)| data.parted.is_held_out(dataset, &it.sequence));
-    let taught: Vec<&Candidate> = taught.into_iter().map(|(_, it)| it).collect();
+    let (datasets_of_taught, taught) = taught.into_iter().map(|(dataset, it)| (*dataset, it)).unzip();
     let made = provenance(arguments, kind, &data);
-    let training = Training { arguments, kind, data: &data, made, started, taught, judged };
+    let training = Training { arguments, kind, data: &data, made, started, taught, datasets_of_taught, judged };
     let (files, printed) = match kind {
         ModelKind::Paper => {
             let describer_of = |of: &[&Candidate]| Ok(PaperDescriber::new(training.prototypes(of)?));
@@ -135,6 +135,8 @@ struct Training<'a> {
     made: Provenance,
     started: Timestamp,
     taught: Vec<&'a Candidate>,
+    // Of each of these.
+    datasets_of_taught: Vec<&'a str>,
     judged: Vec<&'a (&'a str, Candidate)>,
 }
 
@@ -161,6 +163,7 @@ impl Training<'_> {
         }
         let folded = FoldedCandidates {
             taught: &self.taught,
+            datasets: &self.datasets_of_taught,
             numbers: (self.arguments.vehicles as usize, self.arguments.others),
             seed: self.arguments.choice_seed,
         };
