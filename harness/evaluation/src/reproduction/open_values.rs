@@ -60,7 +60,7 @@ pub const OPEN_VALUES: [OpenValue; 13] = [
     },
     OpenValue {
         parameter: "paper.walls.min_support",
-        said: "HG 3.1: long line segments are walls; nothing of what bears them",
+        said: "HG 3.1: long line segments are walls; no share of tall cells along them",
         range: ratios(0.01, 1.0),
     },
     OpenValue {
@@ -75,7 +75,7 @@ pub const OPEN_VALUES: [OpenValue; 13] = [
     },
     OpenValue {
         parameter: "paper.walls.hough.max_gap_cells",
-        said: "HG 3.1: nothing of gaps in a segment",
+        said: "HG 3.1: no limit of gaps in a segment",
         range: whole(0.0, 5.0),
     },
     OpenValue {
@@ -85,12 +85,12 @@ pub const OPEN_VALUES: [OpenValue; 13] = [
     },
     OpenValue {
         parameter: "paper.separation.low_density_share",
-        said: "HG 3.2: dense cells of \"low\" density part objects",
+        said: "HG 3.2: dense cells of \"low\" density separate objects; no limit",
         range: numbers(0.0, 0.8),
     },
     OpenValue {
         parameter: "paper.separation.object_density_ratio",
-        said: "HG 3.2, 4: of which density is not stated",
+        said: "HG 3.2, 4: low compared with which density is not stated",
         range: ratios(0.5, 10.0),
     },
     OpenValue {

@@ -39,7 +39,7 @@ pub struct GateArgs {
         help_heading = JUDGING
     )]
     pub allow_drift: Option<bool>,
-    /// Print every number of which something is to be said, and every object that changed
+    /// Print every number that is worse, better or changed, and every object that changed
     #[arg(long, help_heading = OUTPUT)]
     pub full: bool,
     /// Directory for gate.json, gate.md, junit.xml, custom-smaller-is-better.json and bencher.json
@@ -55,7 +55,7 @@ Examples:
 
 Exit codes:
   0    passed: nothing is worse, and no result changed, or that is allowed
-  2    something is wrong with the tolerances; all of it is told
+  2    the tolerances are wrong; all problems are reported together
   5    the runs cannot be compared, or a number is missing
   100  a number is worse than tolerated, with its whole 95 % interval
   101  nothing is worse, but results changed; --allow-drift, or drift = \"warn\"

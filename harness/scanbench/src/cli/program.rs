@@ -119,7 +119,7 @@ pub enum Command {
     Robustness(RobustnessArgs),
     /// Judge the claims of the papers, and what each of them rests on
     Reproduce(Box<ReproduceArgs>),
-    /// Tell what objects are of which only a part has been seen
+    /// Classify objects of which only a part has been seen
     Partial(Box<PartialArgs>),
     /// Measure how far apart two objects must be for detectors to separate them
     Gaps(GapsArgs),

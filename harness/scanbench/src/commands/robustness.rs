@@ -123,7 +123,7 @@ fn notes(manifest: &Manifest) -> Vec<String> {
             n_scans / n_streets,
         ),
         "✓: the trees of hierarchical, kd-tree-tree and kd-tree were trained under this condition too, on other drives, with rain of 20 mm/h. \
-         Those of pca and paper saw the standard alone, and no parameter was chosen by a condition."
+         Those of pca and paper were trained under the standard alone, and no parameter was chosen by a condition."
             .to_owned(),
         "Each condition changes one thing of the standard. Road gradients are random, except under road. Detectors know the sensor and \
          its height; nothing else is adapted, except that hierarchical learns the density of the new sensors from five of these scans, without \

@@ -209,7 +209,7 @@ fn notes(settings: Option<&Sensitivity>) -> Vec<String> {
         "Recorded and simulated scans are judged apart. Times, cells, density, boxes and spheres are of those of the first data set's origin."
             .to_owned(),
         "Neither paper names its scans, and those of Budapest are not public: its 1594 objects and 2690 vehicles cannot be judged again. The \
-         KITTI scenes (496 objects, 614 vehicles) are answered by whatever KITTI folder is given."
+         rows of KITTI (496 objects, 614 vehicles) are filled by the KITTI folder that you name."
             .to_owned(),
     ];
     notes.extend(settings.map(|it| {
