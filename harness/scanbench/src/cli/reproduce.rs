@@ -6,6 +6,7 @@ use reports::vocabulary::task::Task;
 use super::help_text::DETECTORS;
 use super::output::OutputArgs;
 use super::scans::DatasetArgs;
+use super::shard::ShardArgs;
 use super::stream::StreamArgs;
 use super::timing::TimingArgs;
 
@@ -19,6 +20,9 @@ pub struct ReproduceArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// Which part of them.
+    #[command(flatten)]
+    pub shard: ShardArgs,
     /// Joint settings of the values that the papers leave open, under each of which the claims are judged, too
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     #[arg(help_heading = DETECTORS)]
@@ -34,7 +38,7 @@ pub struct ReproduceArgs {
     ///
     /// The setting with the greatest mean rate wins: of paper over both tasks, of a rival in its own.
     #[arg(long, value_enum, value_name = "DETECTOR", num_args = 0..=1, require_equals = true, default_missing_value = "paper")]
-    #[arg(help_heading = DETECTORS, conflicts_with_all = ["output", "overwrite", "warmup"])]
+    #[arg(help_heading = DETECTORS, conflicts_with_all = ["output", "overwrite", "warmup", "shard"])]
     pub choose: Option<ChosenFor>,
     /// Where the page and the tables are written.
     #[command(flatten)]

@@ -17,6 +17,7 @@ use crate::commands::ablation::{print_ablation, write_ablation};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::partial::print_partial;
 use crate::commands::partial::whole_partial::WholePartial;
+use crate::commands::reproduce::papers_run::merge_reproduction;
 use crate::commands::robustness::{print_robustness, write_robustness};
 use crate::commands::run::ending::print_ending;
 use crate::commands::shards::executor::WholeResult;
@@ -85,6 +86,7 @@ fn merge_run(Merged { study, directory, whole }: Merged<WholeRun>) -> Result<(),
             let scores = write_robustness(&directory, &whole)?;
             print_robustness(&scores, &whole.manifest, &directory.finish()?)
         }
+        Study::Reproduce => merge_reproduction(&whole, directory),
         _ => print_ending(&whole, &directory.finish()?),
     }
 }

@@ -21,6 +21,7 @@ use simulator::SIMULATOR_VERSION;
 use simulator::simulated_street::StreetDrive;
 use simulator::street_conditions::StreetConditions;
 
+use crate::commands::failure::Usage;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
 use crate::commands::recorder::rerun_version;
@@ -151,6 +152,29 @@ pub fn criterion_in_words(criterion: Criterion) -> String {
 pub fn seeds(datasets: &[OpenedDataset]) -> BTreeMap<String, u64> {
     let descriptions = datasets.iter().map(|it| it.dataset.description());
     descriptions.filter_map(|it| Some((it.id.clone(), StreetDrive::of(it)?.seed))).collect()
+}
+
+/// Refuses data sets that are not those of the run of `manifest`, of which the scans of `selection` were chosen.
+pub fn refuse_other_scans(
+    manifest: &Manifest,
+    datasets: &[OpenedDataset],
+    selection: Option<&str>,
+) -> Result<(), Usage> {
+    for opened in datasets {
+        let id = &opened.dataset.description().id;
+        let found = dataset_entry(opened, selection);
+        // Simulated scans have no checksum: they are what version, street and seed make.
+        let is_same = |entry: &&DatasetEntry| {
+            (&entry.id, &entry.checksum, &entry.simulation) == (&found.id, &found.checksum, &found.simulation)
+        };
+        let is_listed = manifest.datasets.iter().any(|entry| is_same(&entry));
+        if !is_listed || seeds(datasets).get(id) != manifest.seeds.get(id) {
+            let problem =
+                format!("the scans of {id:?} differ from those of the run: data or simulator have changed");
+            return Err(Usage(problem));
+        }
+    }
+    Ok(())
 }
 
 /// What a manifest says of a data set of which the scans of `selection` were chosen, or all.

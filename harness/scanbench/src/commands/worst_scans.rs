@@ -11,7 +11,7 @@ use evaluation::run::entrant::Entrant;
 use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
 use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
-use reports::run_folder::manifest::{DatasetEntry, Manifest};
+use reports::run_folder::manifest::Manifest;
 use reports::worst::mistakes::{ListedMistake, Mistake};
 
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
@@ -24,7 +24,7 @@ use crate::commands::progress::progress_over_scans;
 use crate::commands::recorder::{
     self, Recorder, RecordingPlan, is_wanted, report_ending, serve_until_interrupted,
 };
-use crate::commands::run_manifest::{dataset_entry, seeds};
+use crate::commands::run_manifest::refuse_other_scans;
 use crate::commands::standard_streams::print_diagnostic;
 
 /// Runs the scans of `mistakes` again as `manifest` says, and records them, the first mistake's first.
@@ -118,22 +118,7 @@ impl RunAgain {
         let datasets =
             open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
         let datasets = look_first_at_all(datasets, &mut config);
-        for opened in &datasets {
-            let id = &opened.dataset.description().id;
-            let found = dataset_entry(opened, arguments.data.scans.as_deref());
-            // Simulated scans have no checksum: they are what version, street and seed make.
-            let is_same = |entry: &&DatasetEntry| {
-                (&entry.id, &entry.checksum, &entry.simulation)
-                    == (&found.id, &found.checksum, &found.simulation)
-            };
-            let is_listed = manifest.datasets.iter().any(|entry| is_same(&entry));
-            if !is_listed || seeds(&datasets).get(id) != manifest.seeds.get(id) {
-                return Err(Usage(format!(
-                    "the scans of {id:?} differ from those of the run: data or simulator have changed"
-                ))
-                .into());
-            }
-        }
+        refuse_other_scans(manifest, &datasets, arguments.data.scans.as_deref())?;
         Ok(Self { arguments, config, detectors, datasets })
     }
 

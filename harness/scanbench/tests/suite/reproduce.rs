@@ -2,7 +2,8 @@
 
 use crate::program::Workplace;
 
-const REPRODUCE: &str = "reproduce all street-narrow street-main-road --simulated-scans 2 --settings 2 --per-class 3";
+const REPRODUCE: &str =
+    "reproduce all street-narrow street-main-road --simulated-scans 2 --settings 2 --per-class 3";
 /// Few beams, which are simulated quickly.
 const BEAMS: &str = "--sensor vlp-16 --seed 7 -o";
 
@@ -15,14 +16,7 @@ fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
         let [first, second] = ["first", "second"].map(|it| workplace.read(&format!("{it}/{name}")));
         assert!(first == second, "{name}");
     }
-    // One line for each claim that is no time.
-    let untimed = |folder: &str| {
-        let text = workplace.read(&format!("{folder}/reproduction.md"));
-        // How many claims hold hangs on times, too.
-        let is_timed = |it: &&str| ["**Of the claims", " ms", "faster"].iter().any(|part| it.contains(part));
-        text.lines().filter(|it| !is_timed(it)).map(str::to_owned).collect::<Vec<_>>()
-    };
-    assert_eq!(untimed("first"), untimed("second"));
+    assert_eq!(untimed(&workplace, "first"), untimed(&workplace, "second"));
     let json = workplace.json("first/reproduction.json");
     let claims = json["claims"].as_array().unwrap();
     assert_eq!(claims.len(), 22);
@@ -60,6 +54,28 @@ fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     assert_eq!(of_bg["readings"][0]["reading"], "learned from whole, seen from below");
 }
 
+const VM: &str = "reproduce vm street-narrow --simulated-scans 2 --settings 0 --no-rrd";
+
+/// One line for each claim that is no time.
+fn untimed(workplace: &Workplace, folder: &str) -> Vec<String> {
+    let text = workplace.read(&format!("{folder}/reproduction.md"));
+    // How many claims hold hangs on times, too.
+    let is_timed = |it: &&str| ["**Of the claims", " ms", "faster"].iter().any(|part| it.contains(part));
+    text.lines().filter(|it| !is_timed(it)).map(str::to_owned).collect()
+}
+
+#[test]
+fn shards_of_the_run_are_judged_as_the_whole_is() {
+    let workplace = Workplace::new();
+    workplace.succeed(&(VM, BEAMS, "whole"));
+    for shard in ["1/2", "2/2"] {
+        workplace.succeed(&(VM, "--shard", shard, (BEAMS, "shards")));
+    }
+    workplace.succeed("merge shards -o merged");
+    assert_eq!(untimed(&workplace, "whole"), untimed(&workplace, "merged"));
+    assert_eq!(workplace.read("whole/matches.csv"), workplace.read("merged/matches.csv"));
+}
+
 #[test]
 fn recorded_and_simulated_scans_are_judged_apart() {
     let workplace = Workplace::with_drive(2);
@@ -87,6 +103,9 @@ fn one_paper_without_settings_and_judged_streets_choose_nothing() {
     workplace.refuse("reproduce all --choose streets --settings 2", 2, &["by which scanbench run judges"]);
     let chosen = "reproduce all --choose=pca training-streets --scans 0..1 --simulated-scans 1 --settings 2";
     let said = workplace.succeed(&(chosen, "--sensor vlp-16")).stdout;
-    assert!(said.contains("training-main-road vehicles ") && said.contains("pca.grid.cell_size_m = 0.4"), "{said}");
+    assert!(
+        said.contains("training-main-road vehicles ") && said.contains("pca.grid.cell_size_m = 0.4"),
+        "{said}"
+    );
     assert!(!said.contains("training-main-road objects "), "{said}");
 }

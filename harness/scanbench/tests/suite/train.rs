@@ -61,7 +61,7 @@ fn of_several_parameters_those_are_taken_that_are_best_on_drives_that_are_left_o
     ended.check_stdout(&["mean of 2 parts of the training drives", &format!("Taken: nu {best}\n")]);
     // The same as if nothing else had been asked for.
     let (nu, gamma) = best.split_once(", gamma ").unwrap();
-    workplace.succeed(&("train pca", DRIVES, "--nu", nu, "--gamma", gamma, "-o one"));
+    workplace.succeed(&("train pca", DRIVES, ("--nu", nu, "--gamma", gamma), "-o one"));
     assert_eq!(workplace.read("several/objects.csv"), workplace.read("one/objects.csv"));
     assert!(command_of(&workplace, "several/pca.model").ends_with("--gamma 0.1,0.2 --nu 0.05,0.3"));
 }
@@ -219,7 +219,11 @@ fn what_cannot_be_trained_leaves_nothing() {
     }
     workplace.refuse(&("train paper", DRIVES, "--nu 1.5 -o model"), 4, &["nu = 1.5"]);
     let one_is_left = "training-narrow --simulated-scans 2 --held-out street-narrow --held-out-scans 0..1";
-    workplace.refuse(&("train pca", one_is_left, "--nu 0.2,0.3 -o m"), 4, &["one training drive cannot be parted"]);
+    workplace.refuse(
+        &("train pca", one_is_left, "--nu 0.2,0.3 -o m"),
+        4,
+        &["one training drive cannot be parted"],
+    );
 }
 
 #[test]

@@ -8,7 +8,7 @@ mod observations;
 mod backgrounds;
 mod judge;
 mod rate_tables;
-mod papers_run;
+pub mod papers_run;
 
 use crate::cli::ReproduceArgs;
 use crate::commands::failure::Failure;

@@ -1,5 +1,8 @@
 //! The run that the claims of the papers are judged by, and what is written of it.
 
+use std::path::Path;
+
+use clap::Parser as _;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
@@ -25,14 +28,15 @@ use super::judge::{Judge, of_first_origin};
 use super::partial_objects::PartialObjects;
 use super::rate_tables::RateTables;
 use super::settings_study::SettingsStudy;
-use crate::cli::{PaperName, ReproduceArgs};
-use crate::commands::failure::Failure;
+use crate::cli::{Cli, Command, PaperName, ReproduceArgs};
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::open_datasets;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::recorder::serve_until_interrupted;
 use crate::commands::reproducible_command::reproducible_command;
+use crate::commands::run_manifest::refuse_other_scans;
 use crate::commands::scan_study::ScanStudy;
 use crate::commands::shards::place::Place;
 use crate::commands::shards::watched_study::execute_watched;
@@ -52,15 +56,16 @@ const RIVALS: [&str; 2] = ["kd-tree", "pca"];
 /// kd-tree has the boxes of VM section 4, as the method has them: claims by boxes and by centres are about the papers' boxes.
 const BOXES_OF_PAPERS: [&str; 2] = ["hierarchical.boxes.outline=false", "hierarchical.boxes.whole=false"];
 
+/// The values of the rivals that the papers leave open, chosen by `--choose` as those of the method are.
+const CHOSEN_OF_RIVALS: [&str; 0] = [];
+
 /// Scans that are recorded, unless more are asked for.
 const MOST_RECORDED: usize = 30;
 
-/// Runs the method, its variants and its rivals, judges the claims, and writes and prints what comes of them.
+/// Runs the method, its variants and its rivals, judges the claims, and writes and prints what comes of them; or makes a shard of the run.
 pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
-    let boxes: Vec<_> = BOXES_OF_PAPERS.iter().map(|it| it.parse().expect("the list is tested")).collect();
-    let mut config = RunConfig::load(None)?.overridden(&boxes, &[])?;
-    let place = Place::claim(Study::Reproduce, None, &arguments.output)?;
-    let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
+    let place = Place::claim(Study::Reproduce, arguments.shard.shard, &arguments.output)?;
+    let (config, datasets) = open(arguments)?;
     let mut stream = arguments.stream.clone();
     let n_scans: usize = datasets.iter().map(|it| it.part.len()).sum();
     stream.rerun_every.get_or_insert(n_scans.div_ceil(MOST_RECORDED).max(1) as u32);
@@ -82,8 +87,45 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     for it in &mut datasets {
         it.part = 0..it.scan_indices.len();
     }
-    let settings = SettingsStudy::run(arguments, &config, interruption_flag())?;
-    let WholeRun { tally, numbers, .. } = &made.whole;
+    let claims = judge(arguments, (&config, &datasets), (&made.directory, &made.whole))?;
+    let printed = print_claims(&claims, &made.finish()?.0);
+    if let Some(served) = served {
+        serve_until_interrupted(&*served, interruption_flag());
+    }
+    printed
+}
+
+/// Judges the claims by the run that shards came to, on the scans that their command names.
+pub fn merge_reproduction(whole: &WholeRun, directory: RunDirectory) -> Result<(), Failure> {
+    let manifest = &whole.manifest;
+    let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
+    let Ok(Command::Reproduce(arguments)) = parsed else {
+        let line = manifest.argv.join(" ");
+        let problem = format!("this program does not understand the command of the shards: `{line}`");
+        return Err(Usage(problem).into());
+    };
+    let (config, datasets) = open(&arguments)?;
+    refuse_other_scans(manifest, &datasets, arguments.data.scans.as_deref())?;
+    let claims = judge(&arguments, (&config, &datasets), (&directory, whole))?;
+    print_claims(&claims, &directory.finish()?)
+}
+
+fn open(arguments: &ReproduceArgs) -> Result<(RunConfig, Vec<OpenedDataset>), Failure> {
+    let values = BOXES_OF_PAPERS.iter().chain(&CHOSEN_OF_RIVALS);
+    let values: Vec<_> = values.map(|it| it.parse().expect("the list is tested")).collect();
+    let mut config = RunConfig::load(None)?.overridden(&values, &[])?;
+    let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
+    Ok((config, datasets))
+}
+
+/// Judges the claims by `whole`, and writes what comes of them into `directory`.
+fn judge(
+    arguments: &ReproduceArgs,
+    (config, datasets): (&RunConfig, &[OpenedDataset]),
+    (directory, whole): (&RunDirectory, &WholeRun),
+) -> Result<Vec<JudgedClaim>, Failure> {
+    let settings = SettingsStudy::run(arguments, config, interruption_flag())?;
+    let WholeRun { tally, numbers, .. } = whole;
     let leads = LeadsOf::new(tally);
     let rates = RateTables { tally, leads: &leads };
     let of_run = (tally, &leads, &numbers.report);
@@ -93,9 +135,9 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
         of_bg.then(|| PartialObjects::judge(arguments.per_class, interruption_flag())).transpose()?;
     let mut notes = notes(settings.as_ref().map(|it| &it.sensitivity));
     notes.extend(objects.as_ref().map(PartialObjects::note));
-    let backgrounds = backgrounds(of_first_origin(&datasets), &config, interruption_flag())?;
+    let backgrounds = backgrounds(of_first_origin(datasets), config, interruption_flag())?;
     let beside = (settings.as_ref(), objects);
-    let judge = Judge::new(of_run, &config, &datasets, beside, interruption_flag())?;
+    let judge = Judge::new(of_run, config, datasets, beside, interruption_flag())?;
     let claims = judge.claims(papers);
     let written = Written {
         arguments,
@@ -106,17 +148,14 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
         backgrounds: &backgrounds,
         settings: settings.as_ref().map(|it| &it.sensitivity),
     };
-    written.write(&made.directory)?;
-    let finished = made.finish()?.0;
-    let printed = print_result(format!(
-        "{}\n{}",
-        terminal().text(&ClaimsTable { claims: &claims, notes: &[] }),
-        lead(&claims)
-    ));
+    written.write(directory)?;
+    Ok(claims)
+}
+
+fn print_claims(claims: &[JudgedClaim], finished: &Path) -> Result<(), Failure> {
+    let table = terminal().text(&ClaimsTable { claims, notes: &[] });
+    let printed = print_result(format!("{table}\n{}", lead(claims)));
     print_diagnostic(format_args!("Page: {}", finished.join("reproduction.html").display()));
-    if let Some(served) = served {
-        serve_until_interrupted(&*served, interruption_flag());
-    }
     printed
 }
 

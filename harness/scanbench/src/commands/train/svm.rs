@@ -53,7 +53,8 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
         candidates.iter().partition(|(dataset, it)| data.parted.is_held_out(dataset, &it.sequence));
     let (datasets_of_taught, taught) = taught.into_iter().map(|(dataset, it)| (*dataset, it)).unzip();
     let made = provenance(arguments, kind, &data);
-    let training = Training { arguments, kind, data: &data, made, started, taught, datasets_of_taught, judged };
+    let training =
+        Training { arguments, kind, data: &data, made, started, taught, datasets_of_taught, judged };
     let (files, printed) = match kind {
         ModelKind::Paper => {
             let describer_of = |of: &[&Candidate]| Ok(PaperDescriber::new(training.prototypes(of)?));
