@@ -31,7 +31,7 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = DETECTORS)]
     pub settings_seed: u64,
     /// Simulated objects of each class that the method of BG learns from, and as many others that judge it
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
     #[arg(help_heading = DETECTORS)]
     pub per_class: u32,
     /// Choose the values that the papers leave open by these scans, instead of judging claims: those of paper, or of a rival
