@@ -101,7 +101,7 @@ def detector_rules(results: list[Result]) -> Shown:
 
 def printed_table(results: list[Result], task: str) -> Shown:
     """The first table of a task, as a run prints it."""
-    found = re.search(rf"^(Task {task}\. Rates.*)\n\s*\n((?:.*\S.*\n)+)", results[0].printed, re.MULTILINE)
+    found = re.search(rf"^(Task {task} on .* Rates.*)\n\s*\n((?:.*\S.*\n)+)", results[0].printed, re.MULTILINE)
     if not found:
         raise ShowError(f"{results[0].command} printed no table of {task}")
     lines = [it.rstrip() for it in [found[1], "", *found[2].splitlines()]]
@@ -146,8 +146,8 @@ def differences(result: Result) -> dict[tuple[str, str], dict[str, str]]:
 def compared_detectors(results: list[Result]) -> Shown:
     """Paired differences of detectors of one run, one pair a command after the first."""
     found = [it for result in results[1:] for it in differences(result).items()]
-    lines = [[pair, task, it["difference"], it["95 %"], it["least"]] for (task, pair), it in found]
-    return noted(table(["difference of F-rates", "task", "points", "95 % interval", "least to be seen"], lines, 2))
+    lines = [[pair, task, it["difference"], it["95 %"], it["detectable"]] for (task, pair), it in found]
+    return noted(table(["difference of F-rates", "task", "points", "95 % interval", "smallest detectable difference (80 % power)"], lines, 2))
 
 
 def compared_runs(results: list[Result], *names: str) -> Shown:

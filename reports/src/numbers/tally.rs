@@ -387,7 +387,8 @@ fn place_of(names: &mut Vec<String>, name: &str) -> usize {
     })
 }
 
-fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
+/// The slices of an annotation beside that of everything.
+pub(crate) fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
     let mut slices = vec![Slice::Class(annotation.class), Slice::of_points(annotation.n_points)];
     slices.extend(annotation.center_m().and_then(|it| Slice::of_range(range_m(it))));
     slices.extend(annotation.occlusion.map(Slice::Occlusion));
@@ -395,7 +396,8 @@ fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
     slices
 }
 
-fn slices_of_detection(detection: &DetectionFacts) -> Vec<Slice> {
+/// The same of a detection.
+pub(crate) fn slices_of_detection(detection: &DetectionFacts) -> Vec<Slice> {
     let mut slices = vec![Slice::of_points(detection.n_points)];
     slices.extend(Slice::of_range(range_m(detection.bounding_box.center_m)));
     slices

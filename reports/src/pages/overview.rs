@@ -56,6 +56,7 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                 @for doubt in &entry.doubts { p.failed role="note" { (entry.id) ": " (doubt) } }
             }
             @for it in &facts.failures { p.failed role="note" { (about_failure(it)) } }
+            @if !plots.is_empty() {
             (FigureMarkup {
                 file_stem: "standing",
                 title: &format!("{} ({}){}", heading(facts), origin.name(), facts.caveat("; bars: intervals")),
@@ -70,6 +71,7 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                 },
                 class: "wide",
             }.render(files))
+            }
         }
     }
 }

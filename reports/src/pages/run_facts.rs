@@ -12,21 +12,28 @@ use crate::numbers::run_report::{RunReport, Subject};
 use crate::numbers::sums::Term;
 use crate::numbers::tally::Tally;
 use crate::plots::series::{Place, Series};
+use crate::protocols::given_classes::GivenClasses;
 use crate::protocols::protocol_report::ProtocolReport;
+use crate::rows::agreement_row::AgreementRow;
+use crate::rows::error_row::ErrorRow;
+use crate::rows::kitti_object_row::KittiObjectRow;
 use crate::rows::match_outcome::{BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
+use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_name::ScanName;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
-use crate::run_folder::manifest::Manifest;
+use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_directory::{
-    MATCHES_CSV, PRECISION_RECALL_CSV, PROTOCOLS_JSON, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV,
-    WORST_POINTS_JSON,
+    AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PRECISION_RECALL_CSV, PROTOCOL_BOXES_CSV, PROTOCOLS_JSON,
+    RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::{Draw, Question};
+use crate::verdicts::reason_gains::ReasonTally;
 use crate::verdicts::standing::{Speeds, Standing, speeds, standings};
 use crate::vocabulary::metric::Metric;
+use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 use crate::worst::places::{WorstPlace, WorstPlaces};
@@ -38,6 +45,7 @@ use crate::worst::recorded::Recordings;
 pub(super) struct RunFacts {
     pub(super) manifest: Manifest,
     pub(super) report: RunReport,
+    /// In the tasks on data sets that have labels.
     pub(super) standings: Vec<Standing>,
     pub(super) speeds: Vec<Speeds>,
     /// What is shown of the recorded data sets, and of the simulated ones.
@@ -48,12 +56,18 @@ pub(super) struct RunFacts {
     /// All boxes of the scans that a worst mistake is in.
     pub(super) boxes: BTreeMap<ScanName, Vec<SeenBox>>,
     pub(super) points: Option<WorstPoints>,
+    /// Why detectors are wrong.
+    pub(super) errors: Vec<ErrorRow>,
     /// Detectors that gave no answer to some scans, in the order of the run.
     pub(super) failures: Vec<FailedDetector>,
     /// Where the worst mistakes are recorded, of a run that was made in parts.
     pub(super) recordings: Option<Recordings>,
     /// Its numbers under protocols of others; `None` if it was evaluated under none.
     pub(super) protocols: Option<ProtocolReport>,
+    /// Which of their classes any detector gives.
+    pub(super) given: GivenClasses,
+    /// How far detectors agree where nothing is labelled.
+    pub(super) agreement: Vec<AgreementRow>,
     /// Whether there is a recording for the viewer.
     pub(super) has_recording: bool,
 }
@@ -75,6 +89,25 @@ pub(super) struct PoolFacts {
 fn protocols_of(directory: &Path, manifest: &Manifest) -> Result<Option<ProtocolReport>, ArchiveError> {
     let is_evaluated = !manifest.protocols.is_empty();
     is_evaluated.then(|| ProtocolReport::read(&directory.join(PROTOCOLS_JSON))).transpose()
+}
+
+/// The classes that detectors give under the protocols that have classes.
+fn given_classes(directory: &Path, manifest: &Manifest) -> Result<GivenClasses, ArchiveError> {
+    let mut given = GivenClasses::default();
+    let has = |protocol: &Protocol| manifest.protocols.contains(protocol);
+    if [Protocol::Nuscenes, Protocol::Argoverse2].iter().any(has) {
+        each_row(&directory.join(PROTOCOL_BOXES_CSV), |row: RankedBoxRow| given.add_ranked_box(&row))?;
+    }
+    if has(&Protocol::KittiObject) {
+        each_row(&directory.join(KITTI_OBJECT_CSV), |row: KittiObjectRow| given.add_kitti_object(&row))?;
+    }
+    Ok(given)
+}
+
+/// Nothing where everything is labelled.
+fn agreement_of(directory: &Path) -> Result<Vec<AgreementRow>, ArchiveError> {
+    let path = directory.join(AGREEMENT_CSV);
+    if path.is_file() { read_rows(&path) } else { Ok(Vec::new()) }
 }
 
 /// A detector that gave no answer to some scans.
@@ -154,28 +187,42 @@ impl RunFacts {
         };
         let failures = detectors.iter().filter_map(failed_detector).collect();
         let matches = directory.join(MATCHES_CSV);
-        let mut worst = WorstPlaces::default();
+        let (mut worst, mut reasons) = (WorstPlaces::default(), ReasonTally::default());
         each_row(&matches, |row: MatchRow| {
             tally.add_match(&row);
             worst.add(&row, |_| ());
+            reasons.add_match(&row);
         })?;
         let draws = tally.draw();
         let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, (&tally, &draws), &report);
+        let agreement = agreement_of(directory)?;
+        let is_compared = |it: &String| agreement.iter().any(|row| row.dataset == *it);
+        let mut standings = standings(&tally, &manifest, &report);
+        standings.retain(|it| !it.pool.datasets.iter().all(is_compared));
         Ok(Self {
-            standings: standings(&tally, &manifest, &report),
+            standings,
             speeds: speeds(&manifest, &report),
             pools: pools.into_iter().zip(times_ms).map(of_pool).collect(),
             curves: curves(&read_rows(&directory.join(PRECISION_RECALL_CSV))?, &detectors),
             boxes: boxes_of(&matches, &worst)?,
             points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,
+            errors: reasons.rows(&tally),
             failures,
             recordings: Recordings::read(&directory.join(RECORDINGS_JSON))?,
             protocols: protocols_of(directory, &manifest)?,
+            given: given_classes(directory, &manifest)?,
+            agreement,
             has_recording: directory.join("run.rrd").is_file(),
             worst,
             manifest,
             report,
         })
+    }
+
+    /// Whether any data set has labels.
+    pub(super) fn is_scored(&self) -> bool {
+        let is_compared = |it: &DatasetEntry| self.agreement.iter().any(|row| row.dataset == it.id);
+        !self.manifest.datasets.iter().all(is_compared)
     }
 
     /// What is to be said of intervals, after `before`; nothing if there is nothing to be said.

@@ -5,8 +5,10 @@ use std::path::Path;
 
 use maud::html;
 
+use super::agreement::agreement;
 use super::curves::curves;
 use super::document::document;
+use super::errors::errors;
 use super::markup::Figure;
 use super::overview::{heading, overview};
 use super::parameters::parameters;
@@ -20,8 +22,12 @@ use super::worst::worst;
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
 use crate::plots::pdf::figure_files;
+use crate::rows::error_row::ErrorRow;
 use crate::run_folder::run_directory::{FIGURES, REPORT_HTML};
-use crate::tables::task_table::{TableError, task_tables as tables_of};
+use crate::tables::protocol_in_short::ProtocolInShort;
+use crate::tables::run_in_short::RunInShort;
+use crate::tables::task_table::{TableError, TaskTable, task_tables as tables_of};
+use crate::verdicts::standing::{Speeds, Standing};
 
 /// The page of a run, and its figures as files.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +36,10 @@ pub struct RunPage {
     pub html: String,
     /// What goes into the folder [`FIGURES`].
     pub figures: Vec<Figure>,
+    /// What a terminal shows of it.
+    pub short: RunInShort,
+    /// The rows of `errors.csv`.
+    pub errors: Vec<ErrorRow>,
 }
 
 /// Why there is no page.
@@ -55,17 +65,23 @@ impl RunPage {
         let mut figures = Vec::new();
         let sections = html! {
             (overview(&facts, &mut figures))
-            (task_tables(&tables))
-            (protocols(&facts))
-            (ranges(&facts, &mut figures))
-            (curves(&facts, &mut figures))
+            @if facts.is_scored() {
+                (task_tables(&tables))
+                (protocols(&facts))
+                (ranges(&facts, &mut figures))
+                (curves(&facts, &mut figures))
+            }
+            (agreement(&facts))
             (times(&facts, &mut figures))
-            (worst(&facts))
+            @if facts.is_scored() {
+                (errors(&facts))
+                (worst(&facts))
+            }
             (reproduction(&facts))
             (parameters(&facts.manifest))
         };
         let html = document(&heading(&facts), &SECTIONS, &sections).into_string();
-        Ok(Self { html, figures })
+        Ok(Self { html, figures, short: short(&facts, tables), errors: facts.errors })
     }
 
     /// Writes the page and its figures into `directory`.
@@ -90,14 +106,30 @@ impl RunPage {
     }
 }
 
+/// What a terminal shows: tables of data sets that have labels, and who leads on these.
+fn short(facts: &RunFacts, tables: Vec<TaskTable>) -> RunInShort {
+    let verdict = facts.standings.iter().map(Standing::short_sentence);
+    RunInShort {
+        tables: if facts.is_scored() { tables } else { Vec::new() },
+        protocols: facts
+            .protocols
+            .as_ref()
+            .map_or_else(Vec::new, |it| ProtocolInShort::all(it, &facts.manifest, &facts.given)),
+        agreement: facts.agreement.clone(),
+        verdict: verdict.chain(facts.speeds.iter().filter_map(Speeds::sentence)).collect(),
+    }
+}
+
 /// Where the links at the top lead.
-const SECTIONS: [(&str, &str); 9] = [
+const SECTIONS: [(&str, &str); 11] = [
     ("verdict", "Verdict"),
     ("tables", "Tables"),
     ("protocols", "Protocols"),
     ("range", "Range"),
     ("curves", "Curves"),
+    ("agreement", "Agreement"),
     ("times", "Times"),
+    ("errors", "Errors"),
     ("worst", "Worst"),
     ("reproduce", "Reproduce"),
     ("manifest", "Manifest"),

@@ -8,7 +8,9 @@ use super::document::document;
 use super::markup::wide_picture;
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
-use crate::run_folder::run_directory::{REPORT_HTML, SWEEP_CSV, SWEEP_PROTOCOLS_CSV, SWEEP_TIMES_CSV};
+use crate::run_folder::run_directory::{
+    REPORT_HTML, SWEEP_BEST_TXT, SWEEP_CSV, SWEEP_PROTOCOLS_CSV, SWEEP_TIMES_CSV,
+};
 
 /// The kinds of plots that a sweep leaves, by the beginnings of their names, and what is seen on them.
 const PLOTS: [(&str, &str, &str); 4] = [
@@ -51,11 +53,22 @@ impl SweepPage {
         let scores = Table::read(&directory.join(SWEEP_CSV))?;
         let [times, protocols] = [SWEEP_TIMES_CSV, SWEEP_PROTOCOLS_CSV].map(|it| directory.join(it));
         let [times, protocols] = [Table::read_if_there(&times)?, Table::read_if_there(&protocols)?];
+        let best = directory.join(SWEEP_BEST_TXT);
+        let best = if best.is_file() {
+            std::fs::read_to_string(&best).map_err(|source| ArchiveError::Read { path: best, source })?
+        } else {
+            String::new()
+        };
         let sections = html! {
             header {
                 p.kicker { "scanbench" }
                 h1 { "Sweep of " (scores.swept()) }
                 p.facts { (scores.rows.len()) " rows of detectors, data sets and tasks" }
+            }
+            @if !best.is_empty() {
+                section #best aria-label="What it recommends" {
+                    div.verdict { @for text in best.lines() { p { (text) } } }
+                }
             }
             @for (number, (beginning, title, about)) in PLOTS.iter().enumerate() {
                 @let of_kind: Vec<_> = plots.iter().filter(|(name, _)| name.starts_with(beginning)).collect();
@@ -82,6 +95,7 @@ impl SweepPage {
             }
         };
         let links = [
+            ("best", "Best"),
             ("plots-0", "Rates"),
             ("plots-1", "Fitness"),
             ("plots-2", "Times"),
@@ -181,6 +195,7 @@ mod tests {
         write("f_rate_street.svg", svg);
         write("pareto_street.svg", "<svg <");
         write("protocol_nuscenes_street.svg", svg);
+        write(SWEEP_BEST_TXT, "Best for a<b: 0.6.\n");
         write(SWEEP_PROTOCOLS_CSV, "dataset,metric,value\na<b,nds,0.33\n");
         write("other.svg", svg);
         folder
@@ -201,6 +216,7 @@ mod tests {
                 "f_rate_street.svg",
                 "pareto_street.svg is damaged.",
                 "Their principal numbers",
+                "<p>Best for a&lt;b: 0.6.</p>",
                 "nds",
                 "href=\"#table\"",
             ],

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::markup::{sentences, table};
+use crate::tables::notes::about_matching;
 use crate::tables::sheet::Tabular as _;
 use crate::tables::task_table::TaskTable;
 
@@ -13,7 +14,7 @@ pub(super) fn task_tables(tables: &[TaskTable]) -> Markup {
             @for task in tables {
                 @let sheet = task.sheet();
                 h3 { "Task " (task.task) }
-                p.about { "Rates in %. Matched by " (task.matching_criterion) "." }
+                p.about { "Rates in %. " (about_matching(&task.matching_criterion)) }
                 @if let [main, counts] = &sheet.parts[..] {
                     (table(&main.grid, &sheet.notes, &format!("Task {}: rates and speeds", task.task)))
                     details {

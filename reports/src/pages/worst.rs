@@ -5,8 +5,8 @@ use maud::{Markup, PreEscaped, html};
 use super::markup::key;
 use super::run_facts::{RunFacts, SeenBox, scan_name};
 use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
+use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::task::Task;
-use crate::worst::mistakes::Mistake;
 use crate::worst::places::{MistakeList, WorstPlace};
 
 /// Nothing if no mistake has a place.
@@ -34,7 +34,7 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
 }
 
 fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> Markup {
-    let lists = [Mistake::Missed, Mistake::False].map(|kind| {
+    let lists = [MistakeKind::Missed, MistakeKind::False].map(|kind| {
         let list = MistakeList { task, detector: detector.to_owned(), kind };
         (kind, facts.worst.of(&list))
     });
@@ -52,10 +52,10 @@ fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> M
     }
 }
 
-fn scene(facts: &RunFacts, task: Task, detector: &str, kind: Mistake, place: &WorstPlace<()>) -> Markup {
+fn scene(facts: &RunFacts, task: Task, detector: &str, kind: MistakeKind, place: &WorstPlace<()>) -> Markup {
     let word = match kind {
-        Mistake::Missed => "missed",
-        Mistake::False => "false",
+        MistakeKind::Missed => "missed",
+        MistakeKind::False => "false",
     };
     let boxes = facts.boxes.get(&scan_name(place)).map_or(&[][..], Vec::as_slice);
     let is_near = |it: &&SeenBox| {

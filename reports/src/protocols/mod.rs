@@ -18,5 +18,6 @@ pub mod protocol_tally;
 mod made_rows;
 pub mod protocol_report;
 mod short_forms;
+pub mod given_classes;
 pub mod swept_numbers;
 pub mod swept_number_curves;

@@ -25,6 +25,8 @@ row! {
         pub n_other: u64,
         /// Those of them that are one.
         pub n_both: u64,
+        /// Detections of the detector that no other one of the run has.
+        pub n_alone: u64,
     }
 }
 
@@ -39,6 +41,7 @@ pub fn add_agreement(sums: &mut Vec<AgreementRow>, rows: impl IntoIterator<Item 
                 sum.n_detections += row.n_detections;
                 sum.n_other += row.n_other;
                 sum.n_both += row.n_both;
+                sum.n_alone += row.n_alone;
             }
         }
     }
@@ -59,6 +62,7 @@ mod tests {
             n_detections: 5,
             n_other: 4,
             n_both,
+            n_alone: 1,
         };
         let mut sums = Vec::new();
         add_agreement(&mut sums, [row("kd-tree", 3), row("grid", 1), row("kd-tree", 2)]);

@@ -5,6 +5,7 @@ pub mod scan_row;
 pub mod stage_row;
 pub mod match_outcome;
 pub mod match_row;
+pub mod error_row;
 pub mod box_row;
 pub mod cluster_of_point;
 pub mod training_row;

@@ -24,6 +24,8 @@ pub const STAGES_CSV: &str = "stages.csv";
 pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
 /// What the sensor saw around the worst mistakes.
 pub const WORST_POINTS_JSON: &str = "worst_points.json";
+/// How often detectors are wrong for each reason, and what repairing it would gain.
+pub const ERRORS_CSV: &str = "errors.csv";
 /// How far detectors agree on scans without labels.
 pub const AGREEMENT_CSV: &str = "agreement.csv";
 /// The recording for Rerun.
@@ -57,7 +59,9 @@ pub fn protocol_file(protocol: Protocol) -> &'static str {
 pub const FIGURES: &str = "figures";
 /// What came of the claims of the papers.
 pub const REPRODUCTION_JSON: &str = "reproduction.json";
-/// Rates of a sweep.
+/// What a sweep recommends, a text in each line.
+pub const SWEEP_BEST_TXT: &str = "best.txt";
+/// Rates at all points of a sweep.
 pub const SWEEP_CSV: &str = "sweep.csv";
 /// Times of a sweep.
 pub const SWEEP_TIMES_CSV: &str = "times.csv";

@@ -3,51 +3,66 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::rows::agreement_row::AgreementRow;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
-use crate::tables::sheet::{Sheet, Tabular};
+use crate::tables::sheet::{Part, Sheet, Tabular};
 
-/// A line for each two detectors, one after the other.
+/// A table for each data set and task, with a line and a column for each detector.
 #[derive(Debug, Clone, Copy)]
 pub struct AgreementOfDetectors<'a> {
-    /// The lines.
+    /// What each two detectors found, one after the other.
     pub rows: &'a [AgreementRow],
 }
 
+const TITLE_OF_OTHERS: &str = "also found by [%]";
+
 impl Tabular for AgreementOfDetectors<'_> {
     fn sheet(&self) -> Sheet {
-        let mut columns = ["data set", "task", "detector", "compared with"].map(Column::left).to_vec();
-        columns.extend(["scans", "detections", "a scan", "agreed [%]"].map(Column::number));
-        let mut before = None;
-        let lines = self.rows.iter().map(|row| {
-            let place = (&row.dataset, row.task, &row.detector);
-            let is_first = before.replace(place) != Some(place);
-            let head = if is_first {
-                [row.dataset.clone(), row.task.to_string(), row.detector.clone()]
-            } else {
-                [const { String::new() }; 3]
-            };
-            let counts = if is_first {
-                let a_scan = row.n_detections as f64 / row.n_scans.max(1) as f64;
-                [row.n_scans.to_string(), row.n_detections.to_string(), fixed_decimals(a_scan, 1)]
-            } else {
-                [const { String::new() }; 3]
-            };
-            let agreed = match row.n_detections {
-                0 => "–".to_owned(),
-                n => fixed_decimals(100.0 * row.n_both as f64 / n as f64, 1),
-            };
-            let cells = head.into_iter().chain([row.other.clone()]).chain(counts).chain([agreed]);
-            let kind = if is_first { LineKind::Dataset } else { LineKind::Detail };
-            Line { kind, cells: cells.map(Cell::new).collect() }
-        });
-        let grid = Grid { columns, lines: lines.collect() };
+        let parts =
+            self.rows.chunk_by(|a, b| (&a.dataset, a.task) == (&b.dataset, b.task)).map(|rows| Part {
+                title: Some(format!(
+                    "Task {} on {}, {} scans without labels.",
+                    rows[0].task, rows[0].dataset, rows[0].n_scans
+                )),
+                grid: grid(rows),
+            });
         let notes = [
-            "agreed: detections of the detector that the other one has, too: they share half of the points of both, and are matched one \
-             with one.",
+            "also found by: share of a detector's detections that the other one has, too: they share half of the points of both, and \
+             are matched one with one. alone: share that no other one has.",
             "Nothing is labelled, so nothing was scored: who is right is not known.",
         ];
-        let title = "Detections, and how far detectors agree".to_owned();
-        Sheet::of(title, grid, notes.map(str::to_owned).to_vec()).labelled("agreement")
+        Sheet::of_parts(parts.collect(), notes.map(str::to_owned).to_vec()).labelled("agreement")
     }
+}
+
+fn grid(rows: &[AgreementRow]) -> Grid {
+    let of_detectors: Vec<&[AgreementRow]> = rows.chunk_by(|a, b| a.detector == b.detector).collect();
+    let has_others = of_detectors.len() > 1;
+    let mut columns = vec![Column::left("detector")];
+    columns.extend(["detections", "a scan"].map(Column::number));
+    if has_others {
+        columns.push(Column::number("alone [%]"));
+        let others = of_detectors.iter().map(|it| Column::number(it[0].detector.clone()));
+        columns.extend(others.map(|it| it.within(TITLE_OF_OTHERS)));
+    }
+    let lines = of_detectors.iter().map(|of_detector| {
+        let first = &of_detector[0];
+        let share = |n: u64| match first.n_detections {
+            0 => Cell::new("–"),
+            all => Cell::new(fixed_decimals(100.0 * n as f64 / all as f64, 1)),
+        };
+        let a_scan = first.n_detections as f64 / first.n_scans.max(1) as f64;
+        let texts = [first.detector.clone(), first.n_detections.to_string(), fixed_decimals(a_scan, 1)];
+        let mut cells = texts.map(Cell::new).to_vec();
+        if has_others {
+            cells.push(share(first.n_alone));
+            cells.extend(of_detectors.iter().map(|other| {
+                let row = of_detector.iter().find(|it| it.other == other[0].detector);
+                row.map_or_else(Cell::default, |it| share(it.n_both))
+            }));
+        }
+        Line { kind: LineKind::Dataset, cells }
+    });
+    let lines = lines.collect();
+    Grid { columns, lines }
 }
 
 #[cfg(test)]
@@ -59,7 +74,10 @@ mod tests {
 
     #[test]
     fn every_share_is_of_the_detections_of_its_detector() {
-        let row = |detector: &str, other: &str, [n_detections, n_other]: [u64; 2], n_both| AgreementRow {
+        let row = |detector: &str,
+                   other: &str,
+                   [n_detections, n_other]: [u64; 2],
+                   [n_both, n_alone]: [u64; 2]| AgreementRow {
             dataset: "robot".to_owned(),
             task: Task::Objects,
             detector: detector.to_owned(),
@@ -68,16 +86,34 @@ mod tests {
             n_detections,
             n_other,
             n_both,
+            n_alone,
         };
         let rows = [
-            row("grid", "tree", [10, 5], 4),
-            row("grid", "none", [10, 0], 0),
-            row("tree", "grid", [5, 10], 4),
-            row("none", "grid", [0, 10], 0),
+            row("grid", "tree", [10, 5], [4, 6]),
+            row("grid", "none", [10, 0], [0, 6]),
+            row("tree", "grid", [5, 10], [4, 1]),
+            row("tree", "none", [5, 0], [0, 1]),
+            row("none", "grid", [0, 10], [0, 0]),
+            row("none", "tree", [0, 5], [0, 0]),
         ];
-        let text = Terminal::UNFOLDED.text(&AgreementOfDetectors { rows: &rows });
-        let shares: Vec<&str> =
-            text.lines().skip(4).take(4).map(|it| it.rsplit(' ').next().expect("it has words")).collect();
-        assert_eq!(shares, ["40.0", "0.0", "80.0", "–"], "{text}");
+        let text = Terminal { width: Some(100) }.text(&AgreementOfDetectors { rows: &rows });
+        insta::assert_snapshot!(text, @"");
+    }
+
+    #[test]
+    fn a_single_detector_has_no_others() {
+        let row = AgreementRow {
+            dataset: "robot".to_owned(),
+            task: Task::Objects,
+            detector: "grid".to_owned(),
+            other: "grid".to_owned(),
+            n_scans: 4,
+            n_detections: 10,
+            n_other: 10,
+            n_both: 10,
+            n_alone: 0,
+        };
+        let text = Terminal::UNFOLDED.text(&AgreementOfDetectors { rows: &[row] });
+        assert!(text.contains("2.5") && !text.contains("%]"), "{text}");
     }
 }

@@ -1,5 +1,7 @@
 //! Cells of text in rows and columns, for any renderer to lay out.
 
+use std::borrow::Cow;
+
 use crate::numbers::blocks::BlockCount;
 
 /// A table ready to be laid out.
@@ -15,7 +17,7 @@ pub(crate) struct Grid {
 pub(crate) struct Column {
     /// What neighbouring columns have in common; stands above them.
     pub(crate) group: Option<String>,
-    pub(crate) title: &'static str,
+    pub(crate) title: Cow<'static, str>,
     pub(crate) alignment: Alignment,
 }
 
@@ -94,13 +96,13 @@ impl Mark {
 
 impl Column {
     /// Of text.
-    pub(crate) fn left(title: &'static str) -> Self {
-        Self { group: None, title, alignment: Alignment::Left }
+    pub(crate) fn left(title: impl Into<Cow<'static, str>>) -> Self {
+        Self { group: None, title: title.into(), alignment: Alignment::Left }
     }
 
     /// Of numbers.
-    pub(crate) fn number(title: &'static str) -> Self {
-        Self { group: None, title, alignment: Alignment::Decimal }
+    pub(crate) fn number(title: impl Into<Cow<'static, str>>) -> Self {
+        Self { group: None, title: title.into(), alignment: Alignment::Decimal }
     }
 
     /// The same below the name of a group.

@@ -9,11 +9,14 @@ pub mod sheet;
 pub(crate) mod task_grids;
 pub mod times_table;
 pub mod stage_table;
+pub(crate) mod error_table;
+pub mod protocol_in_short;
 pub mod protocol_table;
+pub mod agreement_table;
+pub mod run_in_short;
 pub mod studies;
 pub mod verdict;
 pub mod formats;
 
 #[cfg(test)]
 pub(crate) mod sample;
-pub mod agreement_table;

@@ -22,7 +22,15 @@ pub(crate) struct Notes {
 
 /// The title of the table of a task.
 pub(crate) fn title(table: &TaskTable) -> String {
-    format!("Task {}. Rates in %. Matched by {}.", table.task, table.matching_criterion)
+    format!("Task {}. Rates in %. {}", table.task, about_matching(&table.matching_criterion))
+}
+
+/// By what detections were matched with annotations, of what the manifest says of it.
+pub(crate) fn about_matching(criterion: &str) -> String {
+    match criterion.strip_prefix("points, IoU at least ") {
+        Some(least) => format!("Matched by a point-set IoU of at least {least}."),
+        None => format!("Matched by {criterion}."),
+    }
 }
 
 /// What has to be said beneath `grids`, which are printed together.
@@ -61,7 +69,7 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
             let places: Vec<_> = methods.map(|it| format!("{} under {}", it.name, it.detector)).collect();
             format!(
                 "Numbers of data sets are measured here, and may be compared within a row. Published rows are printed in {}; {}. \
-                 They are of other scans, annotations and machines: for orientation, and not to be compared with ours.",
+                 They are of other scans, annotations and machines: for orientation, and not to be compared with the numbers measured here.",
                 paper.source,
                 places.join(", ")
             )
@@ -71,16 +79,20 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
         let asked = "Published numbers of the papers stand beside their own method: -d paper,hierarchical,kd-tree,pca.";
         notes.sentences.push(asked.to_owned());
     }
-    notes.sentences.extend(vehicles(table));
-    notes.sentences.extend(rules(table));
-    notes.sentences.extend(table.foreign.iter().filter_map(|(detector, results)| {
-        Some(format!("{detector} did not run here: its results were read from {}.", results.as_ref()?))
-    }));
-    notes.sentences.extend(table.failures.iter().map(|(detector, [n_failed, n_scans])| {
-        format!("{detector} gave no answer to {n_failed} of {n_scans} scans, which count as nothing found.")
-    }));
+    notes.sentences.extend(about_detectors(table));
     notes.explain_marks();
     notes
+}
+
+/// What decides who leads beside the method: training, rules, where results come from, scans without an answer.
+pub(crate) fn about_detectors(table: &TaskTable) -> Vec<String> {
+    let read = table.foreign.iter().filter_map(|(detector, results)| {
+        Some(format!("{detector} did not run here: its results were read from {}.", results.as_ref()?))
+    });
+    let failures = table.failures.iter().map(|(detector, [n_failed, n_scans])| {
+        format!("{detector} gave no answer to {n_failed} of {n_scans} scans, which count as nothing found.")
+    });
+    vehicles(table).into_iter().chain(rules(table)).chain(read).chain(failures).collect()
 }
 
 /// By what each detector's vehicles are classified; `None` where that is not known, or nobody is asked for them.
@@ -93,23 +105,28 @@ fn vehicles(table: &TaskTable) -> Option<String> {
 
 /// What is whose beside the clusters; `None` where nobody has anything. What programs of others do is not known.
 fn rules(table: &TaskTable) -> Option<String> {
+    let mut of_names: Vec<(&[String], Vec<&str>)> = Vec::new();
+    for (rule, names) in &table.rules {
+        match of_names.iter_mut().find(|(known, _)| known == names) {
+            Some((_, rules)) => rules.push(rule),
+            None => of_names.push((names, vec![rule])),
+        }
+    }
     let is_ours = |it: &&String| table.foreign.iter().all(|(name, _)| name != *it);
-    let whose = |names: &[String]| match names {
-        [only] => format!("only {only}"),
-        names if names.len() == table.detectors.len() => "all".to_owned(),
-        names => names.join(", "),
-    };
-    let rules: Vec<String> =
-        table.rules.iter().map(|(rule, names)| format!("{rule}: {}", whose(names))).collect();
     let has_any = |detector: &&String| table.rules.iter().any(|(_, names)| names.contains(detector));
     let (ours, theirs): (Vec<&String>, Vec<&String>) = table.detectors.iter().partition(is_ours);
     let without: Vec<&String> = ours.into_iter().filter(|it| !has_any(it)).collect();
-    let listed = |title: &str, names: &[&String]| {
+    let listed = |names: Vec<&String>, what: &str| {
         let names: Vec<&str> = names.iter().map(|it| it.as_str()).collect();
-        if names.is_empty() { String::new() } else { format!("; {title}: {}", names.join(", ")) }
+        (!names.is_empty()).then(|| format!("{}: {what}", names.join(", ")))
     };
-    let without = format!("{}{}", listed("none", &without), listed("of their own, unknown here", &theirs));
-    (!rules.is_empty()).then(|| format!("Rules besides clustering: {}{without}.", rules.join("; ")))
+    let rules = of_names.iter().map(|(names, rules)| {
+        let whose = if names.len() == table.detectors.len() { "all".to_owned() } else { names.join(", ") };
+        format!("{whose}: {}", rules.join(", "))
+    });
+    let others = [listed(without, "none"), listed(theirs, "of its own, unknown here")];
+    let all: Vec<String> = rules.chain(others.into_iter().flatten()).collect();
+    (!of_names.is_empty()).then(|| format!("Rules besides clustering: {}.", all.join(" · ")))
 }
 
 /// How intervals are made, and what they say.
@@ -119,20 +136,21 @@ pub(crate) fn about_interval(kind: BlockKind) -> String {
 
 /// The same of another number of resamples.
 pub(crate) fn about_interval_of(n_resamples: usize, kind: BlockKind) -> String {
-    let of = format!("cluster bootstrap, {n_resamples} resamples of");
-    let same_drives = "they cover other scans of the same drives, but not other drives";
+    let of = format!("cluster bootstrap, {n_resamples} resamples");
+    let same_drives = "the intervals cover other scans of the same drives, but not other drives";
     match kind {
-        BlockKind::Drives => format!("{of} whole drives."),
-        BlockKind::Seconds => {
-            format!("{of} seconds, because there are fewer than {FEWEST_DRIVES} drives: {same_drives}.")
-        }
-        BlockKind::Named => format!("{of} the blocks of --blocks."),
-        BlockKind::Scans => {
-            format!("{of} single scans, because when they were taken is not known: they may be neighbours.")
-        }
-        BlockKind::Tracks => format!("{of} objects, each with all its scans: {same_drives}."),
+        BlockKind::Drives => format!("{of} of whole drives."),
+        BlockKind::Seconds => format!(
+            "{of}; each second of driving is one block, because there are fewer than {FEWEST_DRIVES} drives: {same_drives}."
+        ),
+        BlockKind::Named => format!("{of} of the blocks of --blocks."),
+        BlockKind::Scans => format!(
+            "{of} of single scans, because when they were taken is not known: they may be neighbours."
+        ),
+        BlockKind::Tracks => format!("{of} of objects, each with all its scans: {same_drives}."),
         BlockKind::Both => format!(
-            "{of} whole drives, or of seconds for data sets with fewer than {FEWEST_DRIVES} drives: {same_drives}."
+            "{of}; each drive is one block or, in data sets with fewer than {FEWEST_DRIVES} drives, each second of driving: \
+             {same_drives}."
         ),
     }
 }
@@ -141,7 +159,7 @@ fn marks(grid: &Grid) -> impl Iterator<Item = Mark> + '_ {
     grid.lines.iter().flat_map(|it| &it.cells).filter_map(|it| it.mark)
 }
 
-fn abbreviations(cpu_model: &str) -> String {
+pub(crate) fn abbreviations(cpu_model: &str) -> String {
     format!(
         "NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per \
          second, detection only, on {cpu_model}."
@@ -245,7 +263,7 @@ mod tests {
         let table = task_tables(&report(), &manifest).unwrap().remove(0);
         let sentences = notes(&table, &[]).sentences;
         for expected in [
-            "Rules besides clustering: completion: only paper; none: kd-tree; of their own, unknown here: pca.",
+            "Rules besides clustering: paper: completion · kd-tree: none · pca: of its own, unknown here.",
             "pca did not run here: its results were read from results/deep.",
         ] {
             assert!(sentences.contains(&expected.to_owned()), "{sentences:?}");
@@ -280,14 +298,14 @@ mod tests {
         let sentence =
             |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
         let tables = task_tables(&report(), &manifest).unwrap();
-        let expected = "Rules besides clustering: walls removed: only paper; regrouping: only paper; \
-                        completion: paper, kd-tree; none: pca.";
+        let expected = "Rules besides clustering: paper: walls removed, regrouping · paper, kd-tree: completion · \
+                        pca: none.";
         assert_eq!(sentence(&tables[0]).as_deref(), Some(expected));
         manifest.detectors[2].rules = vec!["completion".to_owned()];
         manifest.detectors[0].rules.truncate(0);
         manifest.detectors[0].rules.push("completion".to_owned());
         let tables = task_tables(&report(), &manifest).unwrap();
-        assert_eq!(sentence(&tables[0]).as_deref(), Some("Rules besides clustering: completion: all."));
+        assert_eq!(sentence(&tables[0]).as_deref(), Some("Rules besides clustering: all: completion."));
         manifest.detectors.iter_mut().for_each(|it| it.rules.clear());
         assert_eq!(sentence(&task_tables(&report(), &manifest).unwrap()[0]), None);
     }

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::pools::Pool;
 use crate::protocols::drawn_scans::N_PROTOCOL_RESAMPLES;
 use crate::protocols::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolNumber};
@@ -10,6 +9,7 @@ use crate::protocols::protocol_report::ProtocolReport;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::{INTERVAL_TITLE, about_interval_of};
+use crate::tables::protocol_in_short::number_cells;
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::task_grids::extent_cell;
 use crate::vocabulary::extent::Extent;
@@ -172,15 +172,6 @@ impl Tabular for ProtocolTable<'_> {
         let title = format!("Protocol {}. n: {counted}.", self.protocol);
         Sheet::of(title, self.grid(), self.sentences()).labelled(&self.file_stem().replacen("table_", "", 1))
     }
-}
-
-/// The value and its interval.
-fn number_cells(number: &ProtocolNumber) -> [Cell; 2] {
-    let Some(value) = number.value else { return [Cell::new("–"), Cell::default()] };
-    let interval = number.interval.map_or_else(Cell::default, |it| {
-        Cell::interval(it.ends.map(|end| fixed_decimals(end, 4)).join(" to "), it.blocks)
-    });
-    [Cell::new(fixed_decimals(value, 4)), interval]
 }
 
 #[cfg(test)]

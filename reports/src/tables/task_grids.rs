@@ -184,7 +184,7 @@ fn percent_text(rate: f64) -> String {
 }
 
 /// Three digits, but never more than two decimals.
-fn fps_text(fps: f64) -> String {
+pub(crate) fn fps_text(fps: f64) -> String {
     match fps {
         100.0.. => fixed_decimals(fps, 0),
         10.0.. => fixed_decimals(fps, 1),

@@ -38,11 +38,11 @@ impl TimesTable {
         let mut columns = vec![Column::left("data set"), Column::left("detector"), Column::number("scans")];
         columns.extend(STATISTICS.iter().map(|(title, metric)| {
             let group = if metric.unit() == "ms" { "time of a scan [ms]" } else { "scans per second" };
-            Column::number(title).within(group)
+            Column::number(*title).within(group)
         }));
         let is_known = |metric: &Metric| report.rows().iter().any(|it| it.metric == *metric);
         let of_some: Vec<_> = OF_SOME.into_iter().filter(|(_, metric)| is_known(metric)).collect();
-        columns.extend(of_some.iter().map(|(title, _)| Column::number(title).within("of it [ms]")));
+        columns.extend(of_some.iter().map(|(title, _)| Column::number(*title).within("of it [ms]")));
         let datasets = manifest.datasets.iter();
         let mut extents: Vec<(Extent, Origin)> =
             datasets.map(|it| (Extent::Dataset(it.id.clone()), it.origin())).collect();

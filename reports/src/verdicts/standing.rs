@@ -122,6 +122,15 @@ pub fn speeds(manifest: &Manifest, report: &RunReport) -> Vec<Speeds> {
 impl Standing {
     /// Who leads, in a sentence, another one about all that it does not name, and one about each that gave no answer to some scans.
     pub fn sentence(&self) -> String {
+        format!("{}{}{}", self.sentence_of_rates(), self.sentence_of_others(), self.sentence_of_failures())
+    }
+
+    /// The same without those that it does not name, where a table is above it.
+    pub fn short_sentence(&self) -> String {
+        self.sentence_of_rates() + &self.sentence_of_failures()
+    }
+
+    fn sentence_of_failures(&self) -> String {
         let failed = self.places.iter().filter_map(|it| {
             let [n_failed, n_scans] = it.failed_scans?;
             let name = &it.detector;
@@ -129,7 +138,7 @@ impl Standing {
                 " But {name} failed at {n_failed} of {n_scans} scans, which count as nothing found."
             ))
         });
-        format!("{}{}{}", self.sentence_of_rates(), self.sentence_of_others(), failed.collect::<String>())
+        failed.collect()
     }
 
     /// What those have that are neither first nor second; nothing where nobody has anything.

@@ -3,6 +3,14 @@
 use crate::vocabulary::named::named;
 
 named! {
+    /// The two kinds of mistakes.
+    pub enum MistakeKind {
+        /// An annotation that nothing found.
+        Missed = "missed",
+        /// A detection of nothing.
+        False = "false",
+    }
+
     /// Why an annotation does not count.
     pub enum IgnoredAnnotation {
         /// Fewer points than the minimum.

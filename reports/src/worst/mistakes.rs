@@ -4,16 +4,8 @@ use std::fmt::Write as _;
 
 use crate::rows::match_outcome::MatchOutcome;
 use crate::rows::match_row::MatchRow;
+use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::task::Task;
-
-/// The two kinds of mistakes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Mistake {
-    /// An annotation that nothing found.
-    Missed,
-    /// A detection of nothing.
-    False,
-}
 
 /// Which mistakes are asked for.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +15,7 @@ pub struct MistakeChoice<'a> {
     /// At which task.
     pub task: Task,
     /// Of which kind; both if not given.
-    pub kind: Option<Mistake>,
+    pub kind: Option<MistakeKind>,
     /// What is annotated so, or was taken for it.
     pub class: Option<&'a str>,
 }
@@ -34,7 +26,7 @@ pub struct ListedMistake<'a> {
     /// Where it is.
     pub row: &'a MatchRow,
     /// What it is.
-    pub kind: Mistake,
+    pub kind: MistakeKind,
     /// Annotated class, or what it was taken for.
     pub class: &'static str,
     /// Why.
@@ -64,7 +56,7 @@ fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
     match &row.outcome {
         MatchOutcome::Missed { annotation, reason } => Some(ListedMistake {
             row,
-            kind: Mistake::Missed,
+            kind: MistakeKind::Missed,
             class: annotation.class.name(),
             reason: reason.name(),
             n_points: annotation.n_points,
@@ -72,7 +64,7 @@ fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
         }),
         MatchOutcome::False { detection, reason } => Some(ListedMistake {
             row,
-            kind: Mistake::False,
+            kind: MistakeKind::False,
             class: detection.class.name(),
             reason: reason.name(),
             n_points: detection.n_points,
@@ -95,10 +87,7 @@ pub fn worst_to_terminal(mistakes: &[ListedMistake<'_>]) -> String {
         "", "data set, drive, scan", "", "class", "points", "range m", "x m", "y m"
     );
     for (rank, it) in (1..).zip(mistakes) {
-        let kind = match it.kind {
-            Mistake::Missed => "missed",
-            Mistake::False => "false",
-        };
+        let kind = it.kind.name();
         let place = it.place_m.map_or_else(
             || format!("{:>8}  {:>8}  {:>8}", "–", "–", "–"),
             |[x, y]| format!("{:>8.1}  {x:>8.1}  {y:>8.1}", x.hypot(y)),
@@ -166,8 +155,8 @@ mod tests {
         let points = |choice: MistakeChoice<'_>| -> Vec<u64> {
             worst(&rows, &choice, 10).iter().map(|it| it.n_points).collect()
         };
-        assert_eq!(points(MistakeChoice { kind: Some(Mistake::False), ..ANY }), [90]);
-        assert_eq!(points(MistakeChoice { kind: Some(Mistake::Missed), ..ANY }), [500, 30]);
+        assert_eq!(points(MistakeChoice { kind: Some(MistakeKind::False), ..ANY }), [90]);
+        assert_eq!(points(MistakeChoice { kind: Some(MistakeKind::Missed), ..ANY }), [500, 30]);
         assert_eq!(points(MistakeChoice { class: Some("car"), ..ANY }), [30]);
         assert_eq!(points(MistakeChoice { task: Task::Objects, ..ANY }), [0; 0]);
     }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
+use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::task::Task;
-use crate::worst::mistakes::Mistake;
 
 /// Scans whose numbers begin alike when divided by this are taken for scans of one second.
 const SCANS_PER_SECOND: u32 = 10;
@@ -30,7 +30,7 @@ pub struct MistakeList {
     /// Name of the detector.
     pub detector: String,
     /// Missed or false.
-    pub kind: Mistake,
+    pub kind: MistakeKind,
 }
 
 /// Which object of which scan.
@@ -124,10 +124,10 @@ impl<T> WorstPlaces<T> {
     pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
         let (kind, class, reason, n_points, bounding_box, track) = match &row.outcome {
             MatchOutcome::Missed { annotation: it, reason } => {
-                (Mistake::Missed, it.class.name(), reason.name(), it.n_points, subject_of(it), it.track)
+                (MistakeKind::Missed, it.class.name(), reason.name(), it.n_points, subject_of(it), it.track)
             }
             MatchOutcome::False { detection: it, reason } => {
-                (Mistake::False, it.class.name(), reason.name(), it.n_points, Some(it.bounding_box), None)
+                (MistakeKind::False, it.class.name(), reason.name(), it.n_points, Some(it.bounding_box), None)
             }
             _ => return,
         };
@@ -212,7 +212,7 @@ mod tests {
         MatchOutcome::False { detection, reason: FalseReason::NothingThere }
     }
 
-    fn kept(rows: &[MatchRow], kind: Mistake) -> Vec<(u32, u64)> {
+    fn kept(rows: &[MatchRow], kind: MistakeKind) -> Vec<(u32, u64)> {
         let mut places = WorstPlaces::default();
         for row in rows {
             places.add(row, |_| ());
@@ -226,27 +226,30 @@ mod tests {
     fn each_track_is_shown_where_it_was_seen_best() {
         let rows = [(0, Some(1), 30), (1, Some(1), 50), (2, Some(1), 40), (2, Some(2), 45)];
         let rows = rows.map(|(scan, track, n)| row(scan, missed(track, n, Some(BOX))));
-        assert_eq!(kept(&rows, Mistake::Missed), [(1, 50), (2, 45)]);
+        assert_eq!(kept(&rows, MistakeKind::Missed), [(1, 50), (2, 45)]);
     }
 
     #[test]
     fn the_worst_are_kept_and_no_more() {
         let rows: Vec<_> = (0..20).map(|it| row(it * 10, false_one(u64::from(it * 7 % 20)))).collect();
-        assert_eq!(kept(&rows, Mistake::False).iter().map(|it| it.1).collect::<Vec<_>>(), [19, 18, 17, 16]);
-        assert_eq!(kept(&rows, Mistake::Missed), []);
+        assert_eq!(
+            kept(&rows, MistakeKind::False).iter().map(|it| it.1).collect::<Vec<_>>(),
+            [19, 18, 17, 16]
+        );
+        assert_eq!(kept(&rows, MistakeKind::Missed), []);
     }
 
     #[test]
     fn false_ones_of_one_second_are_one() {
         assert_eq!(
-            kept(&[row(3, false_one(5)), row(4, false_one(6)), row(13, false_one(1))], Mistake::False),
+            kept(&[row(3, false_one(5)), row(4, false_one(6)), row(13, false_one(1))], MistakeKind::False),
             [(4, 6), (13, 1)]
         );
     }
 
     #[test]
     fn what_has_no_place_is_not_shown() {
-        assert_eq!(kept(&[row(0, missed(None, 5, None))], Mistake::Missed), []);
+        assert_eq!(kept(&[row(0, missed(None, 5, None))], MistakeKind::Missed), []);
     }
 
     #[test]

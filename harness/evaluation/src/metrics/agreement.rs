@@ -8,63 +8,37 @@ use reports::vocabulary::task::Task;
 use crate::matching::eligibility::asks_for;
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
 
-/// What two detectors found in the same scans.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Agreement {
-    /// Detections of the first.
-    pub n_first: u64,
-    /// Detections of the second.
-    pub n_second: u64,
-    /// Those of them that are one: they share half of the points that they have together.
-    pub n_both: u64,
+/// Places of those of `detections` that `task` asks for.
+pub fn asked_for(detections: &Detections, task: Task) -> Vec<usize> {
+    (0..detections.len()).filter(|&idx| asks_for(task, detections.get(idx).class)).collect()
 }
 
-impl Agreement {
-    /// The agreement in what `task` asks for in a scan of `n_points`.
-    ///
-    /// The detections are matched as if those of the second detector were annotations, one with one, so that as many as possible
-    /// are matched and they share as many points as possible. It is the same the other way round.
-    pub fn of([first, second]: [&Detections; 2], task: Task, n_points: usize) -> Self {
-        let asked = |it: &Detections| -> Vec<usize> {
-            (0..it.len()).filter(|&idx| asks_for(task, it.get(idx).class)).collect()
-        };
-        let (of_first, of_second) = (asked(first), asked(second));
-        let mut at_point: Vec<Vec<usize>> = vec![Vec::new(); n_points];
-        for &idx in &of_second {
-            for &point_idx in second.get(idx).point_indices {
-                at_point[point_idx as usize].push(idx);
-            }
-        }
-        let mut pairs = Vec::new();
-        for &idx in &of_first {
-            let point_indices = first.get(idx).point_indices;
-            let mut n_shared: BTreeMap<usize, usize> = BTreeMap::new();
-            for &other in point_indices.iter().flat_map(|&it| &at_point[it as usize]) {
-                *n_shared.entry(other).or_default() += 1;
-            }
-            pairs.extend(n_shared.into_iter().filter_map(|(other, n_shared)| {
-                let n_together = point_indices.len() + second.get(other).point_indices.len() - n_shared;
-                let cost = 1.0 - n_shared as f64 / n_together as f64;
-                (cost <= MAX_COST).then_some(AdmissiblePair {
-                    annotation_idx: other,
-                    detection_idx: idx,
-                    cost,
-                })
-            }));
-        }
-        Self {
-            n_first: of_first.len() as u64,
-            n_second: of_second.len() as u64,
-            n_both: match_pairs(&pairs).len() as u64,
+/// Places of those detections of the first of two detectors that the second has, too, in a scan of `n_points`: they share half of the
+/// points that they have together. Only what `task` asks for is looked at.
+///
+/// The detections are matched as if those of the second detector were annotations, one with one, so that as many as possible are
+/// matched and they share as many points as possible. They are as many the other way round.
+pub fn shared([first, second]: [&Detections; 2], task: Task, n_points: usize) -> Vec<usize> {
+    let mut at_point: Vec<Vec<usize>> = vec![Vec::new(); n_points];
+    for idx in asked_for(second, task) {
+        for &point_idx in second.get(idx).point_indices {
+            at_point[point_idx as usize].push(idx);
         }
     }
-
-    /// Adds what was found in another scan.
-    pub fn add(&mut self, other: &Self) {
-        self.n_first += other.n_first;
-        self.n_second += other.n_second;
-        self.n_both += other.n_both;
+    let mut pairs = Vec::new();
+    for idx in asked_for(first, task) {
+        let point_indices = first.get(idx).point_indices;
+        let mut n_shared: BTreeMap<usize, usize> = BTreeMap::new();
+        for &other in point_indices.iter().flat_map(|&it| &at_point[it as usize]) {
+            *n_shared.entry(other).or_default() += 1;
+        }
+        pairs.extend(n_shared.into_iter().filter_map(|(other, n_shared)| {
+            let n_together = point_indices.len() + second.get(other).point_indices.len() - n_shared;
+            let cost = 1.0 - n_shared as f64 / n_together as f64;
+            (cost <= MAX_COST).then_some(AdmissiblePair { annotation_idx: other, detection_idx: idx, cost })
+        }));
     }
+    match_pairs(&pairs).into_iter().map(|it| it.detection_idx).collect()
 }
 
 /// Less than half of the points in common is no agreement.
@@ -91,11 +65,11 @@ mod tests {
         let first = detections(&[(&[0, 1, 2, 3], Vehicle), (&[4, 5], Object), (&[8], Object)]);
         // The first shares 3 of 5, the second 1 of 3, the third nothing.
         let second = detections(&[(&[1, 2, 3, 9], Object), (&[5, 6], Object)]);
-        let of = |task| Agreement::of([&first, &second], task, 10);
-        assert_eq!(of(Task::Objects), Agreement { n_first: 3, n_second: 2, n_both: 1 });
-        assert_eq!(of(Task::Vehicles), Agreement { n_first: 1, n_second: 0, n_both: 0 });
-        let back = Agreement::of([&second, &first], Task::Objects, 10);
-        assert_eq!(back, Agreement { n_first: 2, n_second: 3, n_both: 1 });
+        assert_eq!(shared([&first, &second], Task::Objects, 10), [0]);
+        assert!(shared([&first, &second], Task::Vehicles, 10).is_empty());
+        assert_eq!(shared([&second, &first], Task::Objects, 10), [0]);
+        let asked = |task| [&first, &second].map(|it| asked_for(it, task).len());
+        assert_eq!([asked(Task::Objects), asked(Task::Vehicles)], [[3, 2], [1, 0]]);
     }
 
     #[test]
@@ -103,9 +77,7 @@ mod tests {
         use DetectedClass::Object;
         let whole = detections(&[(&[0, 1, 2, 3], Object)]);
         let halves = detections(&[(&[0, 1], Object), (&[2, 3], Object)]);
-        assert_eq!(
-            Agreement::of([&whole, &halves], Task::Objects, 4),
-            Agreement { n_first: 1, n_second: 2, n_both: 1 }
-        );
+        assert_eq!(shared([&whole, &halves], Task::Objects, 4), [0]);
+        assert_eq!(shared([&halves, &whole], Task::Objects, 4).len(), 1);
     }
 }

@@ -11,4 +11,5 @@ pub mod timing_pass;
 pub mod sweep_tally;
 pub mod block_resamples;
 pub mod summary;
+pub mod paired_points;
 pub mod protocol_numbers;

@@ -40,10 +40,10 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// Print results and errors only
+    /// Print the directory of a result, and errors; of what leaves no directory the result
     #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = GENERAL)]
     pub quiet: bool,
-    /// Print progress scan by scan
+    /// Print progress scan by scan, and all tables of a run
     #[arg(short, long, global = true, help_heading = GENERAL)]
     pub verbose: bool,
     /// Print help: -h a summary, --help everything

@@ -24,8 +24,8 @@ use crate::commands::scan_study::ScanStudy;
 use crate::commands::shards::place::Place;
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
+use crate::commands::standard_streams::print_result_in;
 use crate::commands::standard_streams::terminal;
-use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// The method whose parts are left out.
 const METHOD: &str = "hierarchical";
@@ -68,7 +68,7 @@ pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<Sca
 
 /// Writes the files that only an ablation has into `directory`, and returns its tables.
 pub fn write_ablation(directory: &RunDirectory, run: &WholeRun) -> Result<Vec<AblationTable>, Failure> {
-    let of_task = run.numbers.tables.iter().filter(|it| it.task == TASK);
+    let of_task = run.numbers.short.tables.iter().filter(|it| it.task == TASK);
     let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &run.numbers.report)).collect();
     tables.iter().try_for_each(|it| write_files(directory, it))?;
     Ok(tables)
@@ -76,10 +76,8 @@ pub fn write_ablation(directory: &RunDirectory, run: &WholeRun) -> Result<Vec<Ab
 
 /// Prints the tables of the ablation in `finished`.
 pub fn print_ablation(tables: &[AblationTable], finished: &Path) -> Result<(), Failure> {
-    let printed = tables.iter().try_for_each(|it| print_result(terminal().text(it)));
-    // Also where nobody takes the table: the files are there.
-    print_diagnostic(format_args!("Ablation: {}", finished.display()));
-    printed
+    let texts: Vec<String> = tables.iter().map(|it| terminal().text(it)).collect();
+    print_result_in("Ablation", finished, texts.join("\n"))
 }
 
 fn write_files(directory: &RunDirectory, table: &AblationTable) -> Result<(), Failure> {

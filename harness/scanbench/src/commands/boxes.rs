@@ -30,8 +30,8 @@ use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
+use crate::commands::standard_streams::print_result_in;
 use crate::commands::standard_streams::terminal;
-use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// Fewer vehicles of a class than this make no picture of their points.
 const FEWEST_SHOWN: usize = 10;
@@ -86,10 +86,11 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let lines = lines.concat();
     write_lines(&directory, &lines)?;
     let finished = directory.finish()?;
-    let printed = print_result(terminal().text(&BoxTable { lines: &lines, notes: &NOTES }));
-    // Also where nobody takes the table: it is there.
-    print_diagnostic(format_args!("Tables and plots: {}", finished.display()));
-    printed
+    print_result_in(
+        "Tables and plots",
+        &finished,
+        terminal().text(&BoxTable { lines: &lines, notes: &NOTES }),
+    )
 }
 
 /// Pairs that are looked at together: all simulated ones, or those of a recorded data set.

@@ -23,7 +23,7 @@ use crate::commands::first_look::{UNKNOWN_SENSOR, look_first};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::reproducible_command::reproducible_command;
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::print_result_in;
 
 /// One row for every ring of both figures.
 const DENSITY_CSV: &str = "density.csv";
@@ -63,9 +63,7 @@ pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
     let written = file.write_all(curve.to_toml().as_bytes());
     written.map_err(|source| ArchiveError::Write { path: path.to_owned(), source })?;
     file.finish()?;
-    let printed = print_result(summary(&curve));
-    print_diagnostic(format_args!("Density curve: {}", path.display()));
-    printed
+    print_result_in("Density curve", path, summary(&curve))
 }
 
 /// What the curve is learned from. All scans have to be of one sensor.

@@ -25,7 +25,7 @@ use crate::commands::scan_study::{PutUp, ScanStudy};
 use crate::commands::shards::place::Place;
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::standard_streams::terminal;
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::{print_diagnostic, print_result_in};
 
 /// The ablation, the method, its rival.
 const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
@@ -48,11 +48,11 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
         write_picture(&made.directory, &pairs, arguments.pairs, [simple, hierarchical])?;
     }
     let finished = made.finish()?.0;
-    let printed =
-        print_result(terminal().text(&GapTable { curves: &gap_curves(&bins), definition: SEPARATED }));
-    // Also where nobody takes the table: the curves are there.
-    print_diagnostic(format_args!("Curves and plots: {}", finished.display()));
-    printed
+    print_result_in(
+        "Curves and plots",
+        &finished,
+        terminal().text(&GapTable { curves: &gap_curves(&bins), definition: SEPARATED }),
+    )
 }
 
 /// What is put up.

@@ -10,7 +10,10 @@ use reports::run_folder::run_directory::REPORT_HTML;
 use crate::cli::ReportArgs;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_run::refuse_shard;
-use crate::commands::standard_streams::print_diagnostic;
+use crate::commands::run::ending::in_short;
+use crate::commands::standard_streams::{
+    Verbosity, is_said, print_diagnostic, print_result, print_result_in,
+};
 
 /// Makes the page of a run, a sweep or partial clouds, of its files alone.
 pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
@@ -25,8 +28,14 @@ pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
         let page = PartialPage::of(directory, OURS);
         page.map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
     } else {
-        RunPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
+        let page = RunPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?;
+        page.write(directory)?;
+        return print_result_in("Run directory", directory, in_short(&page.short));
     }
-    print_diagnostic(format_args!("Page: {}", directory.join(REPORT_HTML).display()));
-    Ok(())
+    let page = directory.join(REPORT_HTML);
+    if is_said(Verbosity::Usual) {
+        print_diagnostic(format_args!("Page: {}", page.display()));
+        return Ok(());
+    }
+    print_result(directory.display())
 }

@@ -27,8 +27,8 @@ use crate::commands::scan_study::{PutUp, ScanStudy};
 use crate::commands::shards::place::Place;
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
+use crate::commands::standard_streams::print_result_in;
 use crate::commands::standard_streams::terminal;
-use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// The method, its strongest rival, and the papers' baselines.
 const DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "kd-tree", "pca", "simple-grid"];
@@ -88,7 +88,7 @@ fn with_other_training(directory: &Path, config: &RunConfig) -> Result<Entrant, 
 /// Writes the files that only this study has into `directory`, and returns its scores.
 pub fn write_robustness(directory: &RunDirectory, run: &WholeRun) -> Result<Vec<ConditionScores>, Failure> {
     let conditions: Vec<NamedCondition> = CONDITIONS.iter().map(named).collect();
-    let scores = condition_scores(&conditions, &run.numbers.tables);
+    let scores = condition_scores(&conditions, &run.numbers.short.tables);
     write_tables(directory, &scores, &notes(&run.manifest))?;
     Ok(scores)
 }
@@ -100,10 +100,11 @@ pub fn print_robustness(
     finished: &Path,
 ) -> Result<(), Failure> {
     let notes = notes(manifest);
-    let printed = print_result(terminal().text(&RobustnessTable { conditions: scores, notes: &notes }));
-    // Also where nobody takes the table: it is there.
-    print_diagnostic(format_args!("Tables: {}", finished.display()));
-    printed
+    print_result_in(
+        "Tables",
+        finished,
+        terminal().text(&RobustnessTable { conditions: scores, notes: &notes }),
+    )
 }
 
 fn named(condition: &Condition) -> NamedCondition {

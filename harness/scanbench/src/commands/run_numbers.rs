@@ -6,13 +6,14 @@ use reports::numbers::run_report::RunReport;
 use reports::numbers::tally::Tally;
 use reports::pages::run_page::RunPage;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory};
+use reports::run_folder::run_directory::{ERRORS_CSV, PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory};
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::lists::TABLE_FORMATS;
 use reports::tables::formats::markdown::Markdown;
+use reports::tables::run_in_short::RunInShort;
 use reports::tables::stage_table::StageTable;
-use reports::tables::task_table::{TaskTable, task_tables};
+use reports::tables::task_table::task_tables;
 use reports::tables::times_table::TimesTable;
 
 use crate::commands::failure::Failure;
@@ -21,8 +22,8 @@ use crate::commands::failure::Failure;
 pub struct RunNumbers {
     /// The numbers.
     pub report: RunReport,
-    /// Task by task.
-    pub tables: Vec<TaskTable>,
+    /// What is printed of it.
+    pub short: RunInShort,
     /// How long detection took.
     pub times: TimesTable,
 }
@@ -49,6 +50,8 @@ pub fn write_numbers(
         directory.write_file("table_stages.md", Markdown.text(&stages).as_bytes())?;
     }
     directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&tally.precision_recall_rows())?)?;
-    RunPage::of(directory.folder())?.write(directory.folder())?;
-    Ok(RunNumbers { report, tables, times })
+    let page = RunPage::of(directory.folder())?;
+    directory.write_file(ERRORS_CSV, &to_csv_bytes(&page.errors)?)?;
+    page.write(directory.folder())?;
+    Ok(RunNumbers { report, short: page.short, times })
 }

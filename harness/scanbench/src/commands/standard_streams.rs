@@ -4,9 +4,11 @@
 
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::path::Path;
 use std::sync::OnceLock;
 
 use crate::commands::failure::Failure;
+use reports::run_folder::run_directory::{REPORT_HTML, RUN_RRD};
 use reports::tables::formats::terminal::Terminal;
 
 /// How much is said on stderr.
@@ -54,6 +56,24 @@ pub fn terminal() -> Terminal {
 /// Prints a result, which is never coloured. A reader that has seen enough and closed the stream is no error.
 pub fn print_result(result: impl Display) -> Result<(), Failure> {
     print_bytes(format!("{result}\n").as_bytes())
+}
+
+/// Prints what a verb came to, and then where its files are, which are `what`; of a quiet program that is the only result.
+///
+/// Where nobody takes the result, the files are there, too.
+pub fn print_result_in(what: &str, directory: &Path, result: impl Display) -> Result<(), Failure> {
+    if !is_said(Verbosity::Usual) {
+        return print_result(directory.display());
+    }
+    let printed = print_result(result);
+    print_diagnostic(format_args!("{what}: {}", directory.display()));
+    for (what, file) in [("Page: ", REPORT_HTML), ("Recording: rerun ", RUN_RRD)] {
+        let path = directory.join(file);
+        if path.is_file() {
+            print_diagnostic(format_args!("{what}{}", path.display()));
+        }
+    }
+    printed
 }
 
 /// Prints a result that ends as it should, such as the content of a file.

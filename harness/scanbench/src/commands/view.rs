@@ -1,6 +1,7 @@
 //! `scanbench view`.
 
-use reports::worst::mistakes::{Mistake, MistakeChoice, worst, worst_to_terminal};
+use reports::vocabulary::reason::MistakeKind;
+use reports::worst::mistakes::{MistakeChoice, worst, worst_to_terminal};
 
 use crate::cli::{OutcomeName, ViewArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
@@ -24,8 +25,8 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
         detector,
         task: arguments.task.task(),
         kind: arguments.outcome.map(|it| match it {
-            OutcomeName::Missed => Mistake::Missed,
-            OutcomeName::False => Mistake::False,
+            OutcomeName::Missed => MistakeKind::Missed,
+            OutcomeName::False => MistakeKind::False,
         }),
         class: arguments.class.as_deref(),
     };

@@ -12,7 +12,8 @@ use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
 use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::run_folder::manifest::Manifest;
-use reports::worst::mistakes::{ListedMistake, Mistake};
+use reports::vocabulary::reason::MistakeKind;
+use reports::worst::mistakes::ListedMistake;
 
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
 use crate::commands::config::{choose_criterion, chosen_detectors};
@@ -82,8 +83,8 @@ struct WorstScan {
 /// Points at a mistake, if it has a box.
 fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
     let kind = match mistake.kind {
-        Mistake::Missed => "missed",
-        Mistake::False => "false",
+        MistakeKind::Missed => "missed",
+        MistakeKind::False => "false",
     };
     let text = format!("worst {rank}: {kind} {}, {}", mistake.class, mistake.reason);
     Some(Mark { place_m: mistake.place_m?, text })

@@ -42,7 +42,7 @@ fn write_float(text: &mut String, Part { title, grid }: &Part, label: &str, note
     for line in group_heads(grid).into_iter().flatten() {
         push(&format!("    {line}"));
     }
-    let titles: Vec<_> = grid.columns.iter().map(|it| escaped(it.title)).collect();
+    let titles: Vec<_> = grid.columns.iter().map(|it| escaped(&it.title)).collect();
     push(&format!("    {} \\\\", titles.join(" & ")));
     push("    \\midrule");
     let fraction_widths = grid.fraction_widths();

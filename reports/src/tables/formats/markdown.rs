@@ -68,7 +68,7 @@ fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
         let begins_group = column.group.is_some() && column.group.as_ref() != group_before;
         group_before = column.group.as_ref();
         let group = column.group.as_deref().filter(|_| begins_group);
-        group.map_or(column.title.to_owned(), |it| format!("{}: {}", escaped(it), column.title))
+        group.map_or(column.title.clone().into_owned(), |it| format!("{}: {}", escaped(it), column.title))
     });
     push_line(text, &format!("| {} |", heads.collect::<Vec<_>>().join(" | ")));
     let rules = grid.columns.iter().map(|it| match it.alignment {

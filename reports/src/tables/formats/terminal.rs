@@ -98,7 +98,11 @@ fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
     let heads: Vec<usize> = (0..n_heads).collect();
     let mut pieces = vec![heads.clone()];
     let rest: Vec<usize> = (n_heads..grid.columns.len()).collect();
-    let together = |a: &usize, b: &usize| has_groups && grid.columns[*a].group == grid.columns[*b].group;
+    // An interval stays beside its number.
+    let is_interval = |idx: usize| grid.lines.iter().any(|it| it.cells[idx].is_interval);
+    let together = |a: &usize, b: &usize| {
+        if has_groups { grid.columns[*a].group == grid.columns[*b].group } else { is_interval(*b) }
+    };
     // A group that is too wide by itself comes apart.
     let groups = rest.chunk_by(together).flat_map(|group| {
         let is_whole = fits(&[heads.as_slice(), group].concat());
@@ -244,7 +248,7 @@ fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
                 }
             }
         }
-        let total = n_chars(column.title).max(total + fraction_width).max(interval_width);
+        let total = n_chars(&column.title).max(total + fraction_width).max(interval_width);
         Width { total, fraction: fraction_width }
     });
     columns.collect()

@@ -3,6 +3,7 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::run_report::RunReport;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Undefined};
+use crate::tables::notes::about_matching;
 use crate::tables::notes::{INTERVAL_TITLE, about_interval};
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::studies::ablation_score::AblationScore;
@@ -30,7 +31,7 @@ impl Tabular for AblationTable {
     fn sheet(&self) -> Sheet {
         let Self { method, task, matching_criterion, .. } = self;
         let title =
-            format!("Ablation of {method}. Task {task}. Rates in %. Matched by {matching_criterion}.");
+            format!("Ablation of {method}. Task {task}. Rates in %. {}", about_matching(matching_criterion));
         let kind = self.scores.iter().find_map(|it| it.f_rate_within).map(|it| it.blocks.kind);
         let about_intervals = kind.map(|kind| {
             format!(

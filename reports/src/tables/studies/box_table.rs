@@ -45,7 +45,7 @@ fn grid(lines: &[BoxErrorLine]) -> Grid {
     columns.extend(["pairs", "tracks"].map(Column::number));
     columns.push(Column::left("what"));
     for (fit, _) in &lines[0].fits {
-        columns.push(Column::number(fit));
+        columns.push(Column::number(*fit));
     }
     let (mut slice_before, mut counts_before) = (None, None);
     let lines = lines.iter().map(|line| {

@@ -1,24 +1,29 @@
 //! The table of what the readings of the cell fitness recommend, and what that costs.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::files::fixed_decimals::{Fixed, fixed_decimals};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
-use crate::verdicts::fitness_verdict::FitnessVerdict;
+use crate::verdicts::fitness_verdict::{CONFIGURED, FitnessVerdict};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
+use crate::vocabulary::task::Task;
 
-const TITLE: &str = "What each reading of the cell fitness recommends.";
+const TITLE: &str = "Cell size picked by each variant of the fitness formula.";
 
 const SUMMARY_TITLE: &str = "The same over all data sets, with equal weights.";
 
-const NOTES: [&str; 4] = [
+const OF_SEVERAL: &str = "Over all data sets: on how many curves the reading recommends a cell size, on how many of them the least or \
+     greatest of the sweep, the mean and the greatest loss, and the mean rank correlation.";
+
+const NOTES: [&str; 3] = [
     "best: the cell size with the highest rate, in m, and that rate in %. A reading recommends the cell size with its \
      greatest value, within its range if it has one. *: the least or greatest cell size of the sweep, so the reading may \
      recommend one beyond it.",
     "defined: cell sizes at which the reading has a value, within its range if it has one/all cell sizes. lost: best rate \
-     minus rate at the recommended size, in percentage points. rank: Spearman's rank correlation of reading and rate.",
-    "Over all data sets: on how many curves the reading recommends a cell size, on how many of them the least or greatest of \
-     the sweep, the mean and the greatest loss, and the mean rank correlation. as configured: the configured cell size.",
+     minus rate at the recommended size, in percentage points. rank: Spearman's rank correlation of reading and rate. as \
+     configured: the configured cell size.",
     "Where false objects cannot be counted, the rate is the recall; very large cells may raise it by joining everything.",
 ];
 
@@ -31,10 +36,52 @@ pub struct FitnessTable<'a> {
 
 impl Tabular for FitnessTable<'_> {
     fn sheet(&self) -> Sheet {
-        let [all, summary] = [(TITLE, grid(self.verdicts)), (SUMMARY_TITLE, summary_grid(self.verdicts))]
-            .map(|(title, grid)| Part { title: Some(title.to_owned()), grid });
-        Sheet::of_parts(vec![all, summary], NOTES.map(str::to_owned).to_vec()).labelled("cell-fitness")
+        let part = |title: &str, grid| Part { title: Some(title.to_owned()), grid };
+        let mut parts = vec![part(TITLE, grid(self.verdicts))];
+        let mut notes = NOTES.map(str::to_owned).to_vec();
+        let datasets: BTreeSet<&str> = of_datasets(self.verdicts).map(|it| it.dataset.as_str()).collect();
+        if datasets.len() > 1 {
+            parts.push(part(SUMMARY_TITLE, summary_grid(self.verdicts)));
+            notes.push(OF_SEVERAL.to_owned());
+        }
+        Sheet::of_parts(parts, notes).labelled("cell-fitness")
     }
+}
+
+/// Those that are about one data set.
+fn of_datasets(verdicts: &[FitnessVerdict]) -> impl Iterator<Item = &FitnessVerdict> {
+    verdicts.iter().filter(|it| !Extent::is_name_of_several(&it.dataset))
+}
+
+/// What it comes to, a sentence for each task: what the best variant of the formula loses against the best cell size, beside what
+/// the configured size does.
+pub fn fitness_sentences(verdicts: &[FitnessVerdict]) -> Vec<String> {
+    let tasks: BTreeSet<(Task, &str)> = verdicts.iter().map(|it| (it.task, it.rate.as_str())).collect();
+    let sentence = |(task, rate): (Task, &str)| {
+        let mut losses: BTreeMap<&str, Vec<Option<f64>>> = BTreeMap::new();
+        for it in of_datasets(verdicts).filter(|it| it.task == task && it.rate == rate) {
+            losses.entry(&it.reading).or_default().push(it.loss.map(|it| it.0));
+        }
+        let mean = |losses: &Vec<Option<f64>>| {
+            let sum: f64 = losses.iter().copied().sum::<Option<f64>>()?;
+            Some(sum / losses.len() as f64)
+        };
+        let points = |it: f64| fixed_decimals(100.0 * it, 1);
+        let variants = losses.iter().filter(|it| *it.0 != CONFIGURED);
+        let least =
+            variants.filter_map(|(name, it)| Some((name, mean(it)?))).min_by(|a, b| a.1.total_cmp(&b.1));
+        let (name, loss) = least?;
+        let configured = losses
+            .get(CONFIGURED)
+            .and_then(mean)
+            .map_or_else(String::new, |it| format!(", the configured cell size {}", points(it)));
+        Some(format!(
+            "Cell fitness, {task}: against the best cell size, the variant that does best ({name}) loses {} points of {rate} on \
+             average{configured}.",
+            points(loss)
+        ))
+    };
+    tasks.into_iter().filter_map(sentence).collect()
 }
 
 fn grid(verdicts: &[FitnessVerdict]) -> Grid {
@@ -58,7 +105,7 @@ fn summary_grid(verdicts: &[FitnessVerdict]) -> Grid {
     let numbers = ["data sets", "recommends", "at an end", "mean lost", "most lost", "mean rank"];
     let columns = names.into_iter().chain(numbers.map(Column::number)).collect();
     let mut groups: Vec<(String, &str, Vec<&FitnessVerdict>)> = Vec::new();
-    for verdict in verdicts.iter().filter(|it| !Extent::is_name_of_several(&it.dataset)) {
+    for verdict in of_datasets(verdicts) {
         let subject = format!("{}, {}", verdict.task, verdict.rate);
         match groups.iter_mut().find(|(task, reading, _)| *task == subject && *reading == verdict.reading) {
             Some((_, _, of_group)) => of_group.push(verdict),

@@ -3,7 +3,7 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::BlockKind;
 use crate::numbers::sweep_curve::SweepCurve;
-use crate::numbers::sweep_score::{SweepScores, SweepSubject};
+use crate::numbers::sweep_score::SweepScores;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::about_interval;
 use crate::tables::sheet::{Sheet, Tabular};
@@ -31,38 +31,6 @@ impl Tabular for SweepTable<'_> {
         let title = format!("Best of {} over {}. Rates in %.", n_values(sweep), sweep.parameters[0]);
         Sheet::of(title, grid(sweep), vec![sentence]).labelled("sweep")
     }
-}
-
-/// A sentence for every detector and task: the best value over all data sets of one origin, with its rate and interval.
-pub fn best_of(sweep: &SweepScores) -> Vec<String> {
-    let curves = sweep.curves();
-    let is_widest = |it: &&SweepCurve<'_>| {
-        let subject = |it: &SweepCurve<'_>| it.points[0].score.subject.clone();
-        let (ours, is_wider) = (subject(it), |it: &SweepSubject| it.extent.is_overall());
-        let has_overall = curves.iter().map(subject).any(|it| is_wider(&it) && it.origin == ours.origin);
-        !has_overall || is_wider(&ours)
-    };
-    let sentence = |curve: &SweepCurve<'_>| {
-        let first = curve.points[0].score;
-        let best = curve.points[curve.best()?];
-        let percent = |it: f64| fixed_decimals(100.0 * it, 1);
-        let within = best.score.rate_within().map_or_else(String::new, |[low, high]| {
-            let caveat =
-                first.blocks.caveat_of_conclusions().map_or_else(String::new, |it| format!(", {it}"));
-            format!(" ({} to {}{caveat})", percent(low), percent(high))
-        });
-        let detector = [vec![first.subject.detector.clone()], curve.others.clone()].concat().join(", ");
-        Some(format!(
-            "Best for {detector}, {}, {}: {} = {}, {} {} %{within}.",
-            first.task,
-            first.subject.extent.name(),
-            sweep.parameters[0],
-            best.x_text,
-            first.rate_name(),
-            percent(best.score.rate()?)
-        ))
-    };
-    curves.iter().filter(is_widest).filter_map(sentence).collect()
 }
 
 fn grid(sweep: &SweepScores) -> Grid {

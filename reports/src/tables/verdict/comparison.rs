@@ -8,8 +8,8 @@ use crate::run_folder::run_archive::RunArchive;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::verdict::wording::{
-    about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text,
-    value_text,
+    DETECTABLE, about_configuration, about_differences, difference_text, interval_cell, least_effect_text,
+    metric_text, value_text,
 };
 use crate::uncertainty::sample::Question;
 use crate::verdicts::comparability::{
@@ -93,7 +93,7 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
     let pair = (format!("{second} − {first}"), [first, second]);
     let together = together(&tally);
     Comparison {
-        title: format!("{first} (before) and {second} (after) on the same scans of one run, {together}"),
+        title: format!("A: {first}, B: {second}, on the same scans of one run, {together}"),
         differences: differences([(run, &tally); 2], &[pair], slices),
         n_changed_scans: None,
         configuration_changes: Vec::new(),
@@ -172,6 +172,11 @@ impl Tabular for Comparison {
 }
 
 impl Comparison {
+    /// What its sides are called: two runs come one after the other, two detectors do not.
+    fn sides(&self) -> [&'static str; 2] {
+        if self.n_changed_scans.is_some() { ["before", "after"] } else { ["A", "B"] }
+    }
+
     fn sentences(&self) -> Vec<String> {
         let about_scans = self.n_changed_scans.map(|n| match n {
             0 => "No result of a scan changed.".to_owned(),
@@ -179,7 +184,10 @@ impl Comparison {
         });
         let kind = self.differences.iter().find_map(|it| it.difference.interval).map(|it| it.blocks.kind);
         let about_numbers = match kind {
-            Some(kind) => about_differences(kind),
+            Some(kind) => {
+                let [first, second] = self.sides();
+                about_differences(&format!("{second} − {first}"), kind)
+            }
             None => "There is only one block of scans, so there is no interval.".to_owned(),
         };
         let about_new = (!self.new_detectors.is_empty()).then(|| {
@@ -199,7 +207,8 @@ impl Comparison {
 
     fn grid(&self) -> Grid {
         let left = ["task", "detector", "slice", "metric"].map(Column::left);
-        let numbers = ["before", "after", "difference", "95 %", "least"].map(Column::number);
+        let [first, second] = self.sides();
+        let numbers = [first, second, "difference", "95 %", DETECTABLE].map(Column::number);
         let lines = self.differences.iter().map(|named| {
             let it = &named.difference;
             let metric = &it.metric;

@@ -81,7 +81,7 @@ impl PartialComparison {
             found.extend(differences(&name, before, after));
         }
         let title = format!(
-            "{first} (before) and {second} (after) on the same objects. {}",
+            "A: {first}, B: {second}, difference B − A, on the same objects. {}",
             archive.manifest.title()
         );
         Ok(Self { title, differences: found, n_told_otherwise: None })
@@ -99,7 +99,10 @@ impl Tabular for PartialComparison {
             ),
         });
         let sentences = [about_numbers()].into_iter().chain(about).collect();
-        Sheet::of(format!("{} Rates in %.", self.title), grid(&lines), sentences).labelled("comparison")
+        // Two results come one after the other, two methods do not.
+        let sides = if self.n_told_otherwise.is_some() { RESULTS } else { ["A", "B"] };
+        Sheet::of(format!("{} Rates in %.", self.title), grid(&lines, sides), sentences)
+            .labelled("comparison")
     }
 }
 
@@ -109,9 +112,12 @@ fn about_numbers() -> String {
     )
 }
 
-fn grid(lines: &[(&PartialDifference, Option<Finding>)]) -> Grid {
+/// What two results are called.
+const RESULTS: [&str; 2] = ["before", "after"];
+
+fn grid(lines: &[(&PartialDifference, Option<Finding>)], [first, second]: [&'static str; 2]) -> Grid {
     let texts = ["data set", "seen from", "method", "trained on", "metric"].map(Column::left);
-    let numbers = ["step", "before", "after", "difference", "95 %"].map(Column::number);
+    let numbers = ["step", first, second, "difference", "95 %"].map(Column::number);
     let has_finding = lines.iter().any(|it| it.1.is_some());
     let finding = has_finding.then(|| Column::left("finding"));
     let line = |(it, finding): &(&PartialDifference, Option<Finding>)| {
@@ -200,7 +206,7 @@ impl Tabular for PartialSummary<'_> {
         let parts = if shown.is_empty() {
             Vec::new()
         } else {
-            vec![Part { title: Some("Rates in %.".to_owned()), grid: grid(&shown) }]
+            vec![Part { title: Some("Rates in %.".to_owned()), grid: grid(&shown, RESULTS) }]
         };
         Sheet { lead, listing, ..Sheet::of_parts(parts, vec![about_numbers()]) }
     }

@@ -5,8 +5,8 @@ use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
 use crate::tables::verdict::tolerated::about_tolerances;
 use crate::tables::verdict::wording::{
-    about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text,
-    tolerance_text, value_text,
+    DETECTABLE, about_configuration, about_differences, difference_text, interval_cell, least_effect_text,
+    metric_text, tolerance_text, value_text,
 };
 use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::drift::ScanDrift;
@@ -210,7 +210,7 @@ fn is_shown(gated: &GatedMetric) -> bool {
 
 fn sentences(verdict: &Verdict) -> Vec<String> {
     let n_hidden = verdict.metrics.iter().filter(|it| !is_shown(it)).count();
-    let mut sentences = vec![about_differences(verdict.blocks.kind)];
+    let mut sentences = vec![about_differences("after − before", verdict.blocks.kind)];
     sentences.push(
         "worse: the whole interval is worse than tolerated. inconclusive: the difference is worse than tolerated, but \
          not its whole interval."
@@ -230,7 +230,7 @@ fn sentences(verdict: &Verdict) -> Vec<String> {
 
 fn metric_grid(shown: &[&GatedMetric], verdict: &Verdict) -> Grid {
     let left = ["task", "detector", "slice", "metric"].map(Column::left);
-    let numbers = ["before", "after", "difference", "95 %", "least", "tolerated"];
+    let numbers = ["before", "after", "difference", "95 %", DETECTABLE, "tolerated"];
     let numbers = numbers.map(Column::number);
     let columns = left.into_iter().chain(numbers).chain([Column::left("finding")]);
     let lines = shown.iter().map(|gated| {

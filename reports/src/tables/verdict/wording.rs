@@ -82,11 +82,15 @@ pub(crate) fn metric_text(metric: &Metric) -> String {
     }
 }
 
-/// What all comparisons have to say of their numbers, whose intervals are drawn from blocks of this kind.
-pub(crate) fn about_differences(kind: BlockKind) -> String {
+/// The title of the column of [`least_effect_text`].
+pub(crate) const DETECTABLE: &str = "detectable";
+
+/// What comparisons have to say of their numbers: `difference` says what is subtracted from what; intervals are drawn from blocks
+/// of this kind.
+pub(crate) fn about_differences(difference: &str, kind: BlockKind) -> String {
     format!(
-        "difference: after minus before. 95 %: its interval, by {} Both sides use the same resamples. least: the least true \
-         difference that such scans would show at the 5 % level with a power of 80 %.",
+        "difference: {difference}. 95 %: its interval, by {} Both sides use the same resamples. {DETECTABLE}: smallest \
+         detectable difference (80 % power, 5 % level) on such scans.",
         about_interval(kind)
     )
 }

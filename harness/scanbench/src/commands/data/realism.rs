@@ -27,8 +27,8 @@ use crate::commands::paper_files::write_figure;
 use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{dataset_entry, seeds};
+use crate::commands::standard_streams::print_result_in;
 use crate::commands::standard_streams::terminal;
-use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// One row for every bin of every statistic.
 const REALISM_CSV: &str = "realism.csv";
@@ -54,10 +54,11 @@ pub fn data_realism(arguments: &RealismArgs) -> Result<(), Failure> {
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     write_curves(&directory, &curves, names)?;
     let finished = directory.finish()?;
-    let printed = print_result(terminal().text(&AgreementTable { names, curves: &curves }));
-    // Also where nobody takes the table: the curves are there.
-    print_diagnostic(format_args!("Curves and plots: {}", finished.display()));
-    printed
+    print_result_in(
+        "Curves and plots",
+        &finished,
+        terminal().text(&AgreementTable { names, curves: &curves }),
+    )
 }
 
 /// How the other side is opened. What is said of the simulator is for the side that is judged.

@@ -17,7 +17,7 @@ use crate::commands::partial::shared_objects::SharedObjects;
 use crate::commands::partial::whole_partial::WholePartial;
 use crate::commands::shards::executor::execute;
 use crate::commands::shards::place::Place;
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::print_result_in;
 
 /// Has methods classify objects of which a part has been seen, and writes rows, tables, figures, a page and a recording; or makes a
 /// shard of that.
@@ -31,7 +31,5 @@ pub fn partial(arguments: &PartialArgs) -> Result<(), Failure> {
 
 /// Prints the table of the result in `finished`.
 pub fn print_partial(whole: WholePartial, finished: &Path) -> Result<(), Failure> {
-    let printed = print_result(whole.printed);
-    print_diagnostic(format_args!("Partial: {}", finished.display()));
-    printed
+    print_result_in("Partial", finished, whole.printed)
 }

@@ -41,7 +41,7 @@ use crate::commands::scan_study::ScanStudy;
 use crate::commands::shards::place::Place;
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
-use crate::commands::standard_streams::{print_diagnostic, print_result, terminal};
+use crate::commands::standard_streams::{print_diagnostic, print_result_in, terminal};
 
 /// The method with a part switched off, by what the claims call it.
 const VARIANTS: [(&str, &str); 3] = [
@@ -154,8 +154,8 @@ fn judge(
 
 fn print_claims(claims: &[JudgedClaim], finished: &Path) -> Result<(), Failure> {
     let table = terminal().text(&ClaimsTable { claims, notes: &[] });
-    let printed = print_result(format!("{table}\n{}", lead(claims)));
-    print_diagnostic(format_args!("Page: {}", finished.join("reproduction.html").display()));
+    let printed = print_result_in("Run directory", finished, format_args!("{table}\n{}", lead(claims)));
+    print_diagnostic(format_args!("Claims: {}", finished.join("reproduction.html").display()));
     printed
 }
 

@@ -21,7 +21,7 @@ use super::share_of_work::ShareOfWork;
 use super::unfinished_work::{Remains, UnfinishedWork, identity_of};
 use super::whole_manifest::Pieces;
 use crate::commands::failure::Failure;
-use crate::commands::standard_streams::print_diagnostic;
+use crate::commands::standard_streams::{Verbosity, is_said, print_diagnostic, print_result};
 
 /// What all shards come to, with its files.
 pub trait WholeResult: Sized {
@@ -169,6 +169,9 @@ fn leave_shard<W: SharedWork>(
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     let finished = directory.finish()?;
     remains.clear();
+    if !is_said(Verbosity::Usual) {
+        return print_result(finished.display());
+    }
     print_diagnostic(format_args!("{words}, {}", finished.display()));
     Ok(())
 }

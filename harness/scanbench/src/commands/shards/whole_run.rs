@@ -34,8 +34,6 @@ pub struct WholeRun {
     pub numbers: RunNumbers,
     /// Tables that are printed beside those of tasks.
     pub more: Vec<String>,
-    /// How far detectors agree in data sets without labels.
-    pub agreement: Vec<AgreementRow>,
 }
 
 impl WholeResult for WholeRun {
@@ -56,10 +54,10 @@ impl WholeResult for WholeRun {
             manifest.shards.clear();
         }
         let mut more = write_protocols(directory, &manifest, (&merged.tally, &merged.protocols))?;
+        more.extend(write_agreement(directory, &agreement)?);
         let numbers = write_numbers(directory, &manifest, &merged.tally)?;
         write_times_of_processors(directory, &manifest, &merged.of_processors)?;
-        more.extend(write_agreement(directory, &agreement)?);
-        Ok(Self { manifest, tally: merged.tally, numbers, more, agreement })
+        Ok(Self { manifest, tally: merged.tally, numbers, more })
     }
 }
 

@@ -1,18 +1,29 @@
 //! What `scanbench sweep` leaves behind.
 
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::paper_files::{write_figure, write_table};
+use crate::commands::run_manifest::detector_entry;
 use crate::commands::standard_streams::terminal;
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::built_in_named;
+use evaluation::run::entrant::Entrant;
+use evaluation::sweep::paired_points::PairedPoints;
+use evaluation::sweep::sweep_tally::SweepTally;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::CsvRowWriter;
 use reports::numbers::sweep_score::{SweepScores, SweepTime};
 use reports::plots::fitness_plot::fitness_plot;
 use reports::plots::pareto_plot::pareto_plot;
 use reports::plots::rate_plot::rate_plot;
-use reports::run_folder::run_directory::{RunDirectory, SWEEP_CSV, SWEEP_TIMES_CSV, TIMES_OF_PROCESSORS_CSV};
+use reports::run_folder::detector_changes::detector_changes;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::{
+    RunDirectory, SWEEP_BEST_TXT, SWEEP_CSV, SWEEP_TIMES_CSV, TIMES_OF_PROCESSORS_CSV,
+};
 use reports::tables::formats::format::Format as _;
-use reports::tables::studies::fitness_table::FitnessTable;
-use reports::tables::studies::sweep_table::{SweepTable, best_of};
+use reports::tables::studies::fitness_table::{FitnessTable, fitness_sentences};
+use reports::tables::studies::sweep_recommendation::recommendations;
+use reports::tables::studies::sweep_table::SweepTable;
 use reports::verdicts::fitness_verdict::fitness_verdicts;
 
 /// Writes tables and plots into `directory`, and returns what is to be printed.
@@ -49,9 +60,37 @@ pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<Stri
         printed.push('\n');
         printed.push_str(&terminal().text(&table));
     }
-    // The answer last.
-    printed.push_str(&terminal().sentences(best_of(sweep)));
     Ok(printed)
+}
+
+/// What the sweep of `manifest` recommends, one text after the other, which are written into `directory`, too.
+pub fn write_best(
+    directory: &RunDirectory,
+    (manifest, tally): (&Manifest, &SweepTally<'_>),
+    sweep: &SweepScores,
+) -> Result<Vec<String>, Failure> {
+    let points = PairedPoints::draw(tally);
+    let mut texts = recommendations(sweep, &|it| points.difference(it));
+    texts.extend(fitness_sentences(&fitness_verdicts(sweep)));
+    let changes = changes_of_shipped(manifest)?;
+    if !changes.is_empty() {
+        texts.push(format!("Other than the shipped detectors at every point: {}.", changes.join("; ")));
+    }
+    directory.write_file(SWEEP_BEST_TXT, (texts.join("\n") + "\n").as_bytes())?;
+    Ok(texts)
+}
+
+/// What the built-in detectors of `manifest` have other than they come, beside what is swept.
+fn changes_of_shipped(manifest: &Manifest) -> Result<Vec<String>, Failure> {
+    let shipped = RunConfig::load(None)?;
+    let mut changes = Vec::new();
+    for entry in manifest.detectors.iter().filter(|it| it.foreign.is_none()) {
+        for listed in built_in_named(&[entry.name.clone()], &shipped)? {
+            let as_shipped = detector_entry(&Entrant::of(listed, &shipped));
+            changes.extend(detector_changes(&as_shipped, entry));
+        }
+    }
+    Ok(changes)
 }
 
 /// Writes the times of `unlike` processors, each by itself; nothing if there are none.

@@ -15,7 +15,7 @@ use crate::commands::failure::Failure;
 use crate::commands::recorder::record_sweep;
 use crate::commands::shards::executor::execute;
 use crate::commands::shards::place::Place;
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::print_result_in;
 use crate::commands::sweep::setup::{Sweep, sweep_plan};
 use crate::commands::sweep::whole_sweep::WholeSweep;
 
@@ -37,8 +37,5 @@ pub fn sweep(arguments: &SweepArgs) -> Result<(), Failure> {
 
 /// Prints the tables of the sweep in `finished`.
 pub fn print_sweep(sweep: WholeSweep, finished: &Path) -> Result<(), Failure> {
-    let printed = print_result(sweep.printed);
-    // Also where nobody takes the tables: the files are there.
-    print_diagnostic(format_args!("Sweep: {}", finished.display()));
-    printed
+    print_result_in("Sweep", finished, sweep.printed)
 }

@@ -5,6 +5,7 @@ use evaluation::sweep::scan_at_point::ScanAtPoint;
 use evaluation::sweep::sweep_tally::SweepTally;
 use evaluation::sweep::timed_scan::TimedScan;
 use reports::numbers::sweep_score::SweepScores;
+use reports::pages::sweep_page::SweepPage;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{RunDirectory, SWEPT_SCANS_JSONL, TIMED_SCANS_JSONL};
 use reports::run_folder::run_target::MANIFEST_JSON;
@@ -17,7 +18,8 @@ use crate::commands::progress::progress_over_results;
 use crate::commands::shards::executor::WholeResult;
 use crate::commands::shards::shard_directory::ShardDirectory;
 use crate::commands::shards::whole_manifest::{Pieces, merged_manifest};
-use crate::commands::sweep::files::{refuse_nothing, write_sweep, write_times_of_unlike};
+use crate::commands::standard_streams::terminal;
+use crate::commands::sweep::files::{refuse_nothing, write_best, write_sweep, write_times_of_unlike};
 use crate::commands::sweep::protocol_files::write_swept_protocols;
 
 /// A sweep of which all is counted, and written.
@@ -51,12 +53,16 @@ impl WholeResult for WholeSweep {
         if !manifest.protocols.is_empty() {
             printed.push_str(&write_swept_protocols(directory, (&manifest, &tally), &scores)?);
         }
+        // The answer last.
+        let best = write_best(directory, (&manifest, &tally), &scores)?;
+        printed = format!("{}\n\n{}", printed.trim_end(), terminal().sentences(best).trim_end());
         let unlike = tally.times_of_processors();
         write_times_of_unlike(directory, &scores, &unlike)?;
         if pieces == Pieces::One && unlike.is_empty() {
             manifest.shards.clear();
         }
         directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
+        SweepPage::of(directory.folder())?.write(directory.folder())?;
         Ok(Self { scores, printed })
     }
 }

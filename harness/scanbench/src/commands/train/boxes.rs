@@ -19,7 +19,7 @@ use crate::commands::open_datasets::ids_of;
 use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::{print_diagnostic, print_result_in};
 use crate::commands::train::data::{TrainingData, nothing};
 use crate::commands::train::files::manifest;
 use crate::commands::train::groupings::drives;
@@ -60,15 +60,13 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
     directory.write_file(BOXES_FILE, &model.to_file(made).to_bytes())?;
     let finished = directory.finish()?;
     let judgement = BoxJudgement::of(&model, &judged);
-    let printed = print_result(format_args!(
-        "{}\n\n{}",
-        drives(&data.parted),
-        text([n_taught, judged.len()], &judgement)
-    ));
+    let printed = print_result_in(
+        "Model",
+        &finished,
+        format_args!("{}\n\n{}", drives(&data.parted), text([n_taught, judged.len()], &judgement)),
+    );
     let path = finished.display();
-    print_diagnostic(format_args!(
-        "Model: {path}\nRun it: scanbench run -P vehicle_model.boxes_directory={path}"
-    ));
+    print_diagnostic(format_args!("Run it: scanbench run -P vehicle_model.boxes_directory={path}"));
     printed
 }
 

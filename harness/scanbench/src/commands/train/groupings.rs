@@ -33,7 +33,7 @@ use crate::commands::open_datasets::{OpenedDataset, ids_of};
 use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::{print_diagnostic, print_result_in};
 use crate::commands::train::data::{TrainingData, TrainingParameters, nothing};
 use crate::commands::train::files::manifest;
 
@@ -60,10 +60,11 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     directory.write_file(GROUPINGS_FILE, &file.to_bytes())?;
     directory.write_file("calibration.csv", &to_csv_bytes(&trained.judgement.rows("groupings"))?)?;
     let finished = directory.finish()?;
-    let printed = print_result(format_args!("{}\n\n{}", drives(&data.parted), trained.text()));
+    let printed =
+        print_result_in("Model", &finished, format_args!("{}\n\n{}", drives(&data.parted), trained.text()));
     let path = finished.display();
     print_diagnostic(format_args!(
-        "Model: {path}\nRun it: scanbench run -d hierarchical -P vehicle_model.groupings_directory={path}"
+        "Run it: scanbench run -d hierarchical -P vehicle_model.groupings_directory={path}"
     ));
     printed
 }

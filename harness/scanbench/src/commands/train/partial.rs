@@ -21,7 +21,7 @@ use crate::commands::open_datasets::open_catalogue;
 use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
 use crate::commands::run_directory::{claim_named, claim_unnamed};
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::print_result_in;
 
 /// The name of the model in the directory.
 const PARTIAL_FILE: &str = "partial.model";
@@ -46,9 +46,7 @@ pub fn train_partial(arguments: &PartialTrainingArgs) -> Result<(), Failure> {
     directory.write_file(PARTIAL_FILE, &model.to_bytes())?;
     directory.write_file(MANIFEST_JSON, manifest(&sets, started).as_bytes())?;
     let finished = directory.finish()?;
-    let printed = print_result(summary(&model, &recipe.objects, n_objects));
-    print_diagnostic(format_args!("Model: {}", finished.display()));
-    printed
+    print_result_in("Model", &finished, summary(&model, &recipe.objects, n_objects))
 }
 
 /// What is trained on: as the shipped model, unless the arguments say otherwise.

@@ -32,7 +32,7 @@ use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of};
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::{print_diagnostic, print_result_in};
 use crate::commands::train::clusters::{ClustersOf, prototypes_of};
 use crate::commands::train::data::{TrainingData, TrainingParameters, nothing};
 use crate::commands::train::files::manifest;
@@ -59,10 +59,10 @@ pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
         directory.write_file(name, &content)?;
     }
     let finished = directory.finish()?;
-    let printed = print_result(text);
+    let printed = print_result_in("Models", &finished, text);
     let path = finished.display();
     print_diagnostic(format_args!(
-        "Models: {path}\nRun them: scanbench run -d kd-tree-trained,kd-tree-tree,kd-tree -P vehicle_model.rivals_directory={path}"
+        "Run them: scanbench run -d kd-tree-trained,kd-tree-tree,kd-tree -P vehicle_model.rivals_directory={path}"
     ));
     printed
 }

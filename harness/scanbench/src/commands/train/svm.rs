@@ -30,7 +30,7 @@ use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::ids_of;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::{print_diagnostic, print_result_in};
 use crate::commands::train::clusters::{ClustersOf, prototypes_of};
 use crate::commands::train::cross_validation::FoldedCandidates;
 use crate::commands::train::data::{TrainingData, nothing};
@@ -74,10 +74,10 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
         directory.write_file(name, &content)?;
     }
     let finished = directory.finish()?;
-    let printed = print_result(printed);
+    let printed = print_result_in("Model", &finished, printed);
     let (detector, path) = (kind.detector(), finished.display());
     print_diagnostic(format_args!(
-        "Model: {path}\nRun it: scanbench run -d {detector} -P vehicle_model.{detector}_directory={path}"
+        "Run it: scanbench run -d {detector} -P vehicle_model.{detector}_directory={path}"
     ));
     printed
 }

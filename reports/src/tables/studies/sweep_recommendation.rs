@@ -1,0 +1,126 @@
+//! What a sweep recommends, and how far that can be trusted.
+
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::numbers::sweep_curve::{CurvePoint, SweepCurve};
+use crate::numbers::sweep_score::{SweepScore, SweepScores};
+
+/// The 95 % interval of the rate of the first score minus that of the second, both of the same draws of the same scans; `None` where
+/// there is none.
+pub type Paired<'a> = &'a dyn Fn([&SweepScore; 2]) -> Option<[f64; 2]>;
+
+/// What is said of every sweep that has a best value.
+const OPTIMISTIC: &str = "The best value of a sweep looks better on the scans that chose it than it is: run it on other scans before you \
+                          rely on its rate.";
+
+/// A text for every detector and task: the best value over all data sets of one origin with its rate, and the values that cannot be told
+/// from it. Then what holds for all of them.
+pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>) -> Vec<String> {
+    let curves = sweep.curves();
+    let is_widest = |it: &&SweepCurve<'_>| {
+        let ours = &it.points[0].score.subject;
+        let is_wider = |other: &SweepCurve<'_>| {
+            let subject = &other.points[0].score.subject;
+            subject.extent.is_overall() && subject.origin == ours.origin
+        };
+        ours.extent.is_overall() || !curves.iter().any(is_wider)
+    };
+    let mut texts: Vec<String> =
+        curves.iter().filter(is_widest).filter_map(|it| recommendation(sweep, it, paired)).collect();
+    if !texts.is_empty() {
+        texts.push(OPTIMISTIC.to_owned());
+    }
+    texts
+}
+
+fn recommendation(sweep: &SweepScores, curve: &SweepCurve<'_>, paired: Paired<'_>) -> Option<String> {
+    let first = curve.points[0].score;
+    let best = &curve.points[curve.best()?];
+    let percent = |it: f64| fixed_decimals(100.0 * it, 1);
+    let within = best.score.rate_within().map_or_else(String::new, |[low, high]| {
+        let caveat = first.blocks.caveat_of_conclusions().map_or_else(String::new, |it| format!(", {it}"));
+        format!(" ({} to {}{caveat})", percent(low), percent(high))
+    });
+    let detector = [vec![first.subject.detector.clone()], curve.others.clone()].concat().join(", ");
+    let configured = sweep.configured.as_ref().filter(|it| *it != best.x_text);
+    let configured = configured.map_or_else(String::new, |it| format!(" (configured: {it})"));
+    Some(format!(
+        "Best for {detector}, {}, {}: {} = {}{configured}, {} {} %{within}. {}",
+        first.task,
+        first.subject.extent.name(),
+        sweep.parameters[0],
+        best.x_text,
+        first.rate_name(),
+        percent(best.score.rate()?),
+        about_others(curve, best, paired)
+    ))
+}
+
+/// Which values the scans cannot tell from the best one.
+fn about_others(curve: &SweepCurve<'_>, best: &CurvePoint<'_>, paired: Paired<'_>) -> String {
+    if let Some(shortfall) = best.score.blocks.shortfall() {
+        let (head, rest) = shortfall.split_at(shortfall.chars().next().map_or(0, char::len_utf8));
+        return format!("{}{rest} to tell any other value from it.", head.to_uppercase());
+    }
+    let others = || curve.points.iter().filter(|it| it.x_text != best.x_text && it.score.rate().is_some());
+    let is_like = |it: &&CurvePoint<'_>| {
+        paired([best.score, it.score]).is_none_or(|[low, high]| low <= 0.0 && high >= 0.0)
+    };
+    let like: Vec<&str> = others().filter(is_like).map(|it| it.x_text).collect();
+    match (like.len(), others().count()) {
+        (_, 0) => "No other value has a rate.".to_owned(),
+        (0, _) => "All other values are significantly worse on these scans.".to_owned(),
+        (n, all) if n == all => "These scans tell none of the other values from it.".to_owned(),
+        _ => format!("These scans do not tell from it: {}.", like.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::blocks::{BlockCount, BlockKind};
+    use crate::numbers::sweep_score::tests::cell_sizes;
+
+    fn sweep(n_blocks: u64) -> SweepScores {
+        let mut sweep =
+            cell_sizes(&[(4, Some(6), None, 0.1), (8, Some(2), None, 0.3), (7, Some(3), None, 0.4)]);
+        for it in &mut sweep.scores {
+            it.blocks = BlockCount::of_dataset(n_blocks, BlockKind::Drives);
+        }
+        sweep
+    }
+
+    fn told(n_blocks: u64, paired: Paired<'_>) -> String {
+        recommendations(&sweep(n_blocks), paired).remove(0)
+    }
+
+    #[test]
+    fn values_that_the_scans_cannot_tell_from_the_best_are_named() {
+        let rate = |it: &SweepScore| it.rate().unwrap_or_default();
+        let within = |width: f64| {
+            move |[best, other]: [&SweepScore; 2]| {
+                let difference = rate(best) - rate(other);
+                Some([difference - width, difference + width])
+            }
+        };
+        assert_eq!(
+            told(12, &within(0.2)),
+            "Best for hierarchical, objects, street: hierarchical.grid.cell_size_m = 0.4, F-rate 80.0 % (10.0 to 90.0). \
+             These scans do not tell from it: 0.6."
+        );
+        assert!(
+            told(12, &within(0.01)).ends_with("All other values are significantly worse on these scans.")
+        );
+        assert!(told(12, &within(0.9)).ends_with("These scans tell none of the other values from it."));
+        assert!(told(12, &|_| None).ends_with("These scans tell none of the other values from it."));
+    }
+
+    #[test]
+    fn few_blocks_tell_nothing_and_the_optimism_is_said_once() {
+        assert!(
+            told(4, &|_| Some([0.1, 0.2]))
+                .ends_with("4 blocks of scans are too few to tell any other value from it.")
+        );
+        let all = recommendations(&sweep(12), &|_| None);
+        assert_eq!(all.iter().filter(|it| *it == OPTIMISTIC).count(), 1);
+    }
+}
