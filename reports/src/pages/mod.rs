@@ -12,6 +12,7 @@ mod curves;
 mod times;
 mod protocols;
 mod worst;
+mod labels;
 mod reproduction;
 mod parameters;
 #[cfg(test)]

@@ -7,6 +7,7 @@ use maud::html;
 
 use super::curves::curves;
 use super::document::document;
+use super::labels::labels;
 use super::markup::Figure;
 use super::overview::{heading, overview};
 use super::parameters::parameters;
@@ -61,6 +62,7 @@ impl RunPage {
             (curves(&facts, &mut figures))
             (times(&facts, &mut figures))
             (worst(&facts))
+            (labels(&facts, &mut figures))
             (reproduction(&facts))
             (parameters(&facts.manifest))
         };
@@ -91,7 +93,7 @@ impl RunPage {
 }
 
 /// Where the links at the top lead.
-const SECTIONS: [(&str, &str); 9] = [
+const SECTIONS: [(&str, &str); 10] = [
     ("verdict", "Verdict"),
     ("tables", "Tables"),
     ("protocols", "Protocols"),
@@ -99,6 +101,7 @@ const SECTIONS: [(&str, &str); 9] = [
     ("curves", "Curves"),
     ("times", "Times"),
     ("worst", "Worst"),
+    ("labels", "Labels"),
     ("reproduce", "Reproduce"),
     ("manifest", "Manifest"),
 ];
