@@ -7,8 +7,16 @@ use crate::vocabulary::class::AnnotationClass;
 /// Side of the cells that points are counted in, in metres.
 pub const CELL_M: f64 = 0.15;
 
-/// The points of all vehicles of one class, in the frame of one kind of box: x along its length to the front, y across to the left, from
-/// the centre.
+/// What is seen across the length of boxes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Across {
+    /// From above: to the left.
+    Left,
+    /// From the side: upwards.
+    Up,
+}
+
+/// The points of all vehicles of one class, in the frame of one kind of box: x along its length to the front, y across, from the centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoxPoints {
     /// The class.
@@ -17,7 +25,9 @@ pub struct BoxPoints {
     pub frame: &'static str,
     /// How many vehicles there are.
     pub n_vehicles: usize,
-    /// Mean length and width of the boxes, in metres.
+    /// Which way y is.
+    pub across: Across,
+    /// Mean length of the boxes, and mean width or height, in metres.
     pub length_width_m: [f64; 2],
     /// For each cell that holds a point, the share of the points of a vehicle, on average over the vehicles. Cell `[0, 0]` begins at the centre.
     pub shares: BTreeMap<[i32; 2], f64>,
@@ -56,9 +66,15 @@ impl BoxPoints {
             class,
             frame,
             n_vehicles: n_vehicles as usize,
+            across: Across::Left,
             length_width_m: sums_m.map(|it| it * of_all),
             shares,
         }
+    }
+
+    /// The same with another direction across.
+    pub fn seen_across(self, across: Across) -> Self {
+        Self { across, ..self }
     }
 }
 

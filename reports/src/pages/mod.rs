@@ -14,6 +14,7 @@ mod times;
 mod protocols;
 mod errors;
 mod worst;
+mod labels;
 mod reproduction;
 mod parameters;
 #[cfg(test)]

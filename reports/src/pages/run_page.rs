@@ -9,6 +9,7 @@ use super::agreement::agreement;
 use super::curves::curves;
 use super::document::document;
 use super::errors::errors;
+use super::labels::labels;
 use super::markup::Figure;
 use super::overview::{heading, overview};
 use super::parameters::parameters;
@@ -77,6 +78,7 @@ impl RunPage {
                 (errors(&facts))
                 (worst(&facts))
             }
+            (labels(&facts, &mut figures))
             (reproduction(&facts))
             (parameters(&facts.manifest))
         };
@@ -121,7 +123,7 @@ fn short(facts: &RunFacts, tables: Vec<TaskTable>) -> RunInShort {
 }
 
 /// Where the links at the top lead.
-const SECTIONS: [(&str, &str); 11] = [
+const SECTIONS: [(&str, &str); 12] = [
     ("verdict", "Verdict"),
     ("tables", "Tables"),
     ("protocols", "Protocols"),
@@ -131,6 +133,7 @@ const SECTIONS: [(&str, &str); 11] = [
     ("times", "Times"),
     ("errors", "Errors"),
     ("worst", "Worst"),
+    ("labels", "Labels"),
     ("reproduce", "Reproduce"),
     ("manifest", "Manifest"),
 ];

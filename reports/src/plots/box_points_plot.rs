@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::figure::{Axis, Chart, Figure, Frame, Grid, Panel, TEXT_PX, USUAL_FRAME};
 use super::marks::{LINE_WIDTH_PX, Mark, color};
 use super::palette::{BLUE, VERMILION};
-use crate::numbers::box_points::{BoxPoints, CELL_M};
+use crate::numbers::box_points::{Across, BoxPoints, CELL_M};
 
 const PANEL_WIDTH_PX: u32 = 420;
 const HEADING_PX: u32 = 44;
@@ -78,7 +78,11 @@ fn panel(points: &BoxPoints, [half_length_m, half_width_m]: [f64; 2]) -> Panel {
     marks.push(Mark::line(front, color(VERMILION), 2 * LINE_WIDTH_PX));
     let caption = format!("{}, {} (n {})", points.class.name(), points.frame, points.n_vehicles);
     let x = Axis::linear("to the front (m)", [-half_length_m, half_length_m], 7);
-    let y = Axis::linear("to the left (m)", [-half_width_m, half_width_m], 5);
+    let across = match points.across {
+        Across::Left => "to the left (m)",
+        Across::Up => "up (m)",
+    };
+    let y = Axis::linear(across, [-half_width_m, half_width_m], 5);
     let caption = Some((caption, TEXT_PX + 1));
     Chart { caption, frame: FRAME, ..Chart::new(x, y, marks) }.into()
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::archive::{ArchiveError, read_json};
 use crate::numbers::pools::{Pool, pools};
 use crate::numbers::tally::{Processors, Tally};
+use crate::run_folder::seen_labels::SeenLabels;
 use crate::run_folder::shard_record::{ShardRecord, processors_of};
 use crate::run_folder::sweep_entry::SweepEntry;
 use crate::vocabulary::class::AnnotationClass;
@@ -126,7 +127,10 @@ pub struct DatasetEntry {
     /// What the scans themselves say of the sensor; `None` where nobody asked them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seen: Option<SeenMounting>,
-    /// Why the frame of the scans is doubtful, a sentence each. No verdict rests on such a data set.
+    /// Where points lie in the frames of labelled boxes, as the first scans show it; `None` where nobody asked them, or vehicles are few.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub label_points: Option<SeenLabels>,
+    /// Why the frame of the scans or their labels are doubtful, a sentence each. No verdict rests on such a data set.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<String>,
     /// Its licence, where known.

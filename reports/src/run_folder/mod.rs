@@ -2,6 +2,7 @@
 
 pub mod shard_record;
 pub mod sweep_entry;
+pub mod seen_labels;
 pub mod manifest;
 pub mod command_line;
 pub mod comparison_manifest;

@@ -28,7 +28,7 @@ pub struct Standing {
     pub places: Vec<Place>,
     /// What lies between the first and the second.
     pub lead: Option<PairedDifference>,
-    /// Data sets whose frame is doubtful.
+    /// Data sets whose frame or labels are doubtful.
     pub doubtful: Vec<String>,
 }
 
@@ -177,7 +177,10 @@ impl Standing {
         match (&defined[..], &self.lead) {
             ([], _) => format!("{about}{metric} is undefined."),
             _ if !self.doubtful.is_empty() => {
-                format!("{about}no verdict, since the frame of {} is doubtful.", self.doubtful.join(", "))
+                format!(
+                    "{about}no verdict, since frame or labels of {} are doubtful.",
+                    self.doubtful.join(", ")
+                )
             }
             ([only], _) => format!(
                 "{about}{} has {} {}{}.",
@@ -409,7 +412,7 @@ mod tests {
     fn of_a_doubtful_frame_nobody_leads() {
         let mut doubtful = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
         doubtful.doubtful = vec!["mine".to_owned()];
-        let expected = "Task objects (simulated): no verdict, since the frame of mine is doubtful.";
+        let expected = "Task objects (simulated): no verdict, since frame or labels of mine are doubtful.";
         assert_eq!(doubtful.sentence(), expected);
         doubtful.places.truncate(1);
         assert_eq!(doubtful.sentence(), expected);

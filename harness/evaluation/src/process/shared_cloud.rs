@@ -40,10 +40,10 @@ impl SharedCloud {
         let number = N_FILES.fetch_add(1, Ordering::Relaxed);
         let path = folder.join(format!("scanbench-{}-{number}", std::process::id()));
         let create = || OpenOptions::new().read(true).write(true).create_new(true).mode(0o600).open(&path);
-        let (entry, file) = Unfinished::begin(Kind::File, create, |_| path.clone())?;
+        let (entry, file) = Unfinished::begin(Kind::File, create, |_| path.clone()).map_err(about_memory)?;
         let n_bytes = MOST_COLUMNS * column_bytes(max_points);
         let shared = Self { file, max_points, name: Some((path, entry)), bytes: Vec::new() };
-        shared.file.set_len(n_bytes.max(1) as u64)?;
+        shared.file.set_len(n_bytes.max(1) as u64).map_err(about_memory)?;
         Ok(shared)
     }
 
@@ -94,7 +94,7 @@ impl SharedCloud {
         let offset = written.len() * column_bytes(values.len());
         self.bytes.clear();
         self.bytes.extend(values.flatten());
-        self.file.write_all_at(&self.bytes, offset as u64)?;
+        self.file.write_all_at(&self.bytes, offset as u64).map_err(about_memory)?;
         written.push(Column { name: name.to_owned(), kind: kind.to_owned(), offset });
         Ok(())
     }
@@ -104,6 +104,18 @@ impl Drop for SharedCloud {
     fn drop(&mut self) {
         self.hide();
     }
+}
+
+/// What to do where memory for points is short: containers have little.
+fn about_memory(error: io::Error) -> io::Error {
+    if error.kind() != io::ErrorKind::StorageFull {
+        return error;
+    }
+    let what = format!(
+        "{error}: {IN_MEMORY} is too small for the points of a scan; free some of it, or give a container more, as with \
+         `docker run --shm-size=1g`"
+    );
+    io::Error::new(io::ErrorKind::StorageFull, what)
 }
 
 fn column_bytes(n_points: usize) -> usize {

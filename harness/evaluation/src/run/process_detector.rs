@@ -146,7 +146,8 @@ impl ProcessDetector {
             }
             (None, problem) => (problem, Vec::new()),
         };
-        let is_final = self.n_failures >= MOST_FAILURES;
+        // What the machine cannot do is no detector's missed scan.
+        let is_final = self.n_failures >= MOST_FAILURES || matches!(problem, DetectorProblem::Machine(_));
         let scan = scan.map(|it| it.id.to_string());
         DetectorFailure { detector: self.name.to_owned(), scan, problem, last_words, is_final }
     }

@@ -9,13 +9,17 @@ use detector::grid::ring_density::RingCounts;
 use evaluation::run::config::RunConfig;
 use nalgebra::Isometry3;
 use reports::run_folder::manifest::SeenMounting;
+use reports::run_folder::seen_labels::SeenLabels;
 use scans::annotation::LabeledScan;
 use scans::data_check::empty_boxes::EmptyBoxes;
 use scans::data_check::frame_doubt::FrameDoubt;
+use scans::data_check::label_doubt::LabelDoubt;
+use scans::data_check::label_look::{LabelLook, proposed_doubt};
 use scans::data_check::seen_ground::{SeenGround, UpAxis};
-use scans::dataset::DatasetDescription;
 use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::mounting::Mounting;
+use scans::dataset::proposal_list::ProposalList;
+use scans::dataset::{DatasetDescription, DatasetError};
 use simulator::recognised_sensor::SeenBeams;
 
 use crate::commands::frame_facts::{FirstLook, Stated, places_looked_at};
@@ -41,6 +45,16 @@ const ON_GROUND_M: f64 = 0.2;
 /// Looks at `opened`, says what was seen and what is doubtful, and goes by what was seen where nobody has said otherwise: the
 /// sensor with its density curve, its height and its tilt. Of a simulated sensor all is known but, perhaps, its density curve.
 pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
+    let proposed = doubt_of_proposals(&opened);
+    let mut opened = look_at_scans(opened, config);
+    if let Some(doubt) = proposed {
+        warn_of(&opened.dataset.description().id, doubt);
+        opened.first_look.doubts.push(doubt);
+    }
+    opened
+}
+
+fn look_at_scans(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
     let description = opened.dataset.description();
     if description.is_simulated() && config.for_dataset(&description.id, &description.sensor).is_some() {
         return opened;
@@ -49,11 +63,15 @@ pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDatase
     let clouds: Vec<&PointCloud> = scans.iter().map(|it| &it.cloud).collect();
     if description.is_simulated() {
         let seen = take_simulated_density(description, config, &clouds);
-        return OpenedDataset { first_look: FirstLook { seen, doubts: Vec::new() }, ..opened };
+        return OpenedDataset { first_look: FirstLook { seen, ..FirstLook::default() }, ..opened };
+    }
+    // Why nothing can be read is told by the run itself.
+    if scans.is_empty() {
+        return opened;
     }
     let mut look = Look::new(description, opened.stated, &clouds);
     look.take(config, &clouds);
-    look.doubt_boxes(&scans);
+    look.doubt_labels(&opened, &scans);
     let (mounting, first_look) = look.told();
     OpenedDataset { dataset: mounting.of(opened.dataset), first_look, ..opened }
 }
@@ -80,16 +98,31 @@ pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunCon
     mounting.move_scan(&mut opened.scan);
 }
 
-/// What is doubtful about the frame of `opened`, whatever can be taken from the scans.
-pub fn doubts_of(opened: &OpenedDataset) -> Vec<FrameDoubt> {
-    if opened.dataset.description().is_simulated() {
-        return Vec::new();
-    }
+/// What is doubtful about frame and labels of `opened`, whatever can be taken from the scans, and the look at its labels; nothing of
+/// simulated scans.
+pub fn doubts_of(opened: &OpenedDataset) -> (Vec<FrameDoubt>, Option<LabelLook>) {
     let scans = first_scans(opened);
+    let proposed = doubt_of_proposals(opened);
+    if opened.dataset.description().is_simulated() || scans.is_empty() {
+        return (proposed.into_iter().collect(), None);
+    }
     let clouds: Vec<&PointCloud> = scans.iter().map(|it| &it.cloud).collect();
     let mut look = Look::new(opened.dataset.description(), Stated::ALL, &clouds);
     look.take_ground();
-    look.doubts
+    look.doubt_labels(opened, &scans);
+    look.doubts.extend(proposed);
+    (look.doubts, Some(look.labels))
+}
+
+/// Whether most labels are as a detector proposed them. What is wrong with the list of proposals does not keep anybody from running.
+fn doubt_of_proposals(opened: &OpenedDataset) -> Option<FrameDoubt> {
+    let list = ProposalList::in_folder(opened.dataset.description().root.as_deref()?).ok().flatten()?;
+    proposed_doubt(&first_scans(opened), &list).map(FrameDoubt::Labels)
+}
+
+fn warn_of(id: &str, doubt: FrameDoubt) {
+    let (subject, are) = if let FrameDoubt::Labels(_) = doubt { ("labels", "are") } else { ("frame", "is") };
+    print_diagnostic(format_args!("warning: the {subject} of {id:?} {are} doubtful: {doubt}"));
 }
 
 /// Takes the density of a simulated sensor from `clouds` if it has no curve, and says so; returns what was seen by it.
@@ -128,10 +161,25 @@ fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
     Cow::Owned(cloud.positions_m().step_by(step).collect())
 }
 
-/// Some scans from first to last. What cannot be read is told by the run itself.
+/// Some scans from first to last. What cannot be read is told by the run itself, and names of classes that nobody knows before all else.
 fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
     let places = places_looked_at(opened.dataset.scan_ids().len());
-    places.filter_map(|it| opened.dataset.read_scan(it).ok()).collect()
+    let read: Vec<_> = places.map(|it| opened.dataset.read_scan(it)).collect();
+    if read.iter().any(|it| it.as_ref().is_err_and(DatasetError::is_usage_error)) {
+        return Vec::new();
+    }
+    read.into_iter().filter_map(Result::ok).collect()
+}
+
+/// The scans that follow those of `scans` in their drives, each with the index of the one that it follows.
+fn next_scans(opened: &OpenedDataset, scans: &[LabeledScan]) -> Vec<(usize, LabeledScan)> {
+    let ids = opened.dataset.scan_ids();
+    let next = |(scan_idx, scan): (usize, &LabeledScan)| {
+        let place = ids.iter().position(|it| *it == scan.id)? + 1;
+        let is_of_drive = ids.get(place)?.sequence == scan.id.sequence;
+        is_of_drive.then(|| opened.dataset.read_scan(place).ok()).flatten().map(|it| (scan_idx, it))
+    };
+    scans.iter().enumerate().filter_map(next).collect()
 }
 
 /// The beams in the frame of the scans, which is the sensor's. If no known sensor has these, it may be that the points were turned
@@ -156,6 +204,7 @@ struct Look {
     seen: SeenMounting,
     mounting: Mounting,
     doubts: Vec<FrameDoubt>,
+    labels: LabelLook,
 }
 
 impl Look {
@@ -184,6 +233,7 @@ impl Look {
             },
             mounting: Mounting::default(),
             doubts: Vec::new(),
+            labels: LabelLook::default(),
         }
     }
 
@@ -248,9 +298,18 @@ impl Look {
         }
     }
 
-    fn doubt_boxes(&mut self, scans: &[LabeledScan]) {
+    /// What is doubtful about labels: they are compared with what stands on the ground.
+    fn doubt_labels(&mut self, opened: &OpenedDataset, scans: &[LabeledScan]) {
+        if self.ground.is_some_and(|(axis, _)| axis == UpAxis::Z) {
+            self.labels = LabelLook::of(scans, || next_scans(opened, scans));
+        }
+        let doubts = &self.labels.doubts;
+        let is_place = |it: &LabelDoubt| matches!(it, LabelDoubt::Place { .. });
         let boxes = EmptyBoxes::of(scans);
-        self.doubts.extend(boxes.are_most().then_some(FrameDoubt::EmptyBoxes(boxes)));
+        // Where it is known why, no more is said.
+        let are_empty = boxes.are_most() && !doubts.iter().any(is_place);
+        self.doubts.extend(doubts.iter().copied().map(FrameDoubt::Labels));
+        self.doubts.extend(are_empty.then_some(FrameDoubt::EmptyBoxes(boxes)));
     }
 
     /// What is gone by and what was seen, once both are said.
@@ -262,9 +321,10 @@ impl Look {
             print_diagnostic(sentence);
         }
         for doubt in &self.doubts {
-            print_diagnostic(format_args!("warning: the frame of {:?} is doubtful: {doubt}", self.id));
+            warn_of(&self.id, *doubt);
         }
-        (self.mounting, FirstLook { seen: Some(self.seen), doubts: self.doubts })
+        let label_points = self.labels.points().map(SeenLabels::of);
+        (self.mounting, FirstLook { seen: Some(self.seen), label_points, doubts: self.doubts })
     }
 
     /// What was seen, and what of it is gone by.

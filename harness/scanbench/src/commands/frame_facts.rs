@@ -1,6 +1,7 @@
 //! What is known of the frame of a data set, and who says so.
 
 use reports::run_folder::manifest::SeenMounting;
+use reports::run_folder::seen_labels::SeenLabels;
 use scans::data_check::frame_doubt::FrameDoubt;
 
 use crate::cli::SourceArgs;
@@ -10,7 +11,9 @@ use crate::cli::SourceArgs;
 pub struct FirstLook {
     /// Sensor and mounting; `None` for simulated scans, unless their density was taken from them.
     pub seen: Option<SeenMounting>,
-    /// Why its frame is doubtful.
+    /// Where points lie in the frames of labelled boxes; `None` if these are too few.
+    pub label_points: Option<SeenLabels>,
+    /// Why its frame or its labels are doubtful.
     pub doubts: Vec<FrameDoubt>,
 }
 

@@ -118,7 +118,10 @@ fn no_verdict_rests_on_a_frame_that_points_elsewhere_and_a_transform_mends_it() 
         said.contains("warning: the frame of \"robot\" is doubtful: the axis that points up is -y, not z"),
         "{said}"
     );
-    assert!(said.contains("Task objects: no verdict, since the frame of robot is doubtful."), "{said}");
+    assert!(
+        said.contains("Task objects: no verdict, since frame or labels of robot are doubtful."),
+        "{said}"
+    );
     assert_eq!(entry["doubts"].as_array().unwrap().len(), 1);
     assert!(workplace.read("out/report.html").contains("the axis that points up is -y"));
     let checked = workplace.succeed("data check robot").stdout;
@@ -127,6 +130,20 @@ fn no_verdict_rests_on_a_frame_that_points_elsewhere_and_a_transform_mends_it() 
     let (said, entry) = run(&workplace, &["--transform", "mounting.txt"]);
     assert!(!said.contains("doubtful") && entry["doubts"].is_null(), "{said}");
     assert_eq!(f_rate(&workplace), upright);
+}
+
+#[test]
+fn a_frame_upside_down_is_said_before_heights_with_the_file_that_mends_it() {
+    let workplace = recorded("hdl-64e-s2", "1.73");
+    move_points(&workplace.path("robot"), &|[x, y, z]| [x, -y, -z]);
+    let checked = workplace.succeed("data check robot").stdout;
+    let warning = checked.lines().find(|it| it.starts_with("WARNING")).unwrap();
+    assert!(warning.contains("the axis that points up is -z, not z"), "{checked}");
+    assert!(!checked.contains("--sensor-height"), "{checked}");
+    let turn = warning.split('`').nth(1).unwrap();
+    workplace.write("mounting.txt", turn);
+    let mended = workplace.succeed("data check robot --transform mounting.txt").stdout;
+    assert!(!mended.contains("WARNING"), "{mended}");
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod bad_input;
 mod command_line;
 mod detect;
 mod first_look;
+mod label_look;
 mod ablation;
 mod experiments;
 mod layers;

@@ -16,6 +16,7 @@ use super::whole_folder::WholeFolder;
 use crate::annotation::{Annotation, LabeledScan};
 use crate::dataset::data_sheet::{DATA_SHEET, DataSheet, LabeledRegion};
 use crate::dataset::folder_name::folder_name;
+use crate::dataset::proposal_list::{PROPOSALS_CSV, ProposalList};
 use crate::dataset::scan_folder::label_cloud::{LabelCloudFile, LabelCloudObject};
 use crate::dataset::scan_folder::listed_box::ListedBox;
 use crate::dataset::scan_folder::sustech_points::SustechObject;
@@ -38,6 +39,7 @@ pub struct ProposalWriter {
     format: ProposalFormat,
     folder: WholeFolder,
     sheet: DataSheet,
+    proposed: ProposalList,
     n_written: u32,
 }
 
@@ -48,7 +50,8 @@ impl ProposalWriter {
         let sheet = DataSheet { labeled_region: LabeledRegion::Everywhere, ..sheet };
         let annotated_classes = crate::dataset::AnnotatedClasses::Only(AnnotationClass::ALL.to_vec());
         let sheet = DataSheet { annotated_classes, ..sheet };
-        Ok(Self { format, folder: WholeFolder::create(path)?, sheet, n_written: 0 })
+        let (folder, proposed) = (WholeFolder::create(path)?, ProposalList::default());
+        Ok(Self { format, folder, sheet, proposed, n_written: 0 })
     }
 
     /// Appends a scan with its proposals.
@@ -58,6 +61,7 @@ impl ProposalWriter {
             _ => format!("{}-{:06}", folder_name(&scan.id.sequence), scan.id.index),
         };
         self.n_written += 1;
+        proposals.iter().for_each(|it| self.proposed.add(&it.bounding_box));
         let folder = &self.folder;
         match self.format {
             ProposalFormat::Kitti => {
@@ -91,6 +95,7 @@ impl ProposalWriter {
     /// Ends the project, which appears under its name now.
     pub fn finish(self) -> Result<(), ConversionError> {
         self.folder.write(DATA_SHEET, self.sheet.to_json().as_bytes())?;
+        self.folder.write(PROPOSALS_CSV, self.proposed.to_csv().as_bytes())?;
         if self.format == ProposalFormat::Labelcloud {
             // What the tool asks for otherwise.
             let classes = json!({

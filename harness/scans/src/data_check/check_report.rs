@@ -5,6 +5,7 @@ use std::fmt;
 
 use super::empty_boxes::{EmptyBoxes, NEAR_M};
 use super::frame_doubt::FrameDoubt;
+use super::label_look::LabelLook;
 use super::scan_facts::{RANGES_M, ScanFacts, ring_areas_m2};
 use crate::annotation::ScanId;
 use crate::dataset::shown_name::shown;
@@ -41,15 +42,20 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// What `scans` say about the data set, in the order of the data set.
-    pub fn of(description: &DatasetDescription, scans: &[CheckedScan]) -> Self {
+    /// What `scans` say about the data set, in the order of the data set. `doubts` about frame and labels come first: what
+    /// follows may follow from them.
+    pub fn of(description: &DatasetDescription, scans: &[CheckedScan], doubts: &[FrameDoubt]) -> Self {
         let facts: Vec<&ScanFacts> = scans.iter().filter_map(|it| it.facts.as_ref().ok()).collect();
         let mut report =
             Self { lines: Vec::new(), warnings: Vec::new(), n_damaged: scans.len() - facts.len() };
+        report.add_doubts(doubts);
         report.describe(description);
         report.count_scans(scans);
         report.count_points(&facts);
-        report.check_ground(description, &facts);
+        // Where another axis points up, z says nothing of heights.
+        if !doubts.iter().any(|it| matches!(it, FrameDoubt::Axis(_))) {
+            report.check_ground(description, &facts);
+        }
         report.count_annotations(&facts);
         report.check_times(scans);
         report.check_repetition(scans);
@@ -61,10 +67,24 @@ impl CheckReport {
         self.warnings.extend(oddities.into_iter().map(|it| shown(&it).into_owned()));
     }
 
-    /// Adds what is doubtful about the frame beyond heights and boxes, which all scans tell of.
-    pub fn add_doubts<'a>(&mut self, doubts: impl IntoIterator<Item = &'a FrameDoubt>) {
+    /// Says whether labels were compared with points; what is doubtful about them is a doubt.
+    pub fn add_label_look(&mut self, look: &LabelLook) {
+        let verb = if look.is_enough() {
+            "compared with their points"
+        } else {
+            "too few to be compared with points"
+        };
+        let n = look.vehicles.seen.len();
+        self.line(
+            "boxes of vehicles",
+            format!("{n} in a few scans, with 20 points, nearer than 40 m: {verb}"),
+        );
+    }
+
+    /// Adds what is doubtful beyond heights and empty boxes, which all scans tell of.
+    fn add_doubts(&mut self, doubts: &[FrameDoubt]) {
         let is_told = |it: &&FrameDoubt| matches!(it, FrameDoubt::Height { .. } | FrameDoubt::EmptyBoxes(_));
-        self.warnings.extend(doubts.into_iter().filter(|it| !is_told(it)).map(ToString::to_string));
+        self.warnings.extend(doubts.iter().filter(|it| !is_told(it)).map(ToString::to_string));
     }
 
     fn line(&mut self, name: &'static str, value: String) {
@@ -300,7 +320,7 @@ mod tests {
     fn check(change: impl Fn(&mut CheckedScan), expected: Option<&str>) {
         let mut scans = scans();
         scans.iter_mut().for_each(change);
-        let report = CheckReport::of(&description(), &scans);
+        let report = CheckReport::of(&description(), &scans, &[]);
         let found: Vec<&str> = report.warnings.iter().map(String::as_str).collect();
         assert_eq!(found.len(), usize::from(expected.is_some()), "{found:?}");
         assert!(found.iter().zip(expected).all(|(found, expected)| found.contains(expected)), "{found:?}");
@@ -313,7 +333,7 @@ mod tests {
     #[test]
     fn sound_scans_give_no_warning() {
         check(|_| {}, None);
-        let report = CheckReport::of(&description(), &scans()).to_string();
+        let report = CheckReport::of(&description(), &scans(), &[]).to_string();
         for line in [
             "scans               4 of 1 drive",
             "points              400, 100 to 100 per scan",
@@ -333,7 +353,7 @@ mod tests {
         for scan in &mut scans {
             (scan.drive, scan.time_ns) = (None, None);
         }
-        let report = CheckReport::of(&description(), &scans).to_string();
+        let report = CheckReport::of(&description(), &scans, &[]).to_string();
         assert!(report.starts_with("data set"), "{report}");
         assert!(report.contains("4, no times known: they may be neighbours\n"), "{report}");
     }

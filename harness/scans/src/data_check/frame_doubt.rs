@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::empty_boxes::{EmptyBoxes, NEAR_M};
+use super::label_doubt::LabelDoubt;
 use super::seen_ground::UpAxis;
 
 /// Why the frame of a data set is doubtful, and what to try.
@@ -25,6 +26,8 @@ pub enum FrameDoubt {
     Tilt(f64),
     /// Most boxes hold no point.
     EmptyBoxes(EmptyBoxes),
+    /// Labels do not lie where the points are.
+    Labels(LabelDoubt),
 }
 
 impl fmt::Display for FrameDoubt {
@@ -32,12 +35,13 @@ impl fmt::Display for FrameDoubt {
         match self {
             Self::NoGround => write!(
                 formatter,
-                "no ground is seen around the origin; see with `scanbench view` whether z is up"
+                "no ground is seen around the origin; see in the recording of a run whether z is up"
             ),
             Self::Axis(axis) => write!(
                 formatter,
-                "the axis that points up is {}, not z: give the turn to x forward, y left, z up with --transform",
-                axis.name()
+                "the axis that points up is {}, not z: write `{}` into a file, and give it with --transform FILE",
+                axis.name(),
+                axis.sensor_from_file()
             ),
             Self::OnGround(seen_m) => write!(
                 formatter,
@@ -58,6 +62,7 @@ impl fmt::Display for FrameDoubt {
                 "{n_empty} of {n_near} boxes nearer than {NEAR_M} m contain no point: the labels and scans may differ in \
                  frame or time"
             ),
+            Self::Labels(doubt) => write!(formatter, "{doubt}"),
         }
     }
 }

@@ -3,5 +3,13 @@
 pub mod scan_facts;
 pub mod empty_boxes;
 pub mod seen_ground;
+
+// Labels against points.
+pub mod seen_vehicles;
+pub mod label_correction;
+pub mod box_fit;
+pub mod label_doubt;
+pub mod label_look;
+
 pub mod frame_doubt;
 pub mod check_report;

@@ -78,6 +78,19 @@ impl UpAxis {
         }
     }
 
+    /// A turn that puts the axis up, as a file of `--transform` has it: rows of rotation and shift. Where the format of cameras or of
+    /// computer graphics is likely, forward is theirs; otherwise as little as possible is turned.
+    pub fn sensor_from_file(self) -> &'static str {
+        match self {
+            Self::Z => "1 0 0 0  0 1 0 0  0 0 1 0",
+            Self::MinusZ => "1 0 0 0  0 -1 0 0  0 0 -1 0",
+            Self::X => "0 0 -1 0  0 1 0 0  1 0 0 0",
+            Self::MinusX => "0 0 1 0  0 1 0 0  -1 0 0 0",
+            Self::Y => "0 0 -1 0  -1 0 0 0  0 1 0 0",
+            Self::MinusY => "0 0 1 0  -1 0 0 0  0 -1 0 0",
+        }
+    }
+
     fn direction(self) -> Vector3<f64> {
         match self {
             Self::Z => Vector3::z(),
@@ -227,6 +240,7 @@ fn refined(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::mounting::read_transform;
     use nalgebra::Rotation3;
 
     /// A turn about x and then about y that tilts a frame, in degrees.
@@ -270,6 +284,17 @@ mod tests {
         assert!((seen.tilt_deg() - expected_deg).abs() < 0.3, "{seen:?}, not {expected_deg}");
         let levelled = seen.levelling() * (turn * Vector3::z());
         assert!(levelled.z > 0.9999, "{levelled}");
+    }
+
+    #[test]
+    fn each_axis_is_turned_up() {
+        for axis in UpAxis::ALL {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("mounting.txt");
+            std::fs::write(&path, axis.sensor_from_file()).unwrap();
+            let up = read_transform(&path).unwrap() * axis.direction();
+            assert!((up - Vector3::z()).norm() < 1e-6, "{axis:?}: {up}");
+        }
     }
 
     #[test]

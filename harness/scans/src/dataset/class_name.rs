@@ -63,6 +63,77 @@ pub fn class_named(name: &str) -> Option<AnnotationClass> {
     })
 }
 
+/// Words in names that say what it is, in the spelling of [`plain_name`], and what that makes likely.
+const TELLING_WORDS: &[(&str, AnnotationClass)] = &[
+    ("trailer", AnnotationClass::Trailer),
+    ("tram", AnnotationClass::Tram),
+    ("rail", AnnotationClass::Tram),
+    ("bus", AnnotationClass::Bus),
+    ("coach", AnnotationClass::Bus),
+    ("van", AnnotationClass::Van),
+    ("minivan", AnnotationClass::Van),
+    ("ambulance", AnnotationClass::Van),
+    ("truck", AnnotationClass::Truck),
+    ("hgv", AnnotationClass::Truck),
+    ("cyclist", AnnotationClass::Cyclist),
+    ("rider", AnnotationClass::Cyclist),
+    ("biker", AnnotationClass::Cyclist),
+    ("scooter", AnnotationClass::ParkedCycle),
+    ("moped", AnnotationClass::ParkedCycle),
+    ("cycle", AnnotationClass::ParkedCycle),
+    ("twowheeler", AnnotationClass::ParkedCycle),
+    ("vru", AnnotationClass::Pedestrian),
+    ("people", AnnotationClass::Pedestrian),
+    ("man", AnnotationClass::Pedestrian),
+    ("woman", AnnotationClass::Pedestrian),
+    ("child", AnnotationClass::Pedestrian),
+    ("adult", AnnotationClass::Pedestrian),
+    ("worker", AnnotationClass::Pedestrian),
+    ("walker", AnnotationClass::Pedestrian),
+    ("post", AnnotationClass::Pole),
+    ("lamp", AnnotationClass::Pole),
+    ("light", AnnotationClass::Pole),
+    ("bush", AnnotationClass::Hedge),
+    ("vegetation", AnnotationClass::Hedge),
+    ("railing", AnnotationClass::Fence),
+    ("guardrail", AnnotationClass::Fence),
+    ("cone", AnnotationClass::StreetFurniture),
+    ("barrier", AnnotationClass::StreetFurniture),
+    ("bench", AnnotationClass::StreetFurniture),
+    ("bin", AnnotationClass::StreetFurniture),
+    ("cars", AnnotationClass::Car),
+    ("taxi", AnnotationClass::Car),
+    ("sedan", AnnotationClass::Car),
+    ("pickup", AnnotationClass::Car),
+    ("auto", AnnotationClass::Car),
+    ("vehicles", AnnotationClass::Car),
+];
+
+/// The class that `name`, which stands for nothing known, most likely means, by the words in it; *misc* if none tells.
+pub fn likeliest_class(name: &str) -> AnnotationClass {
+    let spaced: String = name
+        .chars()
+        .scan(false, |was_lower, it| {
+            let begins = *was_lower && it.is_uppercase();
+            *was_lower = it.is_lowercase();
+            Some(if begins { format!(" {it}") } else { it.to_string() })
+        })
+        .collect();
+    let plain = plain_name(&spaced);
+    let words: Vec<&str> =
+        plain.split('-').map(|it| it.trim_end_matches(|it: char| it.is_ascii_digit())).collect();
+    // *vehicle* and *object* say less than what stands beside them.
+    let telling = |word: &&str| {
+        let singular = word.strip_suffix('s').unwrap_or(word);
+        let of_word = |it: &str| TELLING_WORDS.iter().find(|(word, _)| *word == it).map(|(_, class)| *class);
+        [*word, singular].into_iter().find_map(|it| of_word(it).or_else(|| class_named(it)))
+    };
+    let is_general = |it: &&&str| matches!(**it, "vehicle" | "vehicles" | "human" | "misc");
+    let special = words.iter().rev().filter(|it| !is_general(it)).find_map(telling);
+    let general = || words.iter().filter(is_general).find_map(telling);
+    special.or_else(general).unwrap_or(AnnotationClass::Misc)
+}
+
 /// `name` without what spellings differ in: lower case, and one `-` for whatever stands between letters and digits.
 pub fn plain_name(name: &str) -> String {
     let words = name.split(|it: char| !it.is_alphanumeric()).filter(|word| !word.is_empty());
@@ -91,6 +162,27 @@ mod tests {
         }
         for class in AnnotationClass::ALL {
             assert_eq!(class_named(class.name()), Some(class));
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_most_likely_means_what_its_words_say() {
+        for (name, expected) in [
+            ("VRU", AnnotationClass::Pedestrian),
+            ("vehicle.parked", AnnotationClass::Car),
+            ("Parked_Cars", AnnotationClass::Car),
+            ("PassengerCar", AnnotationClass::Car),
+            ("car2", AnnotationClass::Car),
+            ("vehicle.truck.semi", AnnotationClass::Truck),
+            ("DeliveryVan", AnnotationClass::Van),
+            ("human.on.scooter", AnnotationClass::ParkedCycle),
+            ("motor cyclists", AnnotationClass::Cyclist),
+            ("construction workers", AnnotationClass::Pedestrian),
+            ("forklift", AnnotationClass::Misc),
+            ("cart", AnnotationClass::Misc),
+            ("", AnnotationClass::Misc),
+        ] {
+            assert_eq!(likeliest_class(name), expected, "{name}");
         }
     }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use reports::vocabulary::class::AnnotationClass;
 
-use super::class_name::{class_named, plain_name};
+use super::class_name::{class_named, likeliest_class, plain_name};
 use super::{AnnotatedClasses, DatasetError};
 
 /// More names than this are not listed.
@@ -213,13 +213,17 @@ impl UnknownClasses {
             .values()
             .filter_map(|it| Some(format!("--class {}", option_of(&it.written)?)))
             .collect();
-        writeln!(text, "give the class of each, in place of misc, with options\n  {}", options.join(" "))
-            .expect(ENDLESS);
+        writeln!(
+            text,
+            "give the class of each, in place of what is likely, with options\n  {}",
+            options.join(" ")
+        )
+        .expect(ENDLESS);
         writeln!(text, "or in the file of -c or the catalogue\n  [classes]").expect(ENDLESS);
         for Unknown { written, .. } in self.by_name.values() {
             // A string in JSON is one in TOML.
             let key = serde_json::Value::from(written.as_str());
-            writeln!(text, "  {key} = \"misc\"").expect(ENDLESS);
+            writeln!(text, "  {key} = \"{}\"", likeliest_class(written).name()).expect(ENDLESS);
         }
         write!(text, "classes are {}; objects of misc are ignored in the task vehicles", all_classes())
             .expect(ENDLESS);
@@ -227,13 +231,13 @@ impl UnknownClasses {
     }
 }
 
-/// `name=misc` as a word for a shell; `None` if the name cannot be typed.
+/// `name=CLASS`, with the likeliest class, as a word for a shell; `None` if the name cannot be typed.
 fn option_of(name: &str) -> Option<String> {
     if name.chars().any(char::is_control) {
         return None;
     }
     let is_plain = |it: char| it.is_ascii_alphanumeric() || matches!(it, '-' | '_' | '.');
-    let option = format!("{name}=misc");
+    let option = format!("{name}={}", likeliest_class(name).name());
     let is_word = name.chars().all(is_plain);
     Some(if is_word { option } else { format!("'{}'", option.replace('\'', "'\\''")) })
 }

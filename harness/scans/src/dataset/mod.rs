@@ -35,6 +35,7 @@ pub mod class_table;
 mod written_classes;
 pub mod simulation;
 pub mod data_sheet;
+pub mod proposal_list;
 pub mod dataset_format;
 pub mod source;
 pub mod foreign_frame;

@@ -4,3 +4,4 @@ mod damaged_datasets;
 mod foreign_real_scans;
 mod kitti_real_scans;
 mod cut_out_real_objects;
+mod labels_against_points;

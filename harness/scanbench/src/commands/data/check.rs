@@ -35,8 +35,11 @@ pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
         }
         let is_interrupted = || interrupted.load(Ordering::Relaxed);
         let (scans, damage) = check(opened, is_interrupted)?;
-        let mut report = CheckReport::of(opened.dataset.description(), &scans);
-        report.add_doubts(&doubts_of(opened));
+        let (doubts, labels) = doubts_of(opened);
+        let mut report = CheckReport::of(opened.dataset.description(), &scans, &doubts);
+        if let Some(labels) = labels {
+            report.add_label_look(&labels);
+        }
         // Of a part of the scans only this part is looked at.
         let is_whole = damage.is_none() && opened.scan_indices.len() == opened.dataset.scan_ids().len();
         if is_whole {

@@ -85,6 +85,10 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
             options.to_lowercase().contains("fork") && options.contains("--class gizmo=misc"),
             "{data}: {ended:#?}"
         );
+        // A run says the same, and nothing of scans that it could not read.
+        let ended = workplace.run(&["run", data, "-d", "pca", "--no-rrd", "-o", "out"]);
+        assert!(ended.stderr.contains("have 2 unknown classes:"), "{data}: {ended:#?}");
+        assert!(!ended.stderr.contains("beams"), "{data}: {ended:#?}");
         let mapped = ["--class", "fork lift=truck", "--class", "GIZMO=Pole"];
         let ended = workplace.run(&(["data", "check", data], &mapped));
         assert_eq!(ended.exit_code, Some(0), "{data}: {ended:#?}");

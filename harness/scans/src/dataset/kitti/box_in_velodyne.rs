@@ -1,5 +1,7 @@
 //! From KITTI's boxes in the camera frame to ours in the velodyne frame, and back.
 
+use std::f64::consts::TAU;
+
 use detector::OrientedBox;
 use nalgebra::{Matrix4, Vector4};
 
@@ -9,7 +11,7 @@ use super::label::CameraBox;
 ///
 /// Heading and centre of the bottom are carried over exactly. KITTI's box stands upright in the camera frame, ours in the
 /// velodyne frame; these are tilted against each other by about a degree, so that the roof of a car may be off by some
-/// two centimetres and its bumpers by as much in height.
+/// two centimetres and its bumpers by as much in height. Whole turns stay whole turns: they tell of angles in degrees.
 pub fn box_in_velodyne(camera_box: &CameraBox, velodyne_from_camera: &Matrix4<f64>) -> OrientedBox {
     let [x, y, z] = camera_box.bottom_center_m;
     let [height_m, width_m, length_m] = camera_box.height_width_length_m;
@@ -18,10 +20,11 @@ pub fn box_in_velodyne(camera_box: &CameraBox, velodyne_from_camera: &Matrix4<f6
     let (sin, cos) = camera_box.rotation_y_rad.sin_cos();
     // A direction, hence 0 in the last place. The turn about y takes x to (cos, 0, -sin).
     let heading = velodyne_from_camera * Vector4::new(cos, 0.0, -sin, 0.0);
+    let whole_turns_rad = (camera_box.rotation_y_rad / TAU).trunc() * TAU;
     OrientedBox {
         center_m: [bottom_center_m.x as f32, bottom_center_m.y as f32, center_z_m as f32],
         length_width_height_m: [length_m as f32, width_m as f32, height_m as f32],
-        yaw_rad: heading.y.atan2(heading.x) as f32,
+        yaw_rad: (heading.y.atan2(heading.x) - whole_turns_rad) as f32,
     }
 }
 

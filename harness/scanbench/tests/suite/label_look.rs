@@ -1,0 +1,100 @@
+//! Labels that do not lie where the points are, or that a detector made, are heard before anything rests on them.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use crate::program::Workplace;
+
+/// Simulated scans with boxes, as if they were recorded: no file says where they come from.
+fn recorded() -> Workplace {
+    let workplace = Workplace::new();
+    let simulate =
+        "data simulate street-main-road --seed 9001 --simulated-scans 5 --to kitti-tracking -o drive";
+    workplace.succeed(simulate);
+    std::fs::remove_file(workplace.path("drive/training/scanbench.json")).unwrap();
+    workplace
+}
+
+/// Rewrites the numbers of every line of KITTI's labels: height, width, length, x, y, z and yaw.
+fn rewrite(workplace: &Workplace, change: impl Fn(&mut [f64])) {
+    for entry in std::fs::read_dir(workplace.path("drive/training/label_02")).unwrap() {
+        let path = entry.unwrap().path();
+        let line = |line: &str| {
+            let (head, numbers): (Vec<&str>, Vec<&str>) = {
+                let mut words: Vec<&str> = line.split(' ').collect();
+                let numbers = words.split_off(10);
+                (words, numbers)
+            };
+            let mut numbers: Vec<f64> = numbers.iter().map(|it| it.parse().unwrap()).collect();
+            change(&mut numbers);
+            let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+            format!("{} {}\n", head.join(" "), numbers.join(" "))
+        };
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.lines().map(line).collect::<String>()).unwrap();
+    }
+}
+
+const RUN: &str = "run drive -d pca,kd-tree --no-rrd -o out --overwrite";
+
+#[test]
+fn swapped_sides_are_heard_and_no_verdict_is_drawn() {
+    let workplace = recorded();
+    let ended = workplace.succeed(RUN);
+    let sound = &workplace.json("out/manifest.json")["datasets"][0];
+    assert!(!ended.stderr.contains("doubtful") && sound["doubts"].is_null(), "{ended:#?}");
+    assert_eq!(sound["label_points"]["class"], "car", "{sound:#}");
+    assert!(
+        workplace.read("out/report.html").contains("points in labelled boxes, from above and from the side")
+    );
+    assert!(workplace.path("out/figures/labels_drive.svg").is_file());
+    workplace.succeed("data check drive").check_stdout(&["boxes of vehicles", "compared with their points"]);
+
+    rewrite(&workplace, |it| it.swap(1, 2));
+    let ended = workplace.succeed(RUN);
+    ended.check_stderr(&[
+        "warning: the labels of \"drive\" are doubtful: the points of",
+        "swap length and width in the labels",
+    ]);
+    ended.check_stdout(&["no verdict, since frame or labels of drive are doubtful."]);
+    assert!(workplace.read("out/report.html").contains("it looks as if length and width are swapped"));
+    let checked = workplace.succeed("data check drive").stdout;
+    assert!(checked.contains("it looks as if length and width are swapped"), "{checked}");
+}
+
+#[test]
+fn boxes_that_stand_in_the_road_or_beside_their_vehicles_are_heard() {
+    let workplace = recorded();
+    // KITTI has the bottom of a box, and its y is down.
+    rewrite(&workplace, |it| it[4] += 0.5 * it[0]);
+    let checked = workplace.succeed("data check drive").stdout;
+    assert!(checked.contains("add half the height of each box"), "{checked}");
+    rewrite(&workplace, |it| {
+        it[4] -= 0.5 * it[0];
+        it[5] += 1.0;
+    });
+    let checked = workplace.succeed("data check drive").stdout;
+    assert!(checked.contains("it looks as if boxes are off by (+1.0"), "{checked}");
+}
+
+#[test]
+fn labels_that_a_detector_made_do_not_judge_it() {
+    let workplace = Workplace::new();
+    workplace.succeed("data prelabel street-main-road --scans 0..2 -o project --to kitti");
+    let run = "run project -d pca --no-rrd -o out --overwrite";
+    let ended = workplace.succeed(run);
+    ended.check_stderr(&["boxes are as a detector proposed them (proposals.csv)", "so correct them first"]);
+    ended.check_stdout(&["no verdict, since frame or labels of project are doubtful."]);
+    workplace.succeed("data check project").check_stdout(&["as a detector proposed them"]);
+    for entry in std::fs::read_dir(workplace.path("project/label_2")).unwrap() {
+        let path = entry.unwrap().path();
+        // Somebody has touched the boxes: they are a little higher.
+        let raised = |line: &str| {
+            let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+            words[8] = (words[8].parse::<f64>().unwrap() + 0.1).to_string();
+            words.join(" ") + "\n"
+        };
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.lines().map(raised).collect::<String>()).unwrap();
+    }
+    let ended = workplace.succeed(run);
+    assert!(!ended.stderr.contains("doubtful"), "{ended:#?}");
+}

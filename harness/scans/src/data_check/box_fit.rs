@@ -1,0 +1,213 @@
+//! How well points lie along the sides of labelled boxes that face the sensor, and which change of all boxes makes it better.
+
+use detector::OrientedBox;
+
+use super::label_correction::Correction;
+use super::seen_vehicles::SeenVehicle;
+
+/// A point so far from the side that it belongs to counts nothing, in metres.
+const NEAR_SIDE_M: f32 = 0.45;
+/// Points may lie so far outside of boxes, in metres.
+const OUTSIDE_M: f32 = 0.3;
+/// Steps of a shift along both axes, coarse first: so large, and so many to either side, in metres.
+const SHIFT_STEPS: [(f32, i32); 3] = [(0.3, 6), (0.1, 3), (0.05, 2)];
+/// Changes with two parameters fit better by chance, and are believed if they fit so much better.
+const WORTH_OF_SHIFT: f64 = 0.94;
+/// The same where labelled cars are longer or shorter than any, so that their size is doubted first.
+const WORTH_OF_SHIFT_IF_ODD: f64 = 0.7;
+/// Lengths of cars, in metres.
+const CAR_LENGTHS_M: std::ops::Range<f32> = 3.0..5.6;
+
+/// A change of all boxes that lets points lie better along their sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BetterFit {
+    /// The change.
+    pub correction: Correction,
+    /// How well points lie then, from 0 to 1.
+    pub fit: f64,
+    /// How many times as well as without it.
+    pub gain: f64,
+    /// Vehicles that it makes better, as a share.
+    pub share_better: f64,
+}
+
+/// The mean over `vehicles`, changed by `correction` if there is one, of how well points lie along sides, from 0 to 1; 0 of nothing.
+pub fn mean_fit(vehicles: &[SeenVehicle], correction: Option<Correction>) -> f64 {
+    let fits = vehicles.iter().map(|it| fit_of(it, correction));
+    fits.sum::<f64>() / vehicles.len().max(1) as f64
+}
+
+fn fit_of(vehicle: &SeenVehicle, correction: Option<Correction>) -> f64 {
+    let labelled = &vehicle.bounding_box;
+    fit(&correction.map_or(*labelled, |it| it.of(labelled)), &vehicle.sides_m)
+}
+
+/// Mean over `points_m` of how near each is to the sides of `bounding_box` that face the sensor: 1 on one, 0 elsewhere.
+fn fit(bounding_box: &OrientedBox, points_m: &[[f32; 2]]) -> f64 {
+    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    let [center_x_m, center_y_m, _] = bounding_box.center_m;
+    let in_frame = |x: f32, y: f32| [cos * x + sin * y, cos * y - sin * x];
+    let sensor_m = in_frame(-center_x_m, -center_y_m);
+    let [length_m, width_m, _] = bounding_box.length_width_height_m;
+    let half_m = [0.5 * length_m, 0.5 * width_m];
+    let of_point = |[x, y]: [f32; 2]| {
+        let at_m = in_frame(x - center_x_m, y - center_y_m);
+        let (mut outside_m, mut from_side_m) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
+        for axis in 0..2 {
+            outside_m = outside_m.max(at_m[axis].abs() - half_m[axis]);
+            if sensor_m[axis].abs() > half_m[axis] {
+                from_side_m = from_side_m.max(at_m[axis] * sensor_m[axis].signum() - half_m[axis]);
+            }
+        }
+        if outside_m > OUTSIDE_M || from_side_m.abs() >= NEAR_SIDE_M {
+            return 0.0;
+        }
+        let share = from_side_m / NEAR_SIDE_M;
+        (1.0 - share * share).powi(2)
+    };
+    points_m.iter().map(|it| f64::from(of_point(*it))).sum::<f64>() / points_m.len().max(1) as f64
+}
+
+/// The change that is believed first, of those that leave boxes near their vehicles; `None` if all are best as they are.
+pub fn better_fit(vehicles: &[SeenVehicle]) -> Option<BetterFit> {
+    let unchanged = mean_fit(vehicles, None);
+    let with_fit = |it: Correction| (it, mean_fit(vehicles, Some(it)));
+    let worth_of_shift = if has_odd_cars(vehicles) { WORTH_OF_SHIFT_IF_ODD } else { WORTH_OF_SHIFT };
+    let shifts = [Correction::Shift, Correction::OwnShift].map(|it| best_shift(vehicles, it));
+    let tried = changes().map(with_fit).map(|it| (it, it.1));
+    let tried = tried.chain(shifts.map(|it| (it, worth_of_shift * it.1)));
+    let ((correction, fit), _) = tried.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (fit > unchanged).then(|| BetterFit {
+        correction,
+        fit,
+        gain: gain(fit, unchanged),
+        share_better: share_better(vehicles, correction),
+    })
+}
+
+/// What fits worse than this is as good as nothing.
+const LEAST_FIT: f64 = 0.02;
+
+/// `fit`, compared with what `unchanged` boxes have.
+pub fn gain(fit: f64, unchanged: f64) -> f64 {
+    fit / unchanged.max(LEAST_FIT)
+}
+
+/// All changes that are tried besides shifts.
+fn changes() -> impl Iterator<Item = Correction> {
+    let steps = |n: i32, step: f32| (-n..=n).filter(|it| *it != 0).map(move |it| it as f32 * step);
+    [Correction::SwapSides, Correction::NegateYaw, Correction::YawFromLeft]
+        .into_iter()
+        .chain(steps(22, 2_f32.to_radians()).map(Correction::Yaw))
+        .chain(steps(24, 0.5_f32.to_radians()).map(Correction::Turn))
+        .chain((8..=44).map(|it| Correction::Scale(it as f32 * 0.05)))
+}
+
+/// The best shift of one kind, found in steps that become smaller, with its fit.
+fn best_shift(vehicles: &[SeenVehicle], kind: fn([f32; 2]) -> Correction) -> (Correction, f64) {
+    let mut best = ([0.0; 2], mean_fit(vehicles, None));
+    for (step_m, n) in SHIFT_STEPS {
+        let around = best.0;
+        for place in 0..(2 * n + 1).pow(2) {
+            let steps = [place / (2 * n + 1) - n, place % (2 * n + 1) - n];
+            let by_m = [0, 1].map(|axis| around[axis] + steps[axis] as f32 * step_m);
+            let fit = mean_fit(vehicles, Some(kind(by_m)));
+            if fit > best.1 {
+                best = (by_m, fit);
+            }
+        }
+    }
+    (kind(best.0), best.1)
+}
+
+fn share_better(vehicles: &[SeenVehicle], correction: Correction) -> f64 {
+    let is_better = |it: &&SeenVehicle| fit_of(it, Some(correction)) > fit_of(it, None);
+    vehicles.iter().filter(is_better).count() as f64 / vehicles.len().max(1) as f64
+}
+
+/// Whether the median car is longer or shorter than cars are.
+fn has_odd_cars(vehicles: &[SeenVehicle]) -> bool {
+    let longer = |it: &SeenVehicle| {
+        let [length_m, width_m, _] = it.bounding_box.length_width_height_m;
+        length_m.max(width_m)
+    };
+    let mut lengths_m: Vec<f32> = vehicles.iter().map(longer).collect();
+    lengths_m.sort_unstable_by(f32::total_cmp);
+    lengths_m.get(lengths_m.len() / 2).is_some_and(|it| !CAR_LENGTHS_M.contains(it))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::annotation::Annotation;
+    use crate::data_check::seen_vehicles::SeenVehicles;
+    use detector::PointCloud;
+    use reports::vocabulary::class::AnnotationClass;
+
+    const CAR: [f32; 3] = [4.0, 1.8, 1.5];
+
+    /// Cars around the sensor, with points along the sides that it sees, and the ground.
+    fn cars(n: usize) -> SeenVehicles {
+        let mut vehicles = SeenVehicles::default();
+        for place in 0..n {
+            let angle = place as f32 * 0.9;
+            let (center_x_m, center_y_m) = (12.0 * angle.cos(), 12.0 * angle.sin());
+            let bounding_box = OrientedBox {
+                center_m: [center_x_m, center_y_m, -0.95],
+                length_width_height_m: CAR,
+                yaw_rad: 2.3 * angle,
+            };
+            let mut cloud = PointCloud::default();
+            let mut add = |along_m: f32, across_m: f32, z_m: f32| {
+                let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+                let (x_m, y_m) = (cos * along_m - sin * across_m, sin * along_m + cos * across_m);
+                cloud.push([center_x_m + x_m, center_y_m + y_m, z_m], 0.0);
+            };
+            let [sensor_along_m, sensor_across_m, _] = bounding_box.in_box_frame([0.0; 3]);
+            for step in 0..80 {
+                let share = step as f32 / 79.0 - 0.5;
+                add(share * 4.0, 0.9 * sensor_across_m.signum(), -1.0);
+                add(2.0 * sensor_along_m.signum(), share * 1.8, -1.0);
+                (0..3).for_each(|row| add(share * 7.0, row as f32 - 1.0, -1.7));
+            }
+            let car = Annotation { bounding_box: Some(bounding_box), ..Annotation::of(AnnotationClass::Car) };
+            vehicles.add(&cloud, &[car], |it| *it);
+        }
+        vehicles
+    }
+
+    #[test]
+    fn points_on_the_seen_sides_fit_and_no_change_is_better() {
+        let SeenVehicles { seen, n_near } = cars(12);
+        assert_eq!((seen.len(), n_near), (12, 12));
+        // A side that the sensor sees along its plane only counts less.
+        assert!(mean_fit(&seen, None) > 0.8, "{}", mean_fit(&seen, None));
+        assert!(better_fit(&seen).is_none_or(|it| it.gain < 1.1), "{:?}", better_fit(&seen));
+        assert_eq!(mean_fit(&[], None), 0.0);
+    }
+
+    #[test]
+    fn a_change_of_all_boxes_is_found_back() {
+        for (damage, mended) in [
+            (Correction::SwapSides, Correction::SwapSides),
+            (Correction::Shift([0.6, 0.0]), Correction::Shift([-0.6, 0.0])),
+            (Correction::OwnShift([0.6, -0.3]), Correction::OwnShift([-0.6, 0.3])),
+            (Correction::NegateYaw, Correction::NegateYaw),
+        ] {
+            let mut vehicles = cars(12).seen;
+            vehicles.iter_mut().for_each(|it| it.bounding_box = damage.of(&it.bounding_box));
+            let found = better_fit(&vehicles).unwrap();
+            assert!(found.gain > 1.3 && found.share_better > 0.7, "{found:?}");
+            let text = |it: Correction| it.to_string();
+            let of_kind = |it: Correction| std::mem::discriminant(&it);
+            assert_eq!(of_kind(found.correction), of_kind(mended), "{damage:?}: {}", text(found.correction));
+            if let (
+                Correction::Shift(found_m) | Correction::OwnShift(found_m),
+                Correction::Shift(m) | Correction::OwnShift(m),
+            ) = (found.correction, mended)
+            {
+                assert!((found_m[0] - m[0]).abs() < 0.15 && (found_m[1] - m[1]).abs() < 0.15, "{found:?}");
+            }
+        }
+    }
+}

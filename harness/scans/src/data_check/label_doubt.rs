@@ -1,0 +1,104 @@
+//! What may be wrong with labels, as the points of labelled vehicles show it.
+
+use std::fmt;
+
+use super::label_correction::Correction;
+use crate::dataset::proposal_list::PROPOSALS_CSV;
+
+/// Why labels are doubtful, and what mends them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LabelDoubt {
+    /// Boxes lie elsewhere than vehicles.
+    Place {
+        /// What mends it.
+        correction: Correction,
+        /// How many times as well points lie along the sides of boxes then.
+        gain: f64,
+        /// Vehicles that were looked at.
+        n_vehicles: usize,
+    },
+    /// Boxes hang above the ground, or are sunk into it.
+    Height {
+        /// How far bottoms are above the ground, the median in metres.
+        above_ground_m: f64,
+        /// What the height is taken for.
+        taken_for: TakenFor,
+        /// Vehicles that were looked at.
+        n_vehicles: usize,
+    },
+    /// Most vehicles are wider than long, but points lie along their sides.
+    Sideways {
+        /// Wider ones.
+        n_wide: usize,
+        /// Vehicles that were looked at.
+        n_vehicles: usize,
+    },
+    /// Most boxes are as a detector proposed them.
+    Proposed {
+        /// Such boxes.
+        n_proposed: usize,
+        /// Labelled boxes that were looked at.
+        n_boxes: usize,
+    },
+    /// Yaws are beyond a whole turn.
+    Degrees {
+        /// Such yaws.
+        n_beyond: usize,
+        /// Labelled boxes that were looked at.
+        n_boxes: usize,
+    },
+}
+
+/// What heights of boxes look like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TakenFor {
+    /// The height of the bottom stands where that of the centre belongs.
+    BottomForCentre,
+    /// The height of the centre stands where that of the bottom belongs.
+    CentreForBottom,
+    /// Nothing that is known.
+    Unknown,
+}
+
+impl fmt::Display for LabelDoubt {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Place { correction, gain, n_vehicles } => write!(
+                formatter,
+                "the points of {n_vehicles} vehicles do not lie along the sides of their boxes; {correction}; they fit \
+                 {gain:.1} times as well then"
+            ),
+            Self::Height { above_ground_m, taken_for, n_vehicles } => {
+                let [where_, off_m] = if above_ground_m < 0.0 { ["below", "+"] } else { ["above", "-"] };
+                let distance_m = above_ground_m.abs();
+                let mend = match taken_for {
+                    TakenFor::BottomForCentre => {
+                        "as if the z of bottoms stood for that of centres: add half the height of each box".to_owned()
+                    }
+                    TakenFor::CentreForBottom => {
+                        "as if the z of centres stood for that of bottoms: subtract half the height of each box".to_owned()
+                    }
+                    TakenFor::Unknown => format!("add {off_m}{distance_m:.2} m to every z in the labels"),
+                };
+                write!(
+                    formatter,
+                    "the bottoms of the boxes of {n_vehicles} vehicles are {distance_m:.2} m {where_} the ground (median): {mend}"
+                )
+            }
+            Self::Sideways { n_wide, n_vehicles } => write!(
+                formatter,
+                "{n_wide} of {n_vehicles} vehicles are wider than long, but points lie along their sides: swap length and width, and \
+                 turn yaws by 90 degrees"
+            ),
+            Self::Proposed { n_proposed, n_boxes } => write!(
+                formatter,
+                "{n_proposed} of {n_boxes} boxes are as a detector proposed them ({PROPOSALS_CSV}): labels of a detector cannot \
+                 judge it, so correct them first"
+            ),
+            Self::Degrees { n_beyond, n_boxes } => write!(
+                formatter,
+                "{n_beyond} of {n_boxes} yaws are beyond a whole turn, as if they were degrees: write them in radians"
+            ),
+        }
+    }
+}

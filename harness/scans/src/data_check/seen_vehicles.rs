@@ -1,0 +1,108 @@
+//! Labelled vehicles with the points around them: what labels are compared with.
+
+use detector::{OrientedBox, PointCloud};
+use reports::vocabulary::class::AnnotationClass;
+
+use crate::annotation::Annotation;
+
+/// Vehicles farther away are not looked at, in metres.
+const MAX_RANGE_M: f32 = 40.0;
+/// What is looked at around a box, beyond half its diagonal, in metres.
+const AROUND_M: f32 = 2.0;
+/// Fewer points above the ground tell nothing.
+const MIN_POINTS: usize = 20;
+/// More points of a vehicle are not needed.
+const ENOUGH_POINTS: usize = 200;
+/// Sides of vehicles lie between these heights above the ground, in metres.
+const SIDES_M: [f32; 2] = [0.3, 2.2];
+/// One point in so many may lie below the ground.
+const BELOW_GROUND: usize = 20;
+
+/// A vehicle as labelled, and what the sensor saw around it, in the sensor frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeenVehicle {
+    /// What it is.
+    pub class: AnnotationClass,
+    /// Its labelled box.
+    pub bounding_box: OrientedBox,
+    /// Some of the points around it, in metres.
+    pub around_m: Vec<[f32; 3]>,
+    /// Some of those that are as high above the ground as sides of vehicles, seen from above, in metres.
+    pub sides_m: Vec<[f32; 2]>,
+    /// Height of the ground around it, in metres.
+    pub ground_z_m: f32,
+}
+
+/// Labelled vehicles near the sensor.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SeenVehicles {
+    /// How many there are, with points around them or without.
+    pub n_near: usize,
+    /// Those with enough points around them.
+    pub seen: Vec<SeenVehicle>,
+}
+
+impl SeenVehicles {
+    /// The vehicles of `annotations` with the points of `cloud`. A box is `moved` first, as the search for what is wrong with it asks.
+    pub fn add(
+        &mut self,
+        cloud: &PointCloud,
+        annotations: &[Annotation],
+        moved: impl Fn(&OrientedBox) -> OrientedBox,
+    ) {
+        for annotation in annotations.iter().filter(|it| is_vehicle(it.class)) {
+            let Some(bounding_box) = annotation.bounding_box.as_ref().map(&moved) else { continue };
+            if bounding_box.range_m() > MAX_RANGE_M {
+                continue;
+            }
+            self.n_near += 1;
+            self.seen.extend(SeenVehicle::of(cloud, annotation.class, bounding_box));
+        }
+    }
+}
+
+fn is_vehicle(class: AnnotationClass) -> bool {
+    use AnnotationClass as Class;
+    matches!(class, Class::Car | Class::Van | Class::Truck | Class::Bus)
+}
+
+impl SeenVehicle {
+    /// `None` if there are too few points around it.
+    fn of(cloud: &PointCloud, class: AnnotationClass, bounding_box: OrientedBox) -> Option<Self> {
+        let [length_m, width_m, _] = bounding_box.length_width_height_m;
+        let [center_x_m, center_y_m, _] = bounding_box.center_m;
+        let reach_m = length_m.hypot(width_m) / 2.0 + AROUND_M;
+        let positions = cloud.x_m().iter().zip(cloud.y_m()).zip(cloud.z_m());
+        let is_near = |x_m: f32, y_m: f32| {
+            let [dx, dy] = [x_m - center_x_m, y_m - center_y_m];
+            dx.abs() < reach_m && dx * dx + dy * dy < reach_m * reach_m
+        };
+        let near: Vec<[f32; 3]> = positions
+            .filter(|((x_m, y_m), _)| is_near(**x_m, **y_m))
+            .map(|((x_m, y_m), z_m)| [*x_m, *y_m, *z_m])
+            .collect();
+        if near.len() < MIN_POINTS {
+            return None;
+        }
+        let mut heights_m: Vec<f32> = near.iter().map(|it| it[2]).collect();
+        heights_m.sort_unstable_by(f32::total_cmp);
+        let ground_z_m = heights_m[heights_m.len() / BELOW_GROUND];
+        let is_of_side = |it: &&[f32; 3]| (SIDES_M[0]..SIDES_M[1]).contains(&(it[2] - ground_z_m));
+        let sides_m: Vec<[f32; 2]> = near.iter().filter(is_of_side).map(|it| [it[0], it[1]]).collect();
+        (sides_m.len() >= MIN_POINTS).then(|| Self {
+            class,
+            bounding_box,
+            around_m: thinned(near),
+            sides_m: thinned(sides_m),
+            ground_z_m,
+        })
+    }
+}
+
+/// As many as are enough, spread over all.
+fn thinned<T: Copy>(points: Vec<T>) -> Vec<T> {
+    if points.len() <= ENOUGH_POINTS {
+        return points;
+    }
+    (0..ENOUGH_POINTS).map(|it| points[it * points.len() / ENOUGH_POINTS]).collect()
+}

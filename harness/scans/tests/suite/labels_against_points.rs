@@ -1,0 +1,251 @@
+//! Labels that lie where the points are, and labels that were damaged: which damage is heard, and how small it may be.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use detector::OrientedBox;
+use scans::annotation::LabeledScan;
+use scans::data_check::label_correction::Correction;
+use scans::data_check::label_doubt::{LabelDoubt, TakenFor};
+use scans::data_check::label_look::LabelLook;
+use scans::dataset::Dataset;
+use simulator::catalogue::built_in_catalogue;
+use simulator::open::{OpenOptions, open_dataset};
+use test_data::test_data;
+
+/// Scans of a data set that are looked at, each with the one that follows it.
+struct Looked {
+    name: String,
+    scans: Vec<LabeledScan>,
+    next: Vec<(usize, LabeledScan)>,
+}
+
+const N_SCANS: usize = 5;
+
+impl Looked {
+    fn of(name: &str, dataset: &dyn Dataset) -> Self {
+        let n = dataset.scan_ids().len();
+        let places: Vec<usize> = (0..n.min(N_SCANS)).map(|it| it * n / n.min(N_SCANS)).collect();
+        let read = |place: usize| dataset.read_scan(place).unwrap();
+        let follows = |place: usize| {
+            let [id, next] = [place, place + 1].map(|it| dataset.scan_ids().get(it));
+            next.is_some_and(|next| next.sequence == id.unwrap().sequence)
+        };
+        let has_next = places.iter().enumerate().filter(|(_, place)| follows(**place));
+        Self {
+            name: name.to_owned(),
+            scans: places.iter().map(|it| read(*it)).collect(),
+            next: has_next.map(|(idx, place)| (idx, read(place + 1))).collect(),
+        }
+    }
+
+    fn recorded(folder: &str) -> Self {
+        let path = test_data(folder);
+        let options = OpenOptions::default();
+        let dataset = open_dataset(path.to_str().unwrap(), &options, &built_in_catalogue().unwrap()).unwrap();
+        Self::of(folder.split('/').nth(1).unwrap(), &*dataset)
+    }
+
+    fn street(street: &str, sensor: &str) -> Self {
+        let options = OpenOptions {
+            seed: Some(9001),
+            n_simulated_scans: Some(2 * N_SCANS as u32),
+            sensor: Some(sensor.to_owned()),
+            ..OpenOptions::default()
+        };
+        let dataset = open_dataset(street, &options, &built_in_catalogue().unwrap()).unwrap();
+        Self::of(&format!("{street}, {sensor}"), &*dataset)
+    }
+
+    /// What is doubtful if all boxes are `damaged`.
+    fn doubts(&self, damaged: impl Fn(&OrientedBox) -> OrientedBox) -> Vec<LabelDoubt> {
+        let damage = |scan: &LabeledScan| {
+            let mut scan = scan.clone();
+            for it in scan.annotations.iter_mut().filter_map(|it| it.bounding_box.as_mut()) {
+                *it = damaged(it);
+            }
+            scan
+        };
+        let scans: Vec<LabeledScan> = self.scans.iter().map(damage).collect();
+        let next = || self.next.iter().map(|(idx, it)| (*idx, damage(it))).collect();
+        LabelLook::of(&scans, next).doubts
+    }
+
+    /// What is doubtful if each scan has the labels of the one before it.
+    fn doubts_if_late(&self) -> Vec<LabelDoubt> {
+        // The points of the next scan with the labels of this one, and those of this one for the next, which are the right ones.
+        let late = |(idx, next): &(usize, LabeledScan)| LabeledScan {
+            annotations: self.scans[*idx].annotations.clone(),
+            ..next.clone()
+        };
+        let scans: Vec<LabeledScan> = self.next.iter().map(late).collect();
+        LabelLook::of(&scans, || self.next.iter().map(|it| it.1.clone()).enumerate().collect()).doubts
+    }
+}
+
+fn raised(by: impl Fn(f32) -> f32) -> impl Fn(&OrientedBox) -> OrientedBox {
+    move |it| {
+        let mut raised = *it;
+        raised.center_m[2] += by(it.length_width_height_m[2]);
+        raised
+    }
+}
+
+fn corrections(doubts: &[LabelDoubt]) -> Vec<Correction> {
+    let place = |it: &LabelDoubt| match it {
+        LabelDoubt::Place { correction, .. } => Some(*correction),
+        _ => None,
+    };
+    doubts.iter().filter_map(place).collect()
+}
+
+/// Damages the labels of `looked` by `damage`, and expects a correction like this one.
+#[track_caller]
+fn check(looked: &Looked, damage: Correction, expected: impl Fn(Correction) -> bool) {
+    let doubts = looked.doubts(|it| damage.of(it));
+    let found = corrections(&doubts);
+    let is_expected = found.iter().any(|it| expected(*it));
+    assert!(is_expected, "{}: {damage:?} gives {doubts:?}", looked.name);
+}
+
+fn near(found: f32, expected: f32, tolerance: f32) -> bool {
+    (found - expected).abs() <= tolerance
+}
+
+/// Each kind of damage is heard on `looked`, and called by its name.
+#[track_caller]
+fn check_all(looked: &Looked) {
+    check(looked, Correction::SwapSides, |it| it == Correction::SwapSides);
+    check(
+        looked,
+        Correction::Shift([0.6, -0.5]),
+        |it| matches!(it, Correction::Shift([x, y]) if near(x, -0.6, 0.3) && near(y, 0.5, 0.3)),
+    );
+    check(
+        looked,
+        Correction::OwnShift([-1.3, 0.0]),
+        |it| matches!(it, Correction::OwnShift([along, _]) if near(along, 1.3, 0.3)),
+    );
+    check(
+        looked,
+        Correction::Turn(5_f32.to_radians()),
+        |it| matches!(it, Correction::Turn(by) if near(by.to_degrees(), -5.0, 1.0)),
+    );
+    check(
+        looked,
+        Correction::Yaw(20_f32.to_radians()),
+        |it| matches!(it, Correction::Yaw(by) if near(by.to_degrees(), -20.0, 5.0)),
+    );
+    check(looked, Correction::Scale(1.4), |it| matches!(it, Correction::Scale(by) if near(by, 0.7, 0.1)));
+    check(looked, Correction::Mirror, |it| it == Correction::Mirror);
+    check(
+        looked,
+        Correction::Turn(FRAC_PI_2),
+        |it| matches!(it, Correction::Turn(by) if near(by, -FRAC_PI_2, 0.01)),
+    );
+    check(looked, Correction::ExchangeAxes, |it| it == Correction::ExchangeAxes);
+    let has_height = |expected: TakenFor, doubts: Vec<LabelDoubt>| {
+        let is_it =
+            |it: &LabelDoubt| matches!(it, LabelDoubt::Height { taken_for, .. } if *taken_for == expected);
+        assert!(doubts.iter().any(is_it), "{}: {doubts:?}", looked.name);
+    };
+    has_height(TakenFor::BottomForCentre, looked.doubts(raised(|height_m| -0.5 * height_m)));
+    has_height(TakenFor::CentreForBottom, looked.doubts(raised(|height_m| 0.5 * height_m)));
+    has_height(TakenFor::Unknown, looked.doubts(raised(|_| 1.73)));
+    let degrees = looked.doubts(|it| OrientedBox { yaw_rad: it.yaw_rad.to_degrees() + 20.0, ..*it });
+    assert!(degrees.iter().any(|it| matches!(it, LabelDoubt::Degrees { .. })), "{degrees:?}");
+    let sideways = looked.doubts(|it| Correction::Yaw(FRAC_PI_2).of(&Correction::SwapSides.of(it)));
+    assert!(sideways.iter().any(|it| matches!(it, LabelDoubt::Sideways { .. })), "{sideways:?}");
+}
+
+#[test]
+fn labels_of_streets_are_silent_and_their_damage_is_named() {
+    for street in ["street-main-road", "street-narrow", "street-intersection"] {
+        let looked = Looked::street(street, "hdl-64e-s2");
+        assert_eq!(looked.doubts(|it| *it), [], "{}", looked.name);
+        check_all(&looked);
+    }
+}
+
+#[test]
+#[ignore = "needs data/kitti_tracking, data/kitti_object, data/semantic_kitti and data/argoverse2 in SCANBENCH_TEST_DATA"]
+fn real_labels_are_silent_and_their_damage_is_named() {
+    for looked in recorded() {
+        assert_eq!(looked.doubts(|it| *it), [], "{}", looked.name);
+        check_all(&looked);
+    }
+    let kitti = Looked::recorded("data/kitti_tracking");
+    let late = Correction::OtherScan { is_next: true };
+    assert_eq!(corrections(&kitti.doubts_if_late()), [late]);
+    assert_eq!(Looked::recorded("data/semantic_kitti").doubts(|it| *it), []);
+}
+
+#[test]
+#[ignore = "simulates streets for minutes"]
+fn labels_of_all_streets_are_silent_with_all_sensors() {
+    for sensor in ["hdl-64e-s2", "hdl-32e", "vlp-16", "os1-128", "os0-128", "pandar64", "xt32"] {
+        for street in ["street-main-road", "street-narrow", "street-intersection"] {
+            let looked = Looked::street(street, sensor);
+            assert_eq!(looked.doubts(|it| *it), [], "{}", looked.name);
+        }
+    }
+}
+
+fn recorded() -> Vec<Looked> {
+    ["data/kitti_tracking", "data/kitti_object", "data/argoverse2/sensor/val"].map(Looked::recorded).into()
+}
+
+#[test]
+#[ignore = "prints the table of docs/your-data.md; needs data/kitti_tracking, data/kitti_object and data/argoverse2 in SCANBENCH_TEST_DATA"]
+fn how_small_a_damage_is_heard() {
+    type Damage = (&'static str, &'static str, fn(f32) -> Correction, [f32; 8]);
+    let damages: [Damage; 8] = [
+        ("shift forward", "m", |it| Correction::Shift([it, 0.0]), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0]),
+        ("shift back", "m", |it| Correction::Shift([-it, 0.0]), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0]),
+        ("shift left", "m", |it| Correction::Shift([0.0, it]), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0]),
+        (
+            "along the own heading",
+            "m",
+            |it| Correction::OwnShift([it, 0.0]),
+            [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0],
+        ),
+        (
+            "turn about the sensor",
+            "°",
+            |it| Correction::Turn(it.to_radians()),
+            [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0],
+        ),
+        ("yaw", "°", |it| Correction::Yaw(it.to_radians()), [3.0, 5.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0]),
+        ("boxes larger", "times", |it| Correction::Scale(it), [1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.4, 1.5]),
+        ("boxes smaller", "times", |it| Correction::Scale(it), [0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.6, 0.5]),
+    ];
+    let mut all = recorded();
+    for sensor in ["hdl-64e-s2", "vlp-16"] {
+        all.extend(["street-main-road", "street-narrow"].map(|it| Looked::street(it, sensor)));
+    }
+    let heights = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0];
+    for looked in &all {
+        let started = std::time::Instant::now();
+        let silent = looked.doubts(|it| *it);
+        let took_ms = started.elapsed().as_millis();
+        let first = |sizes: &[f32], doubts: &dyn Fn(f32) -> Vec<LabelDoubt>| {
+            let n_silent = sizes.iter().rev().take_while(|it| !doubts(**it).is_empty()).count();
+            sizes.get(sizes.len() - n_silent).map_or_else(|| "–".to_owned(), ToString::to_string)
+        };
+        let mut cells: Vec<String> = damages
+            .iter()
+            .map(|(name, unit, damage, sizes)| {
+                let of_size = |size: f32| looked.doubts(|it| damage(size).of(it));
+                format!("{name} {} {unit}", first(sizes, &of_size))
+            })
+            .collect();
+        cells.push(format!("height {} m", first(&heights, &|size| looked.doubts(raised(move |_| size)))));
+        let n = corrections(&looked.doubts(|it| Correction::Turn(PI).of(it))).len();
+        let late = corrections(&looked.doubts_if_late());
+        eprintln!(
+            "| {} | {took_ms} ms | undamaged {silent:?} | {} | turned back {n} | late {late:?} |",
+            looked.name,
+            cells.join(" | ")
+        );
+    }
+}

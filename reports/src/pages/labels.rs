@@ -1,0 +1,34 @@
+//! Where points lie in the frames of labelled boxes.
+
+use maud::{Markup, html};
+
+use super::markup::{Figure, wide_picture};
+use super::run_facts::RunFacts;
+use crate::plots::box_points_plot::box_points_plot;
+
+pub(super) fn labels(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+    let seen = facts.manifest.datasets.iter().filter_map(|it| Some((&it.id, it.label_points.as_ref()?)));
+    let pictures: Vec<Markup> = seen
+        .map(|(id, labels)| {
+            let title = format!("{id}: points in labelled boxes, from above and from the side");
+            let svg = box_points_plot(&[labels.views().into()], &title);
+            let picture = wide_picture(&title, &svg, &html! {
+                "All " (labels.n_boxes) " boxes of class " (labels.class.name()) " in a few scans of " (id)
+                ", laid over one another: the mean box, its front to the right, and the points around it; each shade is half as full as the \
+                 next darker one. From above, points belong along the sides, without those of the ground. From the side, the ground belongs \
+                 at the bottom."
+            });
+            let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
+            files.push(Figure { file_stem: format!("labels_{}", id.chars().map(safe).collect::<String>()), svg });
+            picture
+        })
+        .collect();
+    html! {
+        @if !pictures.is_empty() {
+            section #labels aria-labelledby="labels-title" {
+                h2 #labels-title { "Labels" }
+                @for picture in &pictures { (picture) }
+            }
+        }
+    }
+}
