@@ -77,7 +77,7 @@ impl Linkage for KdTreeLinkage {
         dense_of_label.clear();
         dense_of_label.resize(labels.len(), NO_CELL);
         group_of_dense.clear();
-        group_of_dense.extend(0..dense.heaps().len() as u32);
+        group_of_dense.extend(0..dense.statistics().len() as u32);
         for (&label, &dense_idx) in labels.iter().zip(dense.dense_of_point()) {
             let first = &mut dense_of_label[label as usize];
             if *first == NO_CELL {

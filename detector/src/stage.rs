@@ -25,7 +25,7 @@ pub const GROUPING: &str = "grouping";
 pub const CUTS: &str = "cuts";
 /// What tells whether a group is an object is computed.
 pub const DESCRIPTION: &str = "description";
-/// The groups that are worth most are taken for objects.
+/// The groups with the greatest gain are taken for objects.
 pub const BEST_CUT: &str = "best_cut";
 /// Boxes are fitted to clusters.
 pub const BOXES: &str = "boxes";

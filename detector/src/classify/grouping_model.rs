@@ -4,11 +4,11 @@ use std::sync::{Arc, LazyLock};
 
 use crate::classify::forest::Forest;
 use crate::classify::model_file::{ModelFile, ModelFileError};
-use crate::classify::object_looks::{LEAST_WORTH, N_MORE_LOOKS, ObjectLooks};
+use crate::classify::refinement_forests::{LEAST_EXPECTED_IOU, N_REFINEMENTS, RefinementForests};
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::Provenance;
 use crate::describe::vehicle_features::{N_FEATURES, VEHICLE_FEATURES, joined};
-use crate::group::node_context::{CONTEXT_VALUES, N_SECOND_LOOK_VALUES, OBJECT_COST};
+use crate::group::node_context::{CONTEXT_VALUES, N_REFINEMENT_VALUES, OBJECT_COST};
 use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES};
 
 /// Number of the values that tell vehicles.
@@ -49,21 +49,21 @@ static PLACES_OF_GROUP: LazyLock<[usize; OF_GROUP.len()]> = LazyLock::new(|| {
 /// The names of the values that tell vehicles: those of the vehicle model, and those of the group alone. Each is there once.
 pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = joined(VEHICLE_FEATURES, OF_GROUP);
 
-/// The names of the values that a second look at a group sees: those of the group, and its context.
-pub const SECOND_LOOK_VALUES: [&str; N_SECOND_LOOK_VALUES] = joined(NODE_VALUES, CONTEXT_VALUES);
+/// The names of the values that a refinement round sees of a group: those of the group, and its context.
+pub const SECOND_LOOK_VALUES: [&str; N_REFINEMENT_VALUES] = joined(NODE_VALUES, CONTEXT_VALUES);
 
 /// What a model of groupings calls itself in its file.
 pub const GROUPING_MODEL: &str = "groupings";
 /// The forests in it.
 const OBJECTS: &str = "objects";
-const MORE_LOOKS: [&str; N_MORE_LOOKS] = ["objects, second look", "objects, third look"];
+const REFINEMENTS: [&str; N_REFINEMENTS] = ["objects, second look", "objects, third look"];
 const VEHICLES: &str = "vehicles";
 
 /// All forests, and the prototypes that the one of vehicles was trained with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupingModel {
     /// What intersection over union with an annotated object is to be expected of a group.
-    pub objects: ObjectLooks,
+    pub objects: RefinementForests,
     /// The logarithm of the odds that a group is a vehicle.
     pub vehicles: Forest<N_VEHICLE_VALUES>,
     /// What side profiles are compared with.
@@ -95,9 +95,9 @@ impl GroupingModel {
     ///
     /// [`ModelFileError`] if a part is missing, looks at other values, or is damaged.
     pub fn of(file: &ModelFile) -> Result<Self, ModelFileError> {
-        let [second, third] = MORE_LOOKS;
+        let [second, third] = REFINEMENTS;
         Ok(Self {
-            objects: ObjectLooks {
+            objects: RefinementForests {
                 first: file.forest(OBJECTS, NODE_VALUES)?,
                 more: [file.forest(second, SECOND_LOOK_VALUES)?, file.forest(third, SECOND_LOOK_VALUES)?],
             },
@@ -113,7 +113,7 @@ impl GroupingModel {
         constants.extend(more);
         let mut file = ModelFile::new(model, made, constants).with_prototypes(library);
         file = file.with_forest(OBJECTS, NODE_VALUES, &objects.first);
-        for (name, forest) in MORE_LOOKS.into_iter().zip(&objects.more) {
+        for (name, forest) in REFINEMENTS.into_iter().zip(&objects.more) {
             file = file.with_forest(name, SECOND_LOOK_VALUES, forest);
         }
         file.with_forest(VEHICLES, VEHICLE_VALUES, vehicles)
@@ -122,7 +122,7 @@ impl GroupingModel {
     /// What forests are trained with and no parameter changes: a program that has other values refuses them.
     pub fn constants() -> toml::Table {
         let constants =
-            [("context_object_cost", OBJECT_COST), ("least_worth_of_a_further_look", LEAST_WORTH)];
+            [("context_object_cost", OBJECT_COST), ("least_worth_of_a_further_look", LEAST_EXPECTED_IOU)];
         // As they are written here, and not as the nearest number of single precision.
         let as_written = |it: f32| it.to_string().parse::<f64>().expect("a number was printed");
         constants.into_iter().map(|(name, it)| (name.to_owned(), as_written(it).into())).collect()

@@ -19,5 +19,5 @@ pub mod vehicle_model;
 pub mod paper_model;
 
 // Which groups are objects, and which vehicles.
-pub mod object_looks;
+pub mod refinement_forests;
 pub mod grouping_model;

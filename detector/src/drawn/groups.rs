@@ -32,7 +32,7 @@ pub fn smallest_groups(
     dense: &DenseCells,
     tree: &GroupingTree,
 ) -> Shape {
-    let mut leaf_of_dense = vec![None; dense.heaps().len()];
+    let mut leaf_of_dense = vec![None; dense.statistics().len()];
     for (node, node_idx) in tree.nodes().iter().zip(0..) {
         if node.first_child.is_none() {
             for &cell in tree.cells(node) {

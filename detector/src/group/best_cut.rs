@@ -2,36 +2,36 @@
 
 use crate::group::grouping_tree::GroupingTree;
 
-/// Finds the disjoint groups of a tree that are worth most, in reusable buffers.
+/// Finds the disjoint groups of a tree of the greatest gain, in reusable buffers.
 #[derive(Debug, Clone, Default)]
 pub struct BestCut {
     order: Vec<u32>,
-    // For every node: what the best groups within it are worth, and whether it is the best itself.
-    worth: Vec<f32>,
+    // For every node: the gain of the best groups within it, and whether it is the best itself.
+    gain: Vec<f32>,
     is_taken: Vec<bool>,
     open: Vec<u32>,
 }
 
 impl BestCut {
     /// Writes to `taken` the nodes of `tree` of which none holds another and whose worths have the greatest sum, none with a
-    /// worth of 0 or less; of a whole and its parts that are worth the same, the parts. `worth` is what each node is worth
+    /// gain of 0 or less; of a whole and its parts of the same gain, the parts. `gain` is that of each node
     /// alone.
     ///
-    /// best(n) = max(worth(n), Σ best(parts of n)): exact, and linear in the number of nodes.
-    pub fn find(&mut self, tree: &GroupingTree, worth: impl Fn(u32) -> f32, taken: &mut Vec<u32>) {
+    /// best(n) = max(gain(n), Σ best(parts of n)): exact, and linear in the number of nodes.
+    pub fn find(&mut self, tree: &GroupingTree, gain: impl Fn(u32) -> f32, taken: &mut Vec<u32>) {
         let nodes = tree.nodes();
-        self.worth.clear();
-        self.worth.resize(nodes.len(), 0.0);
+        self.gain.clear();
+        self.gain.resize(nodes.len(), 0.0);
         self.is_taken.clear();
         self.is_taken.resize(nodes.len(), false);
         tree.upward(&mut self.order);
         for &node_idx in &self.order {
             let of_parts: f32 =
-                tree.parts_of(&nodes[node_idx as usize]).map(|it| self.worth[it as usize]).sum();
-            let alone = worth(node_idx);
+                tree.parts_of(&nodes[node_idx as usize]).map(|it| self.gain[it as usize]).sum();
+            let alone = gain(node_idx);
             let is_taken = alone > of_parts && alone > 0.0;
             self.is_taken[node_idx as usize] = is_taken;
-            self.worth[node_idx as usize] = if is_taken { alone } else { of_parts };
+            self.gain[node_idx as usize] = if is_taken { alone } else { of_parts };
         }
         taken.clear();
         self.open.clear();
@@ -53,14 +53,14 @@ mod tests {
     use crate::group::drawn_trees::tree_over;
     use proptest::prelude::*;
 
-    /// The most that disjoint nodes within one are worth, by trying all.
-    fn most(tree: &GroupingTree, node_idx: u32, worth: &[f32]) -> Vec<f32> {
+    /// The greatest gain of disjoint nodes within one, by trying all.
+    fn most(tree: &GroupingTree, node_idx: u32, gain: &[f32]) -> Vec<f32> {
         let mut sums = vec![0.0];
         for part in tree.parts_of(&tree.nodes()[node_idx as usize]) {
-            let of_part = most(tree, part, worth);
+            let of_part = most(tree, part, gain);
             sums = sums.iter().flat_map(|sum| of_part.iter().map(move |it| sum + it)).collect();
         }
-        sums.push(worth[node_idx as usize]);
+        sums.push(gain[node_idx as usize]);
         sums
     }
 
@@ -68,19 +68,19 @@ mod tests {
         #[test]
         fn it_is_worth_as_much_as_the_best_of_all(
             places in prop::collection::btree_set(0_u8..30, 1..8),
-            worths in prop::collection::vec(-8_i8..9, 20),
+            gains in prop::collection::vec(-8_i8..9, 20),
         ) {
             let steps: Vec<[u8; 2]> = places.into_iter().map(|it| [it, 0]).collect();
             let (_, tree, _) = tree_over(&steps);
             // Whole eighths, so that sums are exact.
-            let worth: Vec<f32> = worths.iter().cycle().map(|&it| f32::from(it) / 8.0).take(tree.nodes().len()).collect();
+            let gain: Vec<f32> = gains.iter().cycle().map(|&it| f32::from(it) / 8.0).take(tree.nodes().len()).collect();
             let mut taken = Vec::new();
-            BestCut::default().find(&tree, |it| worth[it as usize], &mut taken);
+            BestCut::default().find(&tree, |it| gain[it as usize], &mut taken);
             let roots = (0..tree.nodes().len() as u32).filter(|&it| tree.nodes()[it as usize].parent.is_none());
-            let best: f32 = roots.map(|it| most(&tree, it, &worth).into_iter().fold(0.0, f32::max)).sum();
-            prop_assert_eq!(taken.iter().map(|&it| worth[it as usize]).sum::<f32>(), best);
+            let best: f32 = roots.map(|it| most(&tree, it, &gain).into_iter().fold(0.0, f32::max)).sum();
+            prop_assert_eq!(taken.iter().map(|&it| gain[it as usize]).sum::<f32>(), best);
             for &it in &taken {
-                prop_assert!(worth[it as usize] > 0.0);
+                prop_assert!(gain[it as usize] > 0.0);
                 let above = std::iter::successors(tree.nodes()[it as usize].parent, |&up| tree.nodes()[up as usize].parent);
                 prop_assert!(above.into_iter().all(|up| !taken.contains(&up)), "one holds another");
             }

@@ -12,7 +12,7 @@ pub const LEVELS_M: [f32; 4] = [0.5, 1.1, 1.4, 2.0];
 
 /// The candidates over a dense cell, or over many.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Heap {
+pub struct CellStatistics {
     /// How many points.
     pub n_points: u32,
     /// The corners of the rectangle around them on the ground plan, in metres.
@@ -29,7 +29,7 @@ pub struct Heap {
     pub n_above: [u32; 4],
 }
 
-impl Heap {
+impl CellStatistics {
     /// No points.
     pub const EMPTY: Self = Self {
         n_points: 0,
@@ -97,7 +97,7 @@ pub struct DenseCells {
     block_of_cell: Vec<u32>,
     // For every block, in metres.
     ground_m: Vec<f32>,
-    heaps: Vec<Heap>,
+    statistics: Vec<CellStatistics>,
     // For every candidate.
     dense_of_point: Vec<u32>,
     // For the cells behind those of the blocks.
@@ -125,7 +125,7 @@ impl DenseCells {
             let point_idx = point_idx as usize;
             let block_idx = self.block_of_cell[cell_of_point[point_idx] as usize] as usize;
             let dense_idx = block_idx * self.n_per_block + usize::from(within_of_point[point_idx]);
-            self.heaps[dense_idx].add(cloud.position_m(point_idx), self.ground_m[block_idx]);
+            self.statistics[dense_idx].add(cloud.position_m(point_idx), self.ground_m[block_idx]);
             self.dense_of_point.push(dense_idx as u32);
         }
     }
@@ -142,7 +142,7 @@ impl DenseCells {
         self.clear(grid, terrain, candidates);
         for cells in [&mut self.part_of_dense, &mut self.next_at_place] {
             cells.clear();
-            cells.resize(self.heaps.len(), NOTHING);
+            cells.resize(self.statistics.len(), NOTHING);
         }
         let (cell_of_point, within_of_point) = (grid.cell_of_point(), grid.dense_within_of_point());
         for (&point_idx, &part) in candidates.point_indices().iter().zip(part_of_candidate) {
@@ -150,7 +150,7 @@ impl DenseCells {
             let block_idx = self.block_of_cell[cell_of_point[point_idx] as usize];
             let place = block_idx as usize * self.n_per_block + usize::from(within_of_point[point_idx]);
             let dense_idx = self.cell_of_part(place, block_idx, part);
-            self.heaps[dense_idx].add(cloud.position_m(point_idx), self.ground_m[block_idx as usize]);
+            self.statistics[dense_idx].add(cloud.position_m(point_idx), self.ground_m[block_idx as usize]);
             self.dense_of_point.push(dense_idx as u32);
         }
     }
@@ -164,8 +164,8 @@ impl DenseCells {
                 return dense_idx;
             }
             if self.next_at_place[dense_idx] == NOTHING {
-                self.next_at_place[dense_idx] = self.heaps.len() as u32;
-                self.heaps.push(Heap::EMPTY);
+                self.next_at_place[dense_idx] = self.statistics.len() as u32;
+                self.statistics.push(CellStatistics::EMPTY);
                 self.block_of_other.push(block_idx);
                 self.part_of_dense.push(NOTHING);
                 self.next_at_place.push(NOTHING);
@@ -184,8 +184,8 @@ impl DenseCells {
             self.ground_m.push(terrain.elevation_m(grid.column_and_row(cell_idx)));
         }
         self.n_per_block = (grid.params().xi * grid.params().xi) as usize;
-        self.heaps.clear();
-        self.heaps.resize(self.cell_of_block.len() * self.n_per_block, Heap::EMPTY);
+        self.statistics.clear();
+        self.statistics.resize(self.cell_of_block.len() * self.n_per_block, CellStatistics::EMPTY);
         self.dense_of_point.clear();
         self.block_of_other.clear();
     }
@@ -196,13 +196,13 @@ impl DenseCells {
     }
 
     /// What there is over each dense cell, those without candidates included.
-    pub fn heaps(&self) -> &[Heap] {
-        &self.heaps
+    pub fn statistics(&self) -> &[CellStatistics] {
+        &self.statistics
     }
 
     /// The same of one block.
-    pub fn heaps_of_block(&self, block_idx: usize) -> &[Heap] {
-        &self.heaps[block_idx * self.n_per_block..][..self.n_per_block]
+    pub fn statistics_of_block(&self, block_idx: usize) -> &[CellStatistics] {
+        &self.statistics[block_idx * self.n_per_block..][..self.n_per_block]
     }
 
     /// The block of a dense cell.
@@ -228,17 +228,17 @@ mod tests {
     fn a_heap_holds_what_stands_over_its_cell() {
         let DrawnGroups { dense, grid, .. } = groups_over(&[[3, 1]]);
         let [x_m, y_m] = corner_m([3, 1]).map(|it| it + 0.1);
-        let mut occupied = dense.heaps().iter().zip(0..).filter(|(it, _)| it.n_points > 0);
-        let (heap, dense_idx) = occupied.next().unwrap();
+        let mut occupied = dense.statistics().iter().zip(0..).filter(|(it, _)| it.n_points > 0);
+        let (statistics, dense_idx) = occupied.next().unwrap();
         assert_eq!(occupied.next(), None);
-        assert_eq!((heap.n_points, heap.low_m, heap.high_m), (16, [x_m, y_m], [x_m, y_m]));
-        assert_eq!(heap.z_range_m, [4.0 * 0.05 - 1.5, 19.0 * 0.05 - 1.5]);
+        assert_eq!((statistics.n_points, statistics.low_m, statistics.high_m), (16, [x_m, y_m], [x_m, y_m]));
+        assert_eq!(statistics.z_range_m, [4.0 * 0.05 - 1.5, 19.0 * 0.05 - 1.5]);
         // The road is 1.73 m below the sensor: heights are 0.43, 0.48 … 1.18 m.
-        assert_eq!(heap.n_above, [14, 2, 0, 0]);
+        assert_eq!(statistics.n_above, [14, 2, 0, 0]);
         let heights_m = || (4..20_u8).map(|it| 0.23 + 0.05 * f32::from(it));
-        assert!((heap.height_sum_m - heights_m().sum::<f32>()).abs() < 1e-3, "{heap:?}");
+        assert!((statistics.height_sum_m - heights_m().sum::<f32>()).abs() < 1e-3, "{heap:?}");
         let squares_m2: f32 = heights_m().map(|it| it * it).sum();
-        assert!((heap.height_squares_m2 - squares_m2).abs() < 1e-3, "{heap:?}");
+        assert!((statistics.height_squares_m2 - squares_m2).abs() < 1e-3, "{heap:?}");
         // The block is the coarse cell, and the cell is where it lies in it, row by row.
         let cell_idx = dense.cell_of_block()[dense.block_of_dense(dense_idx)];
         let corner_of_block_m = grid.center_m(cell_idx).map(|it| it - 0.3);
@@ -251,7 +251,7 @@ mod tests {
     fn nothing_stays_of_the_scan_before() {
         let (mut first, second) = (groups_over(&[[0, 0], [9, 9]]), groups_over(&[[4, 0], [5, 0]]));
         first.dense.fill(&second.cloud, &second.grid, &second.terrain, &second.candidates);
-        assert_eq!(first.dense.heaps(), second.dense.heaps());
+        assert_eq!(first.dense.statistics(), second.dense.statistics());
         assert_eq!(first.dense.cell_of_block(), second.dense.cell_of_block());
         assert_eq!(first.dense.dense_of_point(), second.dense.dense_of_point());
     }
@@ -265,23 +265,23 @@ mod tests {
             let steps: Vec<[u8; 2]> = steps.into_iter().map(<[u8; 2]>::from).collect();
             let DrawnGroups { dense, grid, candidates, cloud, .. } = groups_over(&steps);
             prop_assert_eq!(candidates.point_indices().len(), dense.dense_of_point().len());
-            let mut n_points = vec![0; dense.heaps().len()];
+            let mut n_points = vec![0; dense.statistics().len()];
             for (&point_idx, &dense_idx) in candidates.point_indices().iter().zip(dense.dense_of_point()) {
                 let block_idx = dense.block_of_dense(dense_idx);
                 prop_assert_eq!(dense.cell_of_block()[block_idx], grid.cell_of_point()[point_idx as usize]);
-                let heap = dense.heaps()[dense_idx as usize];
+                let statistics = dense.statistics()[dense_idx as usize];
                 let [x_m, y_m, z_m] = cloud.position_m(point_idx as usize);
                 for (at_m, [low_m, high_m]) in [
-                    (x_m, [heap.low_m[0], heap.high_m[0]]),
-                    (y_m, [heap.low_m[1], heap.high_m[1]]),
-                    (z_m, heap.z_range_m),
+                    (x_m, [statistics.low_m[0], statistics.high_m[0]]),
+                    (y_m, [statistics.low_m[1], statistics.high_m[1]]),
+                    (z_m, statistics.z_range_m),
                 ] {
                     prop_assert!((low_m..=high_m).contains(&at_m), "{at_m} is not in {heap:?}");
                 }
                 n_points[dense_idx as usize] += 1;
             }
-            let n_in_heaps: Vec<u32> = dense.heaps().iter().map(|it| it.n_points).collect();
-            prop_assert_eq!(n_in_heaps, n_points);
+            let n_in_cells: Vec<u32> = dense.statistics().iter().map(|it| it.n_points).collect();
+            prop_assert_eq!(n_in_cells, n_points);
         }
 
         #[test]
@@ -295,19 +295,19 @@ mod tests {
             let part_of = |place: usize| place as u32 % n_parts;
             let parts: Vec<u32> = (0..candidates.point_indices().len()).map(part_of).collect();
             dense.fill_apart(&cloud, (&grid, &terrain), &candidates, &parts);
-            let mut part_of_dense = vec![None; dense.heaps().len()];
+            let mut part_of_dense = vec![None; dense.statistics().len()];
             for ((&dense_idx, &part), &whole_idx) in dense.dense_of_point().iter().zip(&parts).zip(as_one.dense_of_point()) {
                 let known = part_of_dense[dense_idx as usize].get_or_insert(part);
                 prop_assert_eq!(*known, part);
                 prop_assert_eq!(dense.block_of_dense(dense_idx), as_one.block_of_dense(whole_idx));
             }
-            let n_points: u32 = dense.heaps().iter().map(|it| it.n_points).sum();
+            let n_points: u32 = dense.statistics().iter().map(|it| it.n_points).sum();
             prop_assert_eq!(n_points as usize, parts.len());
             // Each place has a cell of every part, since each of its 16 candidates' parts come in turn.
-            let n_occupied = |it: &DenseCells| it.heaps().iter().filter(|it| it.n_points > 0).count();
+            let n_occupied = |it: &DenseCells| it.statistics().iter().filter(|it| it.n_points > 0).count();
             prop_assert_eq!(n_occupied(&dense), n_occupied(&as_one) * n_parts as usize);
             if n_parts == 1 {
-                prop_assert_eq!(dense.heaps(), as_one.heaps());
+                prop_assert_eq!(dense.statistics(), as_one.statistics());
             }
         }
 
@@ -319,17 +319,17 @@ mod tests {
             // Halves of a metre, of which sums are exact.
             let points = points.into_iter().map(|(x, y, z)| [x, y, z].map(|it| f32::from(it) * 0.5));
             let points: Vec<[f32; 3]> = points.collect();
-            let heap_of = |points: &[[f32; 3]]| {
-                let mut heap = Heap::EMPTY;
+            let statistics_of = |points: &[[f32; 3]]| {
+                let mut statistics = CellStatistics::EMPTY;
                 for it in points {
-                    heap.add(*it, -1.5);
+                    statistics.add(*it, -1.5);
                 }
-                heap
+                statistics
             };
             let (left, right) = points.split_at(split.min(points.len()));
-            let mut merged = heap_of(left);
-            merged.merge(&heap_of(right));
-            prop_assert_eq!(merged, heap_of(&points));
+            let mut merged = statistics_of(left);
+            merged.merge(&statistics_of(right));
+            prop_assert_eq!(merged, statistics_of(&points));
         }
     }
 }

@@ -112,8 +112,8 @@ impl DenseGaps {
         self.join_touching(candidates);
         self.spread(candidates);
         // What is near-empty belongs to what is nearest.
-        for (dense_idx, heap) in dense.heaps().iter().enumerate() {
-            if heap.n_points > 0 && !self.is_conducting[dense_idx] {
+        for (dense_idx, statistics) in dense.statistics().iter().enumerate() {
+            if statistics.n_points > 0 && !self.is_conducting[dense_idx] {
                 let reached = self.reached[self.at[dense_idx] as usize];
                 self.links.group_of_dense[dense_idx] =
                     if reached == Reached::NOTHING { dense_idx as u32 } else { reached.group };
@@ -122,7 +122,7 @@ impl DenseGaps {
     }
 
     fn place_cells(&mut self, grid: &HierarchicalGrid, dense: &DenseCells, candidates: &Candidates) {
-        let n_dense = dense.heaps().len();
+        let n_dense = dense.statistics().len();
         self.block.clear();
         self.at.clear();
         self.is_conducting.clear();
@@ -130,20 +130,20 @@ impl DenseGaps {
         self.is_on_wall.clear();
         for (block_idx, &cell_idx) in dense.cell_of_block().iter().enumerate() {
             let [column, row] = grid.column_and_row(cell_idx);
-            let heaps = dense.heaps_of_block(block_idx);
-            let n_occupied = heaps.iter().filter(|it| it.n_points > 0).count().max(1);
-            let mean = heaps.iter().map(|it| it.n_points).sum::<u32>() as f32 / n_occupied as f32;
+            let statistics = dense.statistics_of_block(block_idx);
+            let n_occupied = statistics.iter().filter(|it| it.n_points > 0).count().max(1);
+            let mean = statistics.iter().map(|it| it.n_points).sum::<u32>() as f32 / n_occupied as f32;
             let expected = self.expected.of_cell(grid, cell_idx);
             self.resolved_steps.push(expected.max_steps);
             self.is_on_wall.push(candidates.doubts(cell_idx).has(Doubt::OnWall));
             let least = (self.params.low_density_share * mean.min(expected.object_points)).max(1.0);
-            let mut heaps = heaps.iter();
+            let mut statistics = statistics.iter();
             for along in 0..self.xi {
                 let start = (row * self.xi + along) as usize * self.n_along + (column * self.xi) as usize;
-                for (place, heap) in (start..start + self.xi as usize).zip(&mut heaps) {
+                for (place, statistics) in (start..start + self.xi as usize).zip(&mut statistics) {
                     self.block.push(block_idx as u32);
                     self.at.push(place as u32);
-                    self.is_conducting.push(heap.n_points as f32 >= least);
+                    self.is_conducting.push(statistics.n_points as f32 >= least);
                 }
             }
         }
@@ -293,8 +293,8 @@ mod tests {
         let groups = steps.map(|step| {
             let [x_m, y_m] = corner_m(step).map(|it| it + 0.1);
             let is_there = |it: &[f32; 2]| (it[0] - x_m).abs() < 0.1 && (it[1] - y_m).abs() < 0.1;
-            let mut heaps = drawn.dense.heaps().iter();
-            let dense_idx = heaps.position(|it| it.n_points > 0 && is_there(&it.middle_m()));
+            let mut statistics = drawn.dense.statistics().iter();
+            let dense_idx = statistics.position(|it| it.n_points > 0 && is_there(&it.middle_m()));
             drawn.gaps.links.group_of_dense[dense_idx.expect("a column stands there")]
         });
         let parts = |level: &u8| {

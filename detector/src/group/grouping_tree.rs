@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::group::dense_cells::{DenseCells, Heap};
+use crate::group::dense_cells::{CellStatistics, DenseCells};
 use crate::group::linkage::{Links, N_LEVELS};
 use crate::segment::disjoint_sets::DisjointSets;
 
@@ -10,7 +10,7 @@ use crate::segment::disjoint_sets::DisjointSets;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
     /// What there is over them.
-    pub heap: Heap,
+    pub statistics: CellStatistics,
     /// The group that it is a part of.
     pub parent: Option<u32>,
     /// The first of its parts.
@@ -33,7 +33,7 @@ impl Node {
         let (parent, first_child, next_sibling) = (None, None, None);
         let (joined_at, n_cuts) = (N_LEVELS as u8, 0);
         Self {
-            heap: Heap::EMPTY,
+            statistics: CellStatistics::EMPTY,
             parent,
             first_child,
             next_sibling,
@@ -91,8 +91,8 @@ impl GroupingTree {
         self.node_of_set.clear();
         self.node_of_set.resize(n_dense, NO_NODE);
         self.leaf_of_dense.clear();
-        for (&group, heap) in group_of_dense.iter().zip(dense.heaps()) {
-            if heap.n_points == 0 {
+        for (&group, statistics) in group_of_dense.iter().zip(dense.statistics()) {
+            if statistics.n_points == 0 {
                 self.leaf_of_dense.push(NO_NODE);
                 continue;
             }
@@ -104,7 +104,7 @@ impl GroupingTree {
             let leaf = self.node_of_set[set];
             self.leaf_of_dense.push(leaf);
             let node = &mut self.nodes[leaf as usize];
-            node.heap.merge(heap);
+            node.statistics.merge(statistics);
             // The number of cells, until they are ordered.
             node.end += 1;
         }
@@ -149,10 +149,10 @@ impl GroupingTree {
         }
         // A part has a smaller number, and is complete when its whole asks.
         for node_idx in 0..self.nodes.len() {
-            let Node { heap, end, parent, .. } = self.nodes[node_idx].clone();
+            let Node { statistics, end, parent, .. } = self.nodes[node_idx].clone();
             if let Some(parent) = parent {
                 let parent = &mut self.nodes[parent as usize];
-                parent.heap.merge(&heap);
+                parent.statistics.merge(&statistics);
                 parent.end += end;
             }
         }
@@ -188,16 +188,16 @@ impl GroupingTree {
     }
 
     /// Parts a leaf into the cells for which `is_first` holds and the others, if there are both.
-    pub fn part(&mut self, leaf: u32, dense: &DenseCells, is_first: impl Fn(&Heap) -> bool) {
+    pub fn part(&mut self, leaf: u32, dense: &DenseCells, is_first: impl Fn(&CellStatistics) -> bool) {
         let node = &self.nodes[leaf as usize];
         let (start, end, n_cuts) = (node.start, node.end, node.n_cuts + 1);
         let cells = &mut self.cells[node.cells()];
-        let mut heaps = [Heap::EMPTY; 2];
+        let mut statistics = [CellStatistics::EMPTY; 2];
         let mut n_first = 0;
         for place in 0..cells.len() {
-            let heap = &dense.heaps()[cells[place] as usize];
-            let is_first = is_first(heap);
-            heaps[usize::from(!is_first)].merge(heap);
+            let statistics = &dense.statistics()[cells[place] as usize];
+            let is_first = is_first(statistics);
+            statistics[usize::from(!is_first)].merge(statistics);
             if is_first {
                 cells.swap(n_first, place);
                 n_first += 1;
@@ -208,8 +208,8 @@ impl GroupingTree {
         }
         let middle = start + n_first as u32;
         let first = self.nodes.len() as u32;
-        let part = |heap, start, end| Node {
-            heap,
+        let part = |statistics, start, end| Node {
+            statistics,
             parent: Some(leaf),
             joined_at: 0,
             n_cuts,
@@ -217,7 +217,7 @@ impl GroupingTree {
             end,
             ..Node::new(0)
         };
-        let [first_heap, second_heap] = heaps;
+        let [first_heap, second_heap] = statistics;
         self.nodes.push(Node { next_sibling: Some(first + 1), ..part(first_heap, start, middle) });
         self.nodes.push(part(second_heap, middle, end));
         self.nodes[leaf as usize].first_child = Some(first);
@@ -302,7 +302,7 @@ mod tests {
             let steps: Vec<[u8; 2]> = steps.into_iter().map(<[u8; 2]>::from).collect();
             let (dense, tree, _) = tree_over(&steps);
             let place = |dense_idx: u32| {
-                let [x_m, y_m] = dense.heaps()[dense_idx as usize].middle_m();
+                let [x_m, y_m] = dense.statistics()[dense_idx as usize].middle_m();
                 let step = [x_m, y_m].map(|it| ((it - 6.0) / 0.2) as u8);
                 steps.iter().position(|it| *it == step).expect("it was drawn")
             };
@@ -328,8 +328,8 @@ mod tests {
                 prop_assert_eq!(found, expected, "at level {}", level);
             }
             for node in tree.nodes() {
-                let n_points: u32 = tree.cells(node).iter().map(|&it| dense.heaps()[it as usize].n_points).sum();
-                prop_assert_eq!(node.heap.n_points, n_points);
+                let n_points: u32 = tree.cells(node).iter().map(|&it| dense.statistics()[it as usize].n_points).sum();
+                prop_assert_eq!(node.statistics.n_points, n_points);
                 let parts: usize = tree.parts_of(node).map(|it| tree.nodes()[it as usize].cells().len()).sum();
                 prop_assert!(parts == 0 || parts == node.cells().len());
             }

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::group::dense_cells::{DenseCells, Heap};
+use crate::group::dense_cells::{CellStatistics, DenseCells};
 use crate::group::grouping_tree::GroupingTree;
 use crate::portable_math::single;
 use crate::vector_instructions::{greater, lesser};
@@ -67,16 +67,16 @@ impl LeafCuts {
             for leaf in round {
                 let node = &tree.nodes()[leaf];
                 if node.first_child.is_none()
-                    && node.heap.n_points >= params.min_points
+                    && node.statistics.n_points >= params.min_points
                     && node.n_cuts < params.max_depth
-                    && let Some(plane) = self.plane(tree.cells(node), &node.heap, dense, params)
+                    && let Some(plane) = self.plane(tree.cells(node), &node.statistics, dense, params)
                 {
                     self.cuts.push((leaf as u32, plane));
                 }
             }
             n_left_uncut += self.keep_affordable(tree, (params.max_groups as usize).saturating_sub(n_before));
             for &(leaf, plane) in &self.cuts {
-                tree.part(leaf, dense, |heap| plane.is_before(heap.middle_m()));
+                tree.part(leaf, dense, |statistics| plane.is_before(statistics.middle_m()));
             }
             round = n_before..tree.nodes().len();
         }
@@ -90,7 +90,7 @@ impl LeafCuts {
         let n_dropped = self.cuts.len().saturating_sub(n_cuts);
         if n_dropped > 0 {
             let rank = |&(leaf, _): &(u32, Plane)| {
-                (std::cmp::Reverse(tree.nodes()[leaf as usize].heap.n_points), leaf)
+                (std::cmp::Reverse(tree.nodes()[leaf as usize].statistics.n_points), leaf)
             };
             self.cuts.sort_unstable_by_key(rank);
             self.cuts.truncate(n_cuts);
@@ -102,11 +102,11 @@ impl LeafCuts {
     fn plane(
         &mut self,
         cells: &[u32],
-        heap: &Heap,
+        statistics: &CellStatistics,
         dense: &DenseCells,
         params: &LeafCutsParams,
     ) -> Option<Plane> {
-        let [across_m, along_m] = [0, 1].map(|axis| heap.high_m[axis] - heap.low_m[axis]);
+        let [across_m, along_m] = [0, 1].map(|axis| statistics.high_m[axis] - statistics.low_m[axis]);
         let diagonal_m = single::hypot(across_m, along_m);
         if cells.len() < 2
             || diagonal_m < params.min_length_m.min(params.min_width_m)
@@ -136,7 +136,7 @@ impl LeafCuts {
         min_end_m: f32,
     ) -> Option<(f32, Plane)> {
         let along_m = |cell: u32| {
-            let [x_m, y_m] = dense.heaps()[cell as usize].middle_m();
+            let [x_m, y_m] = dense.statistics()[cell as usize].middle_m();
             x_m * normal[0] + y_m * normal[1]
         };
         let (mut start_m, mut end_m) = (f32::INFINITY, f32::NEG_INFINITY);
@@ -156,7 +156,7 @@ impl LeafCuts {
         self.n_in_column.resize(last + 1, 0);
         let mut n_points = 0;
         for &cell in cells {
-            let n_in_cell = dense.heaps()[cell as usize].n_points;
+            let n_in_cell = dense.statistics()[cell as usize].n_points;
             self.n_in_column[(((along_m(cell) - start_m) / COLUMN_M) as usize).min(last)] += n_in_cell;
             n_points += n_in_cell;
         }
@@ -179,7 +179,7 @@ impl LeafCuts {
 
 /// The direction in which cells, one at least, spread most: a unit vector.
 fn principal_axis(cells: &[u32], dense: &DenseCells) -> [f32; 2] {
-    let middles_m = || cells.iter().map(|&it| dense.heaps()[it as usize].middle_m());
+    let middles_m = || cells.iter().map(|&it| dense.statistics()[it as usize].middle_m());
     let n = cells.len() as f32;
     let (mut x_sum, mut y_sum) = (0.0, 0.0);
     for [x_m, y_m] in middles_m() {
@@ -269,8 +269,9 @@ mod tests {
         let leaves = tree.nodes().iter().filter(|it| it.first_child.is_none());
         assert_eq!(leaves.map(|it| tree.cells(it).len()).sum::<usize>(), 120);
         for node in tree.nodes() {
-            let n_parts: u32 = tree.parts_of(node).map(|it| tree.nodes()[it as usize].heap.n_points).sum();
-            assert!(n_parts == 0 || n_parts == node.heap.n_points);
+            let n_parts: u32 =
+                tree.parts_of(node).map(|it| tree.nodes()[it as usize].statistics.n_points).sum();
+            assert!(n_parts == 0 || n_parts == node.statistics.n_points);
         }
     }
 }

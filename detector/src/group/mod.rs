@@ -11,5 +11,5 @@ pub mod leaf_cuts;
 pub mod node_values;
 pub mod node_context;
 pub mod best_cut;
-pub mod doubtful_groups;
+pub mod low_iou_groups;
 pub mod node_points;

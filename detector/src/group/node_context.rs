@@ -1,11 +1,11 @@
-//! What a look at all groups says of the groups that one holds, and of those that hold it.
+//! What a round says of the groups that a group holds, and of those that hold it.
 
 use crate::group::node_values::N_NODE_VALUES;
 
-/// The names of the values that a look leaves for the next one, as in files.
+/// The names of the values that a round leaves for the next one, as in files.
 ///
-/// A worth is the intersection over union with an object that is expected of a group; 0 of those that are not described. The best
-/// groups are disjoint, and have the greatest sum of worths less 0.42 each.
+/// The expected IoU of a group is that with an object; 0 of those that are not described. The best
+/// groups are disjoint, and have the greatest sum of expected IoUs less 0.42 each.
 pub const CONTEXT_VALUES: [&str; 10] = [
     "worth",
     // The best groups among those that it holds.
@@ -22,10 +22,10 @@ pub const CONTEXT_VALUES: [&str; 10] = [
     "greatest_worth_beside",
 ];
 
-/// Number of the values that a second look sees.
-pub const N_SECOND_LOOK_VALUES: usize = N_NODE_VALUES + CONTEXT_VALUES.len();
+/// Number of the values that a refinement round sees.
+pub const N_REFINEMENT_VALUES: usize = N_NODE_VALUES + CONTEXT_VALUES.len();
 
-/// Worth from which on a group is one of the best. What forests have learned rests on it, so that it is no parameter; their file says
+/// Expected IoU from which on a group is one of the best. What forests have learned rests on it, so that it is no parameter; their file says
 /// what it was.
 pub const OBJECT_COST: f32 = 0.42;
 
@@ -38,14 +38,14 @@ pub struct NodeContexts {
 /// What is known of a node.
 #[derive(Debug, Clone, Copy, Default)]
 struct Context {
-    worth: f32,
+    expected_iou: f32,
     within: Best,
     // Of it and what it holds.
     best: Best,
-    // Of its parts: the greatest worths in and below two of them, and which part has the first.
+    // Of its parts: the greatest expected IoUs in and below two of them, and which part has the first.
     greatest_of_parts: [f32; 2],
     part_with_greatest: u32,
-    worth_of_whole: f32,
+    iou_of_whole: f32,
     greatest_around: f32,
     gain_beside: f32,
     n_beside: f32,
@@ -57,28 +57,28 @@ struct Context {
 struct Best {
     gain: f32,
     n: f32,
-    worths: f32,
+    expected_ious: f32,
     // Of all groups there, be they among the best or not.
     greatest: f32,
 }
 
 impl NodeContexts {
     /// Replaces the content by that of a tree. `upward` are all its nodes, parts before what they are parts of, as `whole_of` says;
-    /// `worths` are those of its described nodes.
+    /// `expected_ious` are those of its described nodes.
     pub fn find(
         &mut self,
         upward: &[u32],
         whole_of: impl Fn(u32) -> Option<u32>,
-        worths: impl Iterator<Item = (u32, f32)>,
+        expected_ious: impl Iterator<Item = (u32, f32)>,
     ) {
         self.nodes.clear();
         self.nodes.resize(upward.len(), Context::default());
-        for (node_idx, worth) in worths {
-            self.nodes[node_idx as usize].worth = worth;
+        for (node_idx, expected_iou) in expected_ious {
+            self.nodes[node_idx as usize].expected_iou = expected_iou;
         }
         for &node_idx in upward {
             let node = &mut self.nodes[node_idx as usize];
-            node.best = node.within.or_instead(node.worth);
+            node.best = node.within.or_instead(node.expected_iou);
             let best = node.best;
             if let Some(whole) = whole_of(node_idx) {
                 self.nodes[whole as usize].take_part(node_idx, best);
@@ -91,15 +91,15 @@ impl NodeContexts {
         }
     }
 
-    /// What a second look sees of a node: `values`, and its context.
-    pub fn seen(&self, node_idx: u32, values: &[f32; N_NODE_VALUES]) -> [f32; N_SECOND_LOOK_VALUES] {
+    /// What a refinement round sees of a node: `values`, and its context.
+    pub fn seen(&self, node_idx: u32, values: &[f32; N_NODE_VALUES]) -> [f32; N_REFINEMENT_VALUES] {
         let it = &self.nodes[node_idx as usize];
-        let mean_within = it.within.worths / it.within.n.max(1.0);
+        let mean_within = it.within.expected_ious / it.within.n.max(1.0);
         let context = [
-            [it.worth, it.within.gain, it.within.n, it.within.greatest, mean_within],
-            [it.worth_of_whole, it.greatest_around, it.gain_beside, it.n_beside, it.greatest_beside],
+            [it.expected_iou, it.within.gain, it.within.n, it.within.greatest, mean_within],
+            [it.iou_of_whole, it.greatest_around, it.gain_beside, it.n_beside, it.greatest_beside],
         ];
-        let mut seen = [0.0; N_SECOND_LOOK_VALUES];
+        let mut seen = [0.0; N_REFINEMENT_VALUES];
         seen[..N_NODE_VALUES].copy_from_slice(values);
         seen[N_NODE_VALUES..].copy_from_slice(context.as_flattened());
         seen
@@ -111,7 +111,7 @@ impl Context {
     fn take_part(&mut self, part: u32, best: Best) {
         self.within.gain += best.gain;
         self.within.n += best.n;
-        self.within.worths += best.worths;
+        self.within.expected_ious += best.expected_ious;
         self.within.greatest = self.within.greatest.max(best.greatest);
         let [first, second] = self.greatest_of_parts;
         if best.greatest > first {
@@ -124,8 +124,8 @@ impl Context {
 
     /// Learns what it, node `node_idx`, is a part of.
     fn look_up(&mut self, node_idx: u32, whole: &Self) {
-        self.worth_of_whole = whole.worth;
-        self.greatest_around = whole.greatest_around.max(whole.worth);
+        self.iou_of_whole = whole.expected_iou;
+        self.greatest_around = whole.greatest_around.max(whole.expected_iou);
         let is_greatest = whole.part_with_greatest == node_idx;
         self.gain_beside = whole.best.gain - self.best.gain;
         self.n_beside = whole.best.n - self.best.n;
@@ -134,12 +134,12 @@ impl Context {
 }
 
 impl Best {
-    /// The best of a node of `worth` that holds these.
-    fn or_instead(self, worth: f32) -> Self {
-        let greatest = self.greatest.max(worth);
-        let gain = worth - OBJECT_COST;
+    /// The best of a node of `expected_iou` that holds these.
+    fn or_instead(self, expected_iou: f32) -> Self {
+        let greatest = self.greatest.max(expected_iou);
+        let gain = expected_iou - OBJECT_COST;
         if gain > self.gain && gain > 0.0 {
-            Self { gain, n: 1.0, worths: worth, greatest }
+            Self { gain, n: 1.0, expected_ious: expected_iou, greatest }
         } else {
             Self { greatest, ..self }
         }
@@ -156,9 +156,9 @@ mod tests {
     #[track_caller]
     fn check(node_idx: u32, expected: [f32; 10]) {
         let mut contexts = NodeContexts::default();
-        let worths = [(0, 0.72), (1, 0.62), (3, 0.52), (4, 0.3), (5, 0.1)];
+        let expected_ious = [(0, 0.72), (1, 0.62), (3, 0.52), (4, 0.3), (5, 0.1)];
         for _ in 0..2 {
-            contexts.find(&[0, 1, 2, 3, 4, 5], |it| WHOLES[it as usize], worths.into_iter());
+            contexts.find(&[0, 1, 2, 3, 4, 5], |it| WHOLES[it as usize], expected_ious.into_iter());
         }
         let seen = contexts.seen(node_idx, &[7.0; N_NODE_VALUES]);
         assert_eq!(seen[..N_NODE_VALUES], [7.0; N_NODE_VALUES]);

@@ -30,7 +30,7 @@ impl NodePoints {
         nodes: impl Iterator<Item = u32>,
     ) {
         self.group_of_dense.clear();
-        self.group_of_dense.resize(dense.heaps().len(), NO_GROUP);
+        self.group_of_dense.resize(dense.statistics().len(), NO_GROUP);
         self.starts.clear();
         self.starts.push(0);
         self.next_free.clear();
@@ -41,7 +41,7 @@ impl NodePoints {
                 self.group_of_dense[cell as usize] = group;
             }
             self.next_free.push(n_points);
-            n_points += node.heap.n_points;
+            n_points += node.statistics.n_points;
             self.starts.push(n_points);
         }
         self.point_indices.resize(n_points as usize, 0);
@@ -130,7 +130,7 @@ mod tests {
             for (group, &leaf) in leaves.iter().enumerate() {
                 let point_indices = points.point_indices(group);
                 prop_assert!(point_indices.is_sorted_by(|a, b| a < b));
-                prop_assert_eq!(point_indices.len(), drawn.tree.nodes()[leaf as usize].heap.n_points as usize);
+                prop_assert_eq!(point_indices.len(), drawn.tree.nodes()[leaf as usize].statistics.n_points as usize);
                 for (&point_idx, position_m) in point_indices.iter().zip(points.positions_m(group)) {
                     prop_assert_eq!(*position_m, drawn.cloud.position_m(point_idx as usize));
                     let place = drawn.candidates.point_indices().binary_search(&point_idx).unwrap();

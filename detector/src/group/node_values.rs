@@ -7,7 +7,7 @@ use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::group::candidates::{Candidates, Doubt, N_DOUBTS};
-use crate::group::dense_cells::{DenseCells, Heap};
+use crate::group::dense_cells::{CellStatistics, DenseCells};
 use crate::group::grouping_tree::{GroupingTree, Node};
 use crate::group::linkage::N_LEVELS;
 use crate::oriented_box::OrientedBox;
@@ -215,13 +215,15 @@ impl NodeDescriber {
         for &node_idx in &self.order {
             let node = &tree.nodes()[node_idx as usize];
             let mut shape = self.sums(tree, node, places);
-            let [across_m, along_m] = [0, 1].map(|axis| node.heap.high_m[axis] - node.heap.low_m[axis]);
+            let [across_m, along_m] =
+                [0, 1].map(|axis| node.statistics.high_m[axis] - node.statistics.low_m[axis]);
             if single::hypot(across_m, along_m) <= most_m {
                 self.outline_m.clear();
                 match node.first_child {
                     None => {
-                        let heaps = tree.cells(node).iter().map(|&it| &places.dense.heaps()[it as usize]);
-                        self.outline_m.extend(heaps.flat_map(Heap::corners_m));
+                        let statistics =
+                            tree.cells(node).iter().map(|&it| &places.dense.statistics()[it as usize]);
+                        self.outline_m.extend(statistics.flat_map(CellStatistics::corners_m));
                     }
                     Some(_) => {
                         for part in tree.parts_of(node) {
@@ -231,9 +233,9 @@ impl NodeDescriber {
                     }
                 }
                 let start = self.hulls_m.len();
-                if node.heap.n_points as usize >= min_points {
+                if node.statistics.n_points as usize >= min_points {
                     let outline_m = self.outline_m.iter().copied();
-                    shape.bounding_box = self.box_fit.fit(outline_m, node.heap.z_range_m);
+                    shape.bounding_box = self.box_fit.fit(outline_m, node.statistics.z_range_m);
                     self.hulls_m.extend_from_slice(self.box_fit.hull_m());
                 } else {
                     // It is not looked at. What it is a part of takes all of it for its outline.
@@ -261,7 +263,7 @@ impl NodeDescriber {
         for &dense_idx in tree.cells(node) {
             let cell_idx = places.dense.cell_of_block()[places.dense.block_of_dense(dense_idx)];
             let doubts = places.candidates.doubts(cell_idx);
-            let n_points = places.dense.heaps()[dense_idx as usize].n_points;
+            let n_points = places.dense.statistics()[dense_idx as usize].n_points;
             shape.n_cells += 1;
             shape.wall_length_m = shape.wall_length_m.max(places.walls.length_of_wall_m(cell_idx));
             for (sum, doubt) in shape.n_in_doubt.iter_mut().zip(Doubt::ALL) {
@@ -281,14 +283,14 @@ impl NodeDescriber {
         let shape = &self.shapes[node_idx as usize];
         let bounding_box = shape.bounding_box.expect("only such are described");
         let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
-        let n_points = node.heap.n_points as f32;
+        let n_points = node.statistics.n_points as f32;
         let share = |n: u32| n as f32 / n_points;
-        let [mean_height_m, height_deviation_m] = heights(&node.heap);
+        let [mean_height_m, height_deviation_m] = heights(&node.statistics);
         let center_above_m = bounding_box.center_m[2] - surroundings.ground_m;
         let n_beyond_ends = surroundings.n_beyond_ends as f32;
         let [log_seen_area, over_expected, range_m, view_cosine] =
             seen(&bounding_box, n_points, n_points_of_scan);
-        let above = node.heap.n_above.map(share);
+        let above = node.statistics.n_above.map(share);
         let [n_parts, largest_part_share, second_part_share] = parts(tree, node);
         let [share_of_whole, length_of_whole_m, width_of_whole_m, whole_joined_at, log_n_points_of_whole] =
             self.whole(tree, node);
@@ -349,29 +351,29 @@ impl NodeDescriber {
             whole.map_or(0.0, |(_, it)| it.bounding_box.as_ref().map_or(LARGEST_WHOLE_M, size_m))
         };
         [
-            whole.map_or(1.0, |(it, _)| node.heap.n_points as f32 / it.heap.n_points as f32),
+            whole.map_or(1.0, |(it, _)| node.statistics.n_points as f32 / it.statistics.n_points as f32),
             of_whole(0),
             of_whole(1),
             whole.map_or(N_LEVELS as f32, |(it, _)| f32::from(it.joined_at)),
-            whole.map_or(0.0, |(it, _)| single::ln(it.heap.n_points as f32)),
+            whole.map_or(0.0, |(it, _)| single::ln(it.statistics.n_points as f32)),
         ]
     }
 }
 
 /// The mean height of points above the ground, and the standard deviation.
-fn heights(heap: &Heap) -> [f32; 2] {
-    let n_points = heap.n_points as f32;
-    let mean_m = heap.height_sum_m / n_points;
-    let variance_m2 = (heap.height_squares_m2 / n_points - mean_m * mean_m).max(0.0);
+fn heights(statistics: &CellStatistics) -> [f32; 2] {
+    let n_points = statistics.n_points as f32;
+    let mean_m = statistics.height_sum_m / n_points;
+    let variance_m2 = (statistics.height_squares_m2 / n_points - mean_m * mean_m).max(0.0);
     [mean_m, variance_m2.sqrt()]
 }
 
 /// How many parts a node has, and the shares of its points in the largest and in the second one.
 fn parts(tree: &GroupingTree, node: &Node) -> [f32; 3] {
-    let share = |n: u32| n as f32 / node.heap.n_points as f32;
+    let share = |n: u32| n as f32 / node.statistics.n_points as f32;
     let (mut n_parts, mut largest) = (0, [0; 2]);
     for part in tree.parts_of(node) {
-        let n = tree.nodes()[part as usize].heap.n_points;
+        let n = tree.nodes()[part as usize].statistics.n_points;
         n_parts += 1;
         largest = [n.max(largest[0]), largest[1].max(n.min(largest[0]))];
     }

@@ -7,9 +7,9 @@ use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::group::candidates::Candidates;
 use crate::group::dense_cells::DenseCells;
 use crate::group::dense_gaps::DenseGaps;
-use crate::group::doubtful_groups::DoubtfulGroups;
 use crate::group::grouping_tree::GroupingTree;
 use crate::group::linkage::Linkage;
+use crate::group::low_iou_groups::LowIouGroups;
 use crate::group::node_points::NodePoints;
 use crate::group::node_values::NodeDescriber;
 use crate::oriented_box::OrientedBox;
@@ -69,7 +69,7 @@ pub struct Groups {
     /// Those that are taken for objects, or for vehicles if a model says so: nodes of the tree, ascending, of which none holds another.
     pub taken: Vec<u32>,
     /// Which of them are taken only if a model takes them for vehicles.
-    pub doubtful: DoubtfulGroups,
+    pub doubtful: LowIouGroups,
     /// The points of those that are taken.
     pub points: NodePoints,
 }
@@ -107,7 +107,7 @@ impl Frame {
                 tree: GroupingTree::default(),
                 describer: NodeDescriber::default(),
                 taken: Vec::new(),
-                doubtful: DoubtfulGroups::default(),
+                doubtful: LowIouGroups::default(),
                 points: NodePoints::default(),
             },
             fitted: FittedObjects::default(),

@@ -116,7 +116,7 @@ fn description(params: &HierarchicalParams) -> impl Stage + use<> {
         let Frame { grid, terrain, classes, walls, groups, .. } = frame;
         let Groups { candidates, dense, tree, describer, .. } = groups;
         if raster.has_cells(cell_size_m / xi as f32, extent_m) {
-            let occupied = dense.heaps().iter().filter(|it| it.n_points > 0);
+            let occupied = dense.statistics().iter().filter(|it| it.n_points > 0);
             raster.fill_by_cell(occupied.map(|it| (it.middle_m(), it.n_points)));
         } else {
             raster.fill(candidates.point_indices().iter().map(|&it| cloud.position_m(it as usize)));

@@ -153,7 +153,7 @@ struct CompletedObjects {
 }
 
 impl CompletedObjects {
-    /// Drops what is no vehicle, and is worth too little for an object or has too few points. A car far away shows few points.
+    /// Drops what is no vehicle, and has too low an expected IoU for an object or too few points. A car far away shows few points.
     fn drop_background(&self, fitted: &mut FittedObjects, output: &mut DetectorOutput) {
         let FittedObjects { objects, members, .. } = fitted;
         objects.retain(|it| {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::classify::grouping_model::{GroupingModel, vehicle_values};
-use crate::classify::object_looks::LookBuffers;
+use crate::classify::refinement_forests::RefinementBuffers;
 use crate::describe::vehicle_features::VehicleDescriber;
 use crate::detector::DetectorOutput;
 use crate::drawn::fitted_boxes::fitted_boxes;
@@ -54,7 +54,7 @@ impl GroupModels {
 /// Grid and terrain are those of the paper (HG section 3). Instead of one decision for every pair of cells (HG 3.2), every gap
 /// gets a strength; what the gaps part, from the weakest on, is a tree, and boosted trees say how well each of its groups is one
 /// object. Disjoint groups with the greatest sum are taken: Hu, Held, Ramanan 2020, *Learning to optimally segment point
-/// clouds*, with the expected intersection over union for the worth of a group. A wall is no verdict but a value.
+/// clouds*, with the expected intersection over union as the score of a group. A wall is no verdict but a value.
 pub fn hierarchical(params: &HierarchicalParams, models: GroupModels, sensor_height_m: f32) -> Pipeline {
     best_cut("hierarchical", grouping(Frame::new(params, sensor_height_m), params), params, models)
 }
@@ -79,16 +79,16 @@ pub fn best_cut(
     Pipeline { name, frame: grouping.frame, stages: stages.and(completion_stages(params, boxes)) }
 }
 
-/// Takes the groups that are worth most for objects, and beside them some that may be vehicles.
+/// Takes the groups with the greatest gain for objects, and beside them some that may be vehicles.
 struct BestGroups {
     params: GroupingParams,
     model: Arc<GroupingModel>,
     vehicles: VehiclesBy,
     upward: Vec<u32>,
-    looks: LookBuffers,
-    // For every described group: what it is expected to be worth.
-    worth: Vec<f32>,
-    worth_of_node: Vec<f32>,
+    buffers: RefinementBuffers,
+    // The expected IoU of every described group.
+    expected_iou: Vec<f32>,
+    gain_of_node: Vec<f32>,
     best_cut: BestCut,
 }
 
@@ -99,38 +99,41 @@ impl BestGroups {
             model,
             vehicles,
             upward: Vec::new(),
-            looks: LookBuffers::default(),
-            worth: Vec::new(),
-            worth_of_node: Vec::new(),
+            buffers: RefinementBuffers::default(),
+            expected_iou: Vec::new(),
+            gain_of_node: Vec::new(),
             best_cut: BestCut::default(),
         }
     }
 
-    /// Finds what every described group is worth.
-    fn look(&mut self, groups: &Groups) {
-        let Self { params, model, upward, looks, worth, .. } = self;
+    /// Finds the expected IoU of every described group.
+    fn expect_ious(&mut self, groups: &Groups) {
+        let Self { params, model, upward, buffers, expected_iou, .. } = self;
         groups.tree.upward(upward);
         let whole_of = |node_idx: u32| groups.tree.nodes()[node_idx as usize].parent;
         let described = groups.describer.described().iter().map(|it| (it.node_idx, &it.values));
-        model.objects.worths(params.rounds, (upward, whole_of), &described, looks, worth);
+        model.objects.expected_ious(params.rounds, (upward, whole_of), &described, buffers, expected_iou);
     }
 }
 
 impl Stage for BestGroups {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        self.look(&frame.groups);
+        self.expect_ious(&frame.groups);
         let Groups { tree, describer, taken, doubtful, .. } = &mut frame.groups;
         let GroupingParams { object_cost: cost, vehicle_cost, .. } = self.params;
-        let described = || describer.described().iter().map(|it| it.node_idx).zip(self.worth.iter().copied());
-        self.worth_of_node.clear();
-        self.worth_of_node.resize(tree.nodes().len(), f32::NEG_INFINITY);
-        for (node_idx, worth) in described() {
-            self.worth_of_node[node_idx as usize] = worth - cost;
+        let described =
+            || describer.described().iter().map(|it| it.node_idx).zip(self.expected_iou.iter().copied());
+        self.gain_of_node.clear();
+        self.gain_of_node.resize(tree.nodes().len(), f32::NEG_INFINITY);
+        for (node_idx, expected_iou) in described() {
+            self.gain_of_node[node_idx as usize] = expected_iou - cost;
         }
-        self.best_cut.find(tree, |it| self.worth_of_node[it as usize], taken);
-        // The values that tell vehicles are taken from the points, which the looks do not see.
+        self.best_cut.find(tree, |it| self.gain_of_node[it as usize], taken);
+        // The values that tell vehicles are taken from the points, which the rounds do not see.
         let asks_model = self.vehicles == VehiclesBy::Model;
-        let is_offered = |&(_, worth): &(u32, f32)| asks_model && worth >= vehicle_cost && worth < cost;
+        let is_offered = |&(_, expected_iou): &(u32, f32)| {
+            asks_model && expected_iou >= vehicle_cost && expected_iou < cost
+        };
         doubtful.add(tree, described().filter(is_offered), taken);
     }
 
@@ -162,7 +165,7 @@ impl Stage for GroupBoxes {
         for (group, &node_idx) in taken.iter().enumerate() {
             let positions_m = points.positions_m(group);
             let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
-            let z_range_m = tree.nodes()[node_idx as usize].heap.z_range_m;
+            let z_range_m = tree.nodes()[node_idx as usize].statistics.z_range_m;
             let bounding_box = self.box_fit.fit(outline_m, z_range_m).expect("groups have points");
             let point_indices = points.point_indices(group).iter().copied();
             let members = point_indices.zip(positions_m.iter().copied());

@@ -24,7 +24,7 @@ fn found(detector: &mut Pipeline, cloud: &PointCloud) -> DetectorOutput {
 }
 
 #[test]
-fn no_point_belongs_to_two_objects_and_each_has_its_worth() {
+fn no_point_belongs_to_two_objects_and_each_has_its_expected_iou() {
     let cloud = main_road();
     let output = found(&mut detector(|_| ()), &cloud);
     assert!(!output.detections.is_empty());
@@ -75,7 +75,7 @@ fn the_dearer_an_object_the_fewer_there_are() {
 
 #[test]
 #[ignore = "needs data/kitti_tracking/training/velodyne/0000 in SCANBENCH_TEST_DATA"]
-fn what_is_worth_too_little_for_an_object_is_taken_as_a_vehicle_only() {
+fn what_has_too_low_an_expected_iou_for_an_object_is_taken_as_a_vehicle_only() {
     let paths = velodyne_paths(&test_data("data/kitti_tracking/training/velodyne/0000"));
     let cloud = read_velodyne_bin(&paths[0]);
     // How many objects that are no vehicles are found, and how many that are.

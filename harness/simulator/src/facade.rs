@@ -19,7 +19,7 @@ pub struct FacadePattern {
     pub sill_m: f32,
     /// How far panes and doors stand back, in metres.
     pub recess_m: f32,
-    /// Every so manieth bay of the ground floor has a door instead of a window.
+    /// Every bay of this number, counted along the ground floor, has a door instead of a window.
     pub door_every_n_bays: u32,
 }
 

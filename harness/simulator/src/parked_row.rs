@@ -104,7 +104,7 @@ pub fn second_row_dice(rng: &ChaCha8Rng) -> ChaCha8Rng {
 /// The vehicles that stop beside parked ones.
 #[derive(Debug, Clone)]
 struct SecondRow {
-    dice: ChaCha8Rng,
+    rng: ChaCha8Rng,
     /// Share of the vehicles at the kerb that are blocked.
     blocked_share: f64,
     /// Distance from the axis beyond which the lanes for traffic end, in metres.
@@ -125,19 +125,19 @@ struct AtKerb {
 }
 
 impl SecondRow {
-    fn new(roadside: &Roadside, parking: Parking, dice: ChaCha8Rng) -> Self {
+    fn new(roadside: &Roadside, parking: Parking, rng: ChaCha8Rng) -> Self {
         let blocked_share = match parking {
             Parking::InTwoRows { blocked_share, .. } => blocked_share,
             Parking::Nowhere | Parking::AlongKerb { .. } | Parking::Askew { .. } => 0.0,
         };
         let lanes_m = roadside.kerb_m - parking.width_m();
-        Self { dice, blocked_share, lanes_m, at_kerb: Vec::new(), people_m: Vec::new() }
+        Self { rng, blocked_share, lanes_m, at_kerb: Vec::new(), people_m: Vec::new() }
     }
 
     /// Lets cars stop beside vehicles at the kerb where chance, the traffic and people allow it. The gap to the nearest of
     /// those is one a person just gets through, so that from afar both look like one thing.
     fn stop(mut self, world: &mut World, roadside: &Roadside) {
-        let rng = &mut self.dice;
+        let rng = &mut self.rng;
         let mut taken_to_m = f32::NEG_INFINITY;
         for blocked in &self.at_kerb {
             if self.blocked_share == 0.0 || !rng.random_bool(self.blocked_share) {

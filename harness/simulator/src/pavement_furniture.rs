@@ -23,7 +23,7 @@ pub struct PavementFurnitureParams {
     pub avenue: bool,
 }
 
-/// The dice of broad trees.
+/// The random stream of broad trees.
 const AVENUE_STREAM: u64 = 71;
 
 /// Furnishes the pavement of `roadside`.
@@ -56,16 +56,16 @@ pub fn pavement_furniture(
 }
 
 /// Plants a row of trees as far from the kerb as everything else; some are missing.
-fn broad_trees(world: &mut World, roadside: &Roadside, from_kerb_m: f32, dice: &mut ChaCha8Rng) {
+fn broad_trees(world: &mut World, roadside: &Roadside, from_kerb_m: f32, rng: &mut ChaCha8Rng) {
     let [mut along_m, end_m] = roadside.reach_m;
-    let spacing_m = dice.random_range(6.0_f32..11.0);
+    let spacing_m = rng.random_range(6.0_f32..11.0);
     loop {
-        along_m += spacing_m * dice.random_range(0.9..1.1);
+        along_m += spacing_m * rng.random_range(0.9..1.1);
         if along_m > end_m {
             return;
         }
-        if dice.random_bool(0.85) {
-            let tree = vegetation_shape::broad_tree(dice);
+        if rng.random_bool(0.85) {
+            let tree = vegetation_shape::broad_tree(rng);
             world.stand(tree, &roadside.facing_road(along_m, roadside.kerb_m + from_kerb_m));
         }
     }

@@ -25,14 +25,14 @@ pub struct Surroundings<'a> {
 
 /// Where a pulse sent along `ray` (sensor frame, unit direction) ends within the sensor's range.
 ///
-/// `dice` decides what happens by chance on the way. A pulse that a pane or wet ground mirrors ends on what it meets then, and
+/// `rng` decides what happens by chance on the way. A pulse that a pane or wet ground mirrors ends on what it meets then, and
 /// appears to come from behind the mirror: such a ghost belongs to no object.
-pub fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ray, dice: u32) -> Option<Hit> {
+pub fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ray, rng: u32) -> Option<Hit> {
     if sensor.carrier_roof.is_some_and(|roof| is_shaded(&roof, ray)) {
         return None;
     }
     let pose = &surroundings.world_from_sensor;
-    let pulse = Pulse { ray: Ray::new(*pose * ray.origin, pose.rotation * ray.dir), dice };
+    let pulse = Pulse { ray: Ray::new(*pose * ray.origin, pose.rotation * ray.dir), rng };
     let hit = street_hit(surroundings, &pulse, sensor.max_range_m)?;
     let ghost = hit.mirror.and_then(|mirror| ghost(surroundings, &pulse, &hit, mirror, sensor.max_range_m));
     // Of two echoes the stronger is reported. A pane that mirrors gives none of its own.
@@ -63,7 +63,7 @@ fn street_hit(surroundings: &Surroundings<'_>, pulse: &Pulse, max_range_m: f32) 
 /// a flat pulse passes it long before it would reach the ground.
 fn before_blades_m(pulse: &Pulse, grass_height_m: f32) -> f32 {
     let least_fall = 0.03;
-    grass_height_m * chance(pulse.dice, GROUND_LEAF) / (-pulse.ray.dir.z).max(least_fall)
+    grass_height_m * chance(pulse.rng, GROUND_LEAF) / (-pulse.ray.dir.z).max(least_fall)
 }
 
 fn ghost(
@@ -76,7 +76,7 @@ fn ghost(
     let direction = pulse.ray.dir - mirror.normal * (2.0 * pulse.ray.dir.dot(mirror.normal));
     // A little off the mirror, so that it is not met again.
     let origin = pulse.ray.point_at(mirrored_at.range_m) + direction * 0.01;
-    let reflected = Pulse { ray: Ray::new(origin, direction), dice: pulse.dice };
+    let reflected = Pulse { ray: Ray::new(origin, direction), rng: pulse.rng };
     let seen = street_hit(surroundings, &reflected, max_range_m - mirrored_at.range_m)?;
     Some(Hit {
         range_m: mirrored_at.range_m + seen.range_m,
@@ -116,8 +116,8 @@ mod tests {
     #[test]
     fn pulses_end_on_blades_of_grass_at_any_height() {
         let down = Vector::new(0.8, 0.0, -0.6);
-        let before_m = |dice| before_blades_m(&Pulse { ray: Ray::new(Vector::Z, down), dice }, 0.06);
-        let heights_m: Vec<f32> = (0..200).map(|dice| before_m(dice) * 0.6).collect();
+        let before_m = |rng| before_blades_m(&Pulse { ray: Ray::new(Vector::Z, down), rng }, 0.06);
+        let heights_m: Vec<f32> = (0..200).map(|rng| before_m(rng) * 0.6).collect();
         let mean_m = heights_m.iter().sum::<f32>() / 200.0;
         assert!(heights_m.iter().all(|it| (0.0..0.0601).contains(it)), "{heights_m:?}");
         assert!((mean_m - 0.03).abs() < 0.004, "{mean_m}");
@@ -137,7 +137,7 @@ mod tests {
             rain: None,
         };
         let direction = Vector::new(1.0, 0.0, 0.0);
-        let pulse = Pulse { ray: Ray::new(Vector::Z * 5.0, direction), dice: 0 };
+        let pulse = Pulse { ray: Ray::new(Vector::Z * 5.0, direction), rng: 0 };
         let mirror =
             Hit { range_m: 10.0, cos_incidence: 0.7, reflectivity: 0.0, object_idx: None, mirror: None };
         let diagonal = Mirror { normal: Vector::new(-1.0, 1.0, 0.0).normalize(), share: 0.1 };

@@ -55,7 +55,7 @@ pub fn beam_errors(sensor: &SensorModel, rng: &mut ChaCha8Rng) -> Vec<BeamError>
 }
 
 /// Sends all pulses of one turn, an equal part of it from each of `surroundings` in turn: one if nothing moves
-/// meanwhile. `beam_rng` gives every beam its own dice, so that beams do not depend on each other.
+/// meanwhile. `beam_rng` gives every beam a random stream of its own, so that beams do not depend on each other.
 pub fn turn(
     sensor: &SensorModel,
     errors: &[BeamError],

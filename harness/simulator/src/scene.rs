@@ -82,14 +82,14 @@ pub struct Mirror {
 /// Share of light that a pane mirrors, there and back.
 const MIRRORED_BY_PANE: f32 = 0.1;
 
-/// A pulse and the dice for what it meets by chance.
+/// A pulse and the random stream for what it meets by chance.
 #[derive(Debug, Clone, Copy)]
 pub struct Pulse {
     /// Its way in the world; the direction is a unit vector, so that distances are metres.
     pub ray: Ray,
     /// Decides, together with the number of the leaf, whether panes and leaves are passed. Not drawn while casting,
     /// so that the order in which leaves are visited does not matter.
-    pub dice: u32,
+    pub rng: u32,
 }
 
 impl Hit {
@@ -139,7 +139,7 @@ impl Scene {
                 if let Passage::FreePath(mean_free_path_m) = leaf.material.passage {
                     return hit_inside(
                         leaf,
-                        chance(pulse.dice, leaf_idx),
+                        chance(pulse.rng, leaf_idx),
                         mean_free_path_m,
                         [crossing.enter, crossing.exit],
                     );
@@ -193,8 +193,8 @@ pub fn spot_number(position: Vector) -> u32 {
 pub const GROUND_LEAF: u32 = u32::MAX;
 
 /// A number in (0, 1) that depends on both arguments and nothing else.
-pub fn chance(dice: u32, leaf_idx: u32) -> f32 {
-    let mut mixed = dice ^ leaf_idx.wrapping_mul(0x9e37_79b9);
+pub fn chance(rng: u32, leaf_idx: u32) -> f32 {
+    let mut mixed = rng ^ leaf_idx.wrapping_mul(0x9e37_79b9);
     mixed = (mixed ^ (mixed >> 16)).wrapping_mul(0x7feb_352d);
     mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x846c_a68b);
     mixed ^= mixed >> 16;
@@ -218,8 +218,8 @@ mod tests {
             leaf([8.0, -1.0, -1.0], [9.0, 1000.0, 1.0], Material::METAL, 1),
         ]);
         let mut n_hits = [0.0; 2];
-        for dice in 0..1000 {
-            let pulse = Pulse { ray: Ray::new(Vector::Y * dice as f32, Vector::X), dice };
+        for rng in 0..1000 {
+            let pulse = Pulse { ray: Ray::new(Vector::Y * rng as f32, Vector::X), rng };
             let hit = scene.cast(&pulse, 100.0).unwrap();
             n_hits[hit.object_idx.unwrap() as usize] += 0.001;
         }
@@ -246,7 +246,7 @@ mod tests {
     #[test]
     fn nothing_is_met_beyond_the_maximum() {
         let scene = Scene::new(vec![leaf([5.0, -1.0, -1.0], [6.0, 1.0, 1.0], Material::METAL, 0)]);
-        let pulse = Pulse { ray: Ray::new(Vector::ZERO, Vector::X), dice: 0 };
+        let pulse = Pulse { ray: Ray::new(Vector::ZERO, Vector::X), rng: 0 };
         assert_eq!(scene.cast(&pulse, 4.9), None);
         assert_eq!(scene.cast(&pulse, 5.1).map(|hit| hit.range_m), Some(5.0));
     }

@@ -16,7 +16,7 @@ use crate::process::program::StartedProgram;
 use crate::run::foreign_detector::ForeignProcess;
 use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
 use crate::run::kept_names::kept;
-use crate::run::running_detector::{RunningDetector, Taken};
+use crate::run::running_detector::{DetectionTime, RunningDetector};
 
 /// After so many failures without an answer between, it is not started again.
 const MOST_FAILURES: u32 = 3;
@@ -199,7 +199,7 @@ impl RunningDetector for ProcessDetector {
         scan: &LabeledScan,
         time_s: f64,
         output: &mut DetectorOutput,
-    ) -> Result<Taken, DetectorFailure> {
+    ) -> Result<DetectionTime, DetectorFailure> {
         output.clear();
         self.clusters.clear();
         self.products.clear();
@@ -210,7 +210,7 @@ impl RunningDetector for ProcessDetector {
             return Err(self.failure(Some(scan), problem));
         }
         let door = self.time_door(scan, time_s);
-        Ok(Taken { wall: Some(wall), cpu, door })
+        Ok(DetectionTime { wall: Some(wall), cpu, door })
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {

@@ -13,7 +13,7 @@ use scans::foreign::result_format::ResultFormat;
 
 use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
-use crate::run::running_detector::{RunningDetector, Taken};
+use crate::run::running_detector::{DetectionTime, RunningDetector};
 
 /// The detector, in the scans of one data set.
 pub struct ResultsDetector {
@@ -75,7 +75,7 @@ impl RunningDetector for ResultsDetector {
         scan: &LabeledScan,
         _time_s: f64,
         output: &mut DetectorOutput,
-    ) -> Result<Taken, DetectorFailure> {
+    ) -> Result<DetectionTime, DetectorFailure> {
         output.clear();
         if self.latest.as_ref().is_none_or(|it| it.id != scan.id) {
             let read = self.read(scan).map_err(|problem| DetectorFailure {
@@ -90,7 +90,7 @@ impl RunningDetector for ResultsDetector {
         if let Some(read) = &self.latest {
             output.clone_from(&read.output);
         }
-        Ok(Taken::default())
+        Ok(DetectionTime::default())
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {

@@ -229,11 +229,12 @@ mod tests {
 
     /// Heaps of 30 points along x, without boxes: cars at 5, 20 and 40 m, and a tree of 6 m at 60 m.
     fn scan_without_boxes() -> LabeledScan {
-        let heaps = [(AnnotationClass::Car, 5.0, 0.05), (AnnotationClass::Car, 20.0, 0.05)];
-        let heaps =
-            heaps.into_iter().chain([(AnnotationClass::Car, 40.0, 0.05), (AnnotationClass::Tree, 60.0, 0.2)]);
+        let statistics = [(AnnotationClass::Car, 5.0, 0.05), (AnnotationClass::Car, 20.0, 0.05)];
+        let statistics = statistics
+            .into_iter()
+            .chain([(AnnotationClass::Car, 40.0, 0.05), (AnnotationClass::Tree, 60.0, 0.2)]);
         let mut cloud = PointCloud::default();
-        let annotations = heaps.map(|(class, x_m, step_m)| {
+        let annotations = statistics.map(|(class, x_m, step_m)| {
             let first = cloud.len() as u32;
             (0..30_u8).for_each(|it| cloud.push([x_m, 0.0, step_m * f32::from(it)], 0.0));
             let point_indices = (first..first + 30).collect();

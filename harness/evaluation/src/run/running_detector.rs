@@ -13,7 +13,7 @@ use crate::run::cpu_time::own_cpu_time;
 
 /// What a detection took.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Taken {
+pub struct DetectionTime {
     /// Time that passed; `None` if nothing was detected here, but read.
     pub wall: Option<Duration>,
     /// Time on processors, on all threads and in all processes of the detector; `None` where the system does not tell.
@@ -46,7 +46,7 @@ pub trait RunningDetector: Send {
         scan: &LabeledScan,
         time_s: f64,
         output: &mut DetectorOutput,
-    ) -> Result<Taken, DetectorFailure>;
+    ) -> Result<DetectionTime, DetectorFailure>;
 
     /// What the stages of the latest detection left behind, as [`Detector::stage_products`].
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
@@ -115,7 +115,7 @@ impl RunningDetector for BuiltIn {
         scan: &LabeledScan,
         _time_s: f64,
         output: &mut DetectorOutput,
-    ) -> Result<Taken, DetectorFailure> {
+    ) -> Result<DetectionTime, DetectorFailure> {
         let cpu_before = own_cpu_time();
         let started = Instant::now();
         self.detector.detect(&scan.cloud, output);
@@ -123,7 +123,7 @@ impl RunningDetector for BuiltIn {
         self.n_detections += 1;
         self.n_with_groups_uncut += usize::from(output.n_left_uncut > 0);
         let cpu = own_cpu_time().zip(cpu_before).map(|(after, before)| after.saturating_sub(before));
-        Ok(Taken { wall: Some(wall), cpu, door: None })
+        Ok(DetectionTime { wall: Some(wall), cpu, door: None })
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
@@ -165,7 +165,7 @@ impl RunningDetector for NotHere {
         _: &LabeledScan,
         _: f64,
         output: &mut DetectorOutput,
-    ) -> Result<Taken, DetectorFailure> {
+    ) -> Result<DetectionTime, DetectorFailure> {
         output.clear();
         Err(DetectorFailure {
             detector: self.0.to_owned(),

@@ -17,7 +17,7 @@ use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::outcome::Assignment;
 use crate::process::problem::DetectorFailure;
 use crate::run::grid_write::GridWrite;
-use crate::run::running_detector::{RunningDetector, Taken};
+use crate::run::running_detector::{DetectionTime, RunningDetector};
 
 /// What is run, and how.
 pub struct SideBySide<'a> {
@@ -257,8 +257,8 @@ impl SideBySide<'_> {
     /// The failure itself where the run goes on all the same.
     fn unless_skipped(
         &self,
-        taken: Result<Taken, DetectorFailure>,
-    ) -> Result<Result<Taken, DetectorFailure>, RunError> {
+        taken: Result<DetectionTime, DetectorFailure>,
+    ) -> Result<Result<DetectionTime, DetectorFailure>, RunError> {
         match taken {
             Err(failure) if self.on_failure == OnDetectorFailure::Stop || failure.is_final => {
                 Err(failure.into())
@@ -306,7 +306,7 @@ struct Turns {
 }
 
 impl Turns {
-    fn add(&mut self, taken: Result<Taken, DetectorFailure>) {
+    fn add(&mut self, taken: Result<DetectionTime, DetectorFailure>) {
         match taken {
             Ok(taken) => {
                 let least = |old: Option<Duration>, new: Option<Duration>| old.into_iter().chain(new).min();

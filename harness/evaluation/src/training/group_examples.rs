@@ -1,7 +1,7 @@
 //! The groups that forests are trained on and judged by.
 
 use detector::classify::grouping_model::{N_VEHICLE_VALUES, vehicle_values};
-use detector::classify::object_looks::{LookBuffers, ObjectLooks};
+use detector::classify::refinement_forests::{RefinementBuffers, RefinementForests};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::vehicle_features::VehicleDescriber;
 use detector::fit::convex_hull_box::ConvexHullBox;
@@ -65,12 +65,22 @@ impl GroupExample {
 }
 
 impl ScanGroups {
-    /// What `looks` says that each of its groups is worth, after so many rounds.
-    pub fn worths(&self, (looks, rounds): (&ObjectLooks, u8), buffers: &mut LookBuffers) -> Vec<f32> {
-        let mut worths = Vec::new();
+    /// The expected IoU of each of its groups by `forests`, after so many rounds.
+    pub fn expected_ious(
+        &self,
+        (forests, rounds): (&RefinementForests, u8),
+        buffers: &mut RefinementBuffers,
+    ) -> Vec<f32> {
+        let mut expected_ious = Vec::new();
         let described = self.groups.iter().map(|it| (it.node_idx, &it.node_values));
-        looks.worths(rounds, (&self.upward, |it| self.wholes[it as usize]), &described, buffers, &mut worths);
-        worths
+        forests.expected_ious(
+            rounds,
+            (&self.upward, |it| self.wholes[it as usize]),
+            &described,
+            buffers,
+            &mut expected_ious,
+        );
+        expected_ious
     }
 }
 
@@ -168,7 +178,7 @@ fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
 
 /// The points of each dense cell, ascending.
 fn points_of_dense_cells(Groups { dense, candidates, .. }: &Groups) -> Vec<Vec<u32>> {
-    let mut points = vec![Vec::new(); dense.heaps().len()];
+    let mut points = vec![Vec::new(); dense.statistics().len()];
     for (&point_idx, &dense_idx) in candidates.point_indices().iter().zip(dense.dense_of_point()) {
         points[dense_idx as usize].push(point_idx);
     }

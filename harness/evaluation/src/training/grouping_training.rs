@@ -8,7 +8,7 @@ use forust_ml::errors::ForustError;
 
 use crate::training::boosting::{BoostingParams, Target, boost};
 use crate::training::group_examples::ScanGroups;
-use crate::training::looks::{N_FORESTS, train_looks};
+use crate::training::refinement_training::{N_FORESTS, train_refinement};
 
 /// Chosen on held-out drives of the training streets. Trees that each learn from half of the examples and values do as well, and
 /// take less time.
@@ -18,31 +18,32 @@ const OBJECTS: BoostingParams =
 pub const VEHICLES: BoostingParams =
     BoostingParams { n_trees: 400, depth: 6, learning_rate: 0.1, least_leaf_weight: 5.0, drawn_share: 0.5 };
 
-/// The forest of vehicles learns from groups that the looks say are worth so much: what is worth less is not taken for an object.
-pub const LEAST_WORTH_TOLD: f32 = 0.25;
+/// The forest of vehicles learns from groups of this expected IoU and more: others are not taken for an object.
+pub const LEAST_IOU_OF_VEHICLES: f32 = 0.25;
 
 /// Forests that [`train_on_groups`] trains.
 pub const N_GROUPING_FORESTS: usize = N_FORESTS + 1;
 
-/// Trains all forests with `scans`, whose side profiles were compared with those of `library`. What a group is worth, which says
-/// whether the forest of vehicles learns from it, is said by looks that have not seen its drive, after so many `rounds`.
+/// Trains all forests with `scans`, whose side profiles were compared with those of `library`. The expected IoU of a group, which says
+/// whether the forest of vehicles learns from it, comes from forests that have not seen its drive, after so many `rounds`.
 ///
 /// `on_forest` is called after each of [`N_GROUPING_FORESTS`].
 ///
 /// # Errors
 ///
-/// If there are fewer scans than parts, no labels, or nothing that is worth enough.
+/// If there are fewer scans than parts, no labels, or no group with a high enough expected IoU.
 pub fn train_on_groups(
     scans: &[&ScanGroups],
     rounds: u8,
     library: PrototypeLibrary,
     on_forest: &(dyn Fn() + Sync),
 ) -> Result<GroupingModel, ForustError> {
-    let (objects, worths) = train_looks(scans, (&OBJECTS, rounds), on_forest)?;
+    let (objects, expected_ious) = train_refinement(scans, (&OBJECTS, rounds), on_forest)?;
     let (mut values, mut are_vehicles) = (Vec::new(), Vec::new());
-    for (scan, worths) in scans.iter().zip(worths) {
-        for (worth, it) in worths.into_iter().zip(&scan.groups) {
-            let told = it.labels.and_then(|it| it.is_vehicle).filter(|_| worth >= LEAST_WORTH_TOLD);
+    for (scan, expected_ious) in scans.iter().zip(expected_ious) {
+        for (expected_iou, it) in expected_ious.into_iter().zip(&scan.groups) {
+            let told =
+                it.labels.and_then(|it| it.is_vehicle).filter(|_| expected_iou >= LEAST_IOU_OF_VEHICLES);
             if let Some(is_vehicle) = told {
                 values.push(&it.vehicle_values);
                 are_vehicles.push(f64::from(u8::from(is_vehicle)));

@@ -12,7 +12,7 @@ pub mod operating_curves;
 pub mod evaluation;
 pub mod group_examples;
 pub mod boosting;
-pub mod looks;
+pub mod refinement_training;
 pub mod grouping_training;
 pub mod cluster_training;
 pub mod calibration;

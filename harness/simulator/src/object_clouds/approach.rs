@@ -10,7 +10,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use scans::object_cloud::growing_cloud::Moment;
 
-use super::drawn_object::{DiceUse, ObjectNumber};
+use super::drawn_object::{ObjectNumber, StreamUse};
 use super::lone_object::{LoneObject, Look, sensor_pose};
 use super::planar_scanner::PlanarScanner;
 use crate::portable_math;
@@ -68,22 +68,22 @@ impl ApproachParams {
     }
 
     /// Draws a drive toward `object`.
-    pub fn drive(&self, object: &LoneObject, scanner: &PlanarScanner, dice: &mut ChaCha8Rng) -> Drive {
-        let mut drive = self.any_drive(object, scanner, dice);
+    pub fn drive(&self, object: &LoneObject, scanner: &PlanarScanner, rng: &mut ChaCha8Rng) -> Drive {
+        let mut drive = self.any_drive(object, scanner, rng);
         for _ in 1..MOST_DRAWS {
             if drive.uncovered_share(object, self) >= self.least_uncovered_share {
                 break;
             }
-            drive = self.any_drive(object, scanner, dice);
+            drive = self.any_drive(object, scanner, rng);
         }
         drive
     }
 
-    fn any_drive(&self, object: &LoneObject, scanner: &PlanarScanner, dice: &mut ChaCha8Rng) -> Drive {
-        let mut draw = |[least, greatest]: [f32; 2]| dice.random_range(least..greatest);
+    fn any_drive(&self, object: &LoneObject, scanner: &PlanarScanner, rng: &mut ChaCha8Rng) -> Drive {
+        let mut draw = |[least, greatest]: [f32; 2]| rng.random_range(least..greatest);
         let [tilt_deg, height_m, speed_m_per_s, aside_m, stop_m] =
             [self.tilt_deg, self.height_m, self.speed_m_per_s, self.aside_m, self.stop_m].map(&mut draw);
-        let tilt_deg = if dice.random_bool(0.5) { tilt_deg } else { -tilt_deg };
+        let tilt_deg = if rng.random_bool(0.5) { tilt_deg } else { -tilt_deg };
         let slope = slope(tilt_deg);
         let first_strip_m = if slope > 0.0 {
             object.reach_backward_m(f32::INFINITY) + ((object.top_m() - height_m) / slope).max(0.0)
@@ -114,15 +114,15 @@ pub fn approached(
     drive: &Drive,
     params: &ApproachParams,
 ) -> (PointCloud, Vec<Moment>) {
-    let errors = beam_errors(&scanner.turning, &mut number.dice(DiceUse::Beams));
-    let mut drift = Drift::new(params, drive.step_m(scanner), number.dice(DiceUse::Drift));
+    let errors = beam_errors(&scanner.turning, &mut number.random_stream(StreamUse::Beams));
+    let mut drift = Drift::new(params, drive.step_m(scanner), number.random_stream(StreamUse::Drift));
     let (mut cloud, mut moments) = (PointCloud::default(), Vec::new());
     let mut judged_at_m = f32::INFINITY;
     for scan in 0..drive.n_scans(scanner) {
         let before_m = drive.from_m - scan as f32 * drive.step_m(scanner);
         let truly = Look::from(drive.pose(before_m, &PoseError::default()), &scanner.turning, &errors);
         let look = Look { registered: drive.pose(before_m, drift.next()), ..truly };
-        let pulses = |beam| number.dice(DiceUse::Pulses { scan, beam });
+        let pulses = |beam| number.random_stream(StreamUse::Pulses { scan, beam });
         object.append_points(&look, |firing| scanner.sees(firing), pulses, &mut cloud);
         let is_last = scan + 1 == drive.n_scans(scanner);
         if !cloud.is_empty() && (is_last || judged_at_m - before_m >= params.moment_step_m) {
@@ -177,24 +177,24 @@ struct Drift {
     error: PoseError,
     position_sigma_m: f32,
     heading_sigma_deg: f32,
-    dice: ChaCha8Rng,
+    rng: ChaCha8Rng,
 }
 
 impl Drift {
-    fn new(params: &ApproachParams, step_m: f32, dice: ChaCha8Rng) -> Self {
+    fn new(params: &ApproachParams, step_m: f32, rng: ChaCha8Rng) -> Self {
         let root = step_m.sqrt();
         Self {
             error: PoseError::default(),
             position_sigma_m: params.position_drift_m * root,
             heading_sigma_deg: params.heading_drift_deg * root,
-            dice,
+            rng,
         }
     }
 
     fn next(&mut self) -> &PoseError {
-        self.error.along_m += gaussian(&mut self.dice) * self.position_sigma_m;
-        self.error.aside_m += gaussian(&mut self.dice) * self.position_sigma_m;
-        self.error.heading_deg += gaussian(&mut self.dice) * self.heading_sigma_deg;
+        self.error.along_m += gaussian(&mut self.rng) * self.position_sigma_m;
+        self.error.aside_m += gaussian(&mut self.rng) * self.position_sigma_m;
+        self.error.heading_deg += gaussian(&mut self.rng) * self.heading_sigma_deg;
         &self.error
     }
 }
@@ -295,7 +295,7 @@ mod tests {
         for number in 0..200 {
             let object = ObjectNumber { seed: 5, class: PartialClass::Tree, number };
             let lone = LoneObject::new(&object.draw());
-            let drive = params.drive(&lone, &scanner, &mut object.dice(DiceUse::Viewpoint));
+            let drive = params.drive(&lone, &scanner, &mut object.random_stream(StreamUse::Viewpoint));
             assert!((5.0..40.0).contains(&drive.tilt_deg.abs()) && (0.2..2.0).contains(&drive.height_m));
             assert!((0.5..3.0).contains(&drive.speed_m_per_s) && drive.aside_m.abs() < 0.8);
             assert!(drive.from_m >= drive.to_m && drive.to_m >= lone.reach_backward_m(2.0) + 0.99);

@@ -6,7 +6,7 @@ use detector::PointCloud;
 use rand::RngExt;
 use scans::object_cloud::growing_cloud::Moment;
 
-use super::drawn_object::{DiceUse, ObjectNumber};
+use super::drawn_object::{ObjectNumber, StreamUse};
 use super::lone_object::{LoneObject, Look, level_pose};
 use crate::scan::beam_errors;
 use crate::sensor::SensorModel;
@@ -28,18 +28,18 @@ pub fn scanned_around(
     number: ObjectNumber,
     scanner: &SensorModel,
 ) -> (PointCloud, Vec<Moment>) {
-    let errors = beam_errors(scanner, &mut number.dice(DiceUse::Beams));
-    let mut dice = number.dice(DiceUse::Viewpoint);
-    let n_places = dice.random_range(N_PLACES);
-    let first_rad = dice.random_range(0.0..TAU);
+    let errors = beam_errors(scanner, &mut number.random_stream(StreamUse::Beams));
+    let mut rng = number.random_stream(StreamUse::Viewpoint);
+    let n_places = rng.random_range(N_PLACES);
+    let first_rad = rng.random_range(0.0..TAU);
     let (mut cloud, mut moments) = (PointCloud::default(), Vec::new());
     for scan in 0..n_places {
         let bearing_rad =
-            first_rad + TAU * (f64::from(scan) + dice.random_range(-0.25..0.25)) / f64::from(n_places);
-        let distance_m = object.reach_m() + dice.random_range(CLEARANCES_M);
-        let world_from_sensor = level_pose(bearing_rad, distance_m, scanner, &mut dice);
+            first_rad + TAU * (f64::from(scan) + rng.random_range(-0.25..0.25)) / f64::from(n_places);
+        let distance_m = object.reach_m() + rng.random_range(CLEARANCES_M);
+        let world_from_sensor = level_pose(bearing_rad, distance_m, scanner, &mut rng);
         let look = Look::from(world_from_sensor, scanner, &errors);
-        let pulses = |beam| number.dice(DiceUse::Pulses { scan, beam });
+        let pulses = |beam| number.random_stream(StreamUse::Pulses { scan, beam });
         object.append_points(&look, |_| true, pulses, &mut cloud);
         let time_s = f64::from(scan) / f64::from(scanner.turns_per_second);
         moments.push(Moment { n_points: cloud.len(), time_s, distance_m: Some(distance_m) });

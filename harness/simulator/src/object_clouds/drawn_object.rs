@@ -1,4 +1,4 @@
-//! An object drawn by its number, and the dice of whoever looks at it.
+//! An object drawn by its number, and the random streams of whoever looks at it.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -27,9 +27,9 @@ pub struct DrawnObject {
     pub yaw_rad: f32,
 }
 
-/// What dice are thrown for; each has a stream of its own, so that no use disturbs another.
+/// What random numbers are drawn for; each has a stream of its own, so that no use disturbs another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DiceUse {
+pub enum StreamUse {
     /// The form of the object.
     Form,
     /// Where a sensor stands, or how a vehicle drives.
@@ -50,29 +50,29 @@ pub enum DiceUse {
 impl ObjectNumber {
     /// The object.
     pub fn draw(self) -> DrawnObject {
-        let mut dice = self.dice(DiceUse::Form);
-        let shape = any_object(self.class, &mut dice);
-        DrawnObject { shape, yaw_rad: dice.random_range(-std::f32::consts::PI..std::f32::consts::PI) }
+        let mut rng = self.random_stream(StreamUse::Form);
+        let shape = any_object(self.class, &mut rng);
+        DrawnObject { shape, yaw_rad: rng.random_range(-std::f32::consts::PI..std::f32::consts::PI) }
     }
 
-    /// The dice for `dice_use`.
-    pub fn dice(self, dice_use: DiceUse) -> ChaCha8Rng {
+    /// The random stream for `stream_use`.
+    pub fn random_stream(self, stream_use: StreamUse) -> ChaCha8Rng {
         let class_place = PartialClass::ALL.iter().position(|it| *it == self.class).unwrap_or_default();
         let mut key = [0; 32];
         key[..8].copy_from_slice(&self.seed.to_le_bytes());
         key[8..12].copy_from_slice(&self.number.to_le_bytes());
         key[12] = class_place as u8;
-        // Tells these dice from those of streets.
+        // Keeps these streams apart from those of streets.
         key[16..23].copy_from_slice(b"objects");
-        let mut dice = ChaCha8Rng::from_seed(key);
-        dice.set_stream(match dice_use {
-            DiceUse::Form => 0,
-            DiceUse::Viewpoint => 1,
-            DiceUse::Beams => 2,
-            DiceUse::Drift => 3,
-            DiceUse::Pulses { scan, beam } => 1 << 48 | u64::from(scan) << 16 | u64::from(beam),
+        let mut rng = ChaCha8Rng::from_seed(key);
+        rng.set_stream(match stream_use {
+            StreamUse::Form => 0,
+            StreamUse::Viewpoint => 1,
+            StreamUse::Beams => 2,
+            StreamUse::Drift => 3,
+            StreamUse::Pulses { scan, beam } => 1 << 48 | u64::from(scan) << 16 | u64::from(beam),
         });
-        dice
+        rng
     }
 }
 
@@ -97,18 +97,18 @@ mod tests {
     fn uses_of_dice_do_not_disturb_each_other() {
         use rand::Rng as _;
         let object = ObjectNumber { seed: 3, class: PartialClass::Tree, number: 7 };
-        let pulses = |scan, beam| DiceUse::Pulses { scan, beam };
+        let pulses = |scan, beam| StreamUse::Pulses { scan, beam };
         let uses = [
-            DiceUse::Form,
-            DiceUse::Viewpoint,
-            DiceUse::Beams,
-            DiceUse::Drift,
+            StreamUse::Form,
+            StreamUse::Viewpoint,
+            StreamUse::Beams,
+            StreamUse::Drift,
             pulses(0, 0),
             pulses(0, 1),
             pulses(1, 0),
             pulses(70_000, 0),
         ];
-        let first: BTreeSet<u64> = uses.iter().map(|it| object.dice(*it).next_u64()).collect();
+        let first: BTreeSet<u64> = uses.iter().map(|it| object.random_stream(*it).next_u64()).collect();
         assert_eq!(first.len(), uses.len());
     }
 }

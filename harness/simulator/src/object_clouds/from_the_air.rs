@@ -9,7 +9,7 @@ use rand::{Rng as _, RngExt};
 use rand_chacha::ChaCha8Rng;
 use scans::object_cloud::growing_cloud::Moment;
 
-use super::drawn_object::{DiceUse, ObjectNumber};
+use super::drawn_object::{ObjectNumber, StreamUse};
 use super::lone_object::LoneObject;
 use crate::portable_math;
 use crate::scan::gaussian;
@@ -42,43 +42,43 @@ const PLAN_SIGMA_M: f32 = 0.06;
 
 /// The points of `object`, number `number`, a moment after each strip. Nobody says how far away the aircraft was.
 pub fn scanned_from_the_air(object: &LoneObject, number: ObjectNumber) -> (PointCloud, Vec<Moment>) {
-    let mut dice = number.dice(DiceUse::Viewpoint);
-    let n_strips = dice.random_range(N_STRIPS);
+    let mut rng = number.random_stream(StreamUse::Viewpoint);
+    let n_strips = rng.random_range(N_STRIPS);
     let (mut cloud, mut moments) = (PointCloud::default(), Vec::new());
     for strip in 0..MOST_STRIPS {
         if strip >= n_strips && cloud.len() >= LEAST_POINTS {
             break;
         }
-        let toward = direction(&mut dice);
-        let mut pulses = number.dice(DiceUse::Pulses { scan: strip, beam: 0 });
-        fly(object, toward, dice.random_range(SPACINGS_M), &mut pulses, &mut cloud);
+        let toward = direction(&mut rng);
+        let mut pulses = number.random_stream(StreamUse::Pulses { scan: strip, beam: 0 });
+        fly(object, toward, rng.random_range(SPACINGS_M), &mut pulses, &mut cloud);
         moments.push(Moment { n_points: cloud.len(), time_s: f64::from(strip), distance_m: None });
     }
     (cloud, moments)
 }
 
 /// Downward, somewhat off the vertical.
-fn direction(dice: &mut ChaCha8Rng) -> Vector {
-    let off_rad = dice.random_range(0.0..MOST_OFF_VERTICAL_DEG).to_radians();
-    let (sine, cosine) = portable_math::sin_cos(dice.random_range(0.0..TAU));
+fn direction(rng: &mut ChaCha8Rng) -> Vector {
+    let off_rad = rng.random_range(0.0..MOST_OFF_VERTICAL_DEG).to_radians();
+    let (sine, cosine) = portable_math::sin_cos(rng.random_range(0.0..TAU));
     let (aside, down) = portable_math::sin_cos(off_rad);
     Vector::from([aside * cosine, aside * sine, -down].map(|it| it as f32))
 }
 
 /// Adds the points of one strip.
-fn fly(object: &LoneObject, toward: Vector, spacing_m: f32, dice: &mut ChaCha8Rng, cloud: &mut PointCloud) {
+fn fly(object: &LoneObject, toward: Vector, spacing_m: f32, rng: &mut ChaCha8Rng, cloud: &mut PointCloud) {
     // A pulse that meets the top has its spot on the ground farther on.
     let slant_m = object.top_m() * (toward.x * toward.x + toward.y * toward.y).sqrt() / -toward.z;
     let n_to_a_side = ((object.reach_m() + slant_m + SPOT_RADIUS_M) / spacing_m).ceil() as i32;
     let begin_m = 2.0 * object.top_m() + 10.0;
     for row in -n_to_a_side..=n_to_a_side {
         for column in -n_to_a_side..=n_to_a_side {
-            let mut place = |it: i32| (it as f32 + dice.random_range(-0.5_f32..0.5)) * spacing_m;
+            let mut place = |it: i32| (it as f32 + rng.random_range(-0.5_f32..0.5)) * spacing_m;
             let spot = Vector::new(place(row), place(column), 0.0);
             let axis = Ray::new(spot + toward * (begin_m / toward.z), toward);
-            for (range_m, intensity) in echoes(object, &axis, dice) {
-                let measured = axis.point_at(range_m + gaussian(dice) * RANGE_SIGMA_M);
-                let aside = Vector::new(gaussian(dice), gaussian(dice), 0.0) * PLAN_SIGMA_M;
+            for (range_m, intensity) in echoes(object, &axis, rng) {
+                let measured = axis.point_at(range_m + gaussian(rng) * RANGE_SIGMA_M);
+                let aside = Vector::new(gaussian(rng), gaussian(rng), 0.0) * PLAN_SIGMA_M;
                 cloud.push((measured + aside).into(), intensity);
             }
         }
@@ -86,21 +86,21 @@ fn fly(object: &LoneObject, toward: Vector, spacing_m: f32, dice: &mut ChaCha8Rn
 }
 
 /// Ranges, in metres, and intensities of the echoes of a pulse about `axis`, ascending.
-fn echoes(object: &LoneObject, axis: &Ray, dice: &mut ChaCha8Rng) -> Vec<(f32, f32)> {
+fn echoes(object: &LoneObject, axis: &Ray, rng: &mut ChaCha8Rng) -> Vec<(f32, f32)> {
     let mut met = Vec::new();
     for _ in 0..RAYS_PER_PULSE {
-        let mut aside = || dice.random_range(-SPOT_RADIUS_M..SPOT_RADIUS_M);
+        let mut aside = || rng.random_range(-SPOT_RADIUS_M..SPOT_RADIUS_M);
         let offset = Vector::new(aside(), aside(), 0.0);
         let mut flown_m = 0.0;
         while met.len() < MOST_ECHOES * RAYS_PER_PULSE as usize {
             let ray = Ray::new(axis.origin + offset + axis.dir * flown_m, axis.dir);
-            let Some(hit) = object.met_by(&Pulse { ray, dice: dice.next_u32() }) else { break };
+            let Some(hit) = object.met_by(&Pulse { ray, rng: rng.next_u32() }) else { break };
             flown_m += hit.range_m;
             if hit.reflectivity > 0.0 {
                 met.push((flown_m, hit.reflectivity));
             }
             let rest = Ray::new(ray.point_at(hit.range_m), axis.dir);
-            if !object.is_among_leaves(&rest) || !dice.random_bool(GOES_ON) {
+            if !object.is_among_leaves(&rest) || !rng.random_bool(GOES_ON) {
                 break;
             }
         }
@@ -147,8 +147,8 @@ mod tests {
     #[test]
     fn a_roof_has_as_many_points_as_pulses_fall_on_it() {
         let mut cloud = PointCloud::default();
-        let mut dice = NUMBER.dice(DiceUse::Form);
-        fly(&lone(Material::MASONRY), -Vector::Z, 0.25, &mut dice, &mut cloud);
+        let mut rng = NUMBER.random_stream(StreamUse::Form);
+        fly(&lone(Material::MASONRY), -Vector::Z, 0.25, &mut rng, &mut cloud);
         // 4 m by 4 m, and the half of a spot beyond, that is about 4.2 m.
         let expected = 4.2 * 4.2 / (0.25 * 0.25);
         assert!((cloud.len() as f32 / expected - 1.0).abs() < 0.1, "{} points", cloud.len());

@@ -109,7 +109,7 @@ impl LoneObject {
     }
 
     /// Appends to `cloud` its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of the road are not among
-    /// them, nor those in the air between an edge and what lies behind it. `pulses` gives the dice of each beam.
+    /// them, nor those in the air between an edge and what lies behind it. `pulses` gives the random stream of each beam.
     pub fn append_points(
         &self,
         look: &Look<'_>,
@@ -141,8 +141,8 @@ impl LoneObject {
 
 /// The pose of a level `sensor` at `distance_m` in the direction `bearing_rad`. It does not look straight at the object, since a thin trunk would
 /// stand between the same two pulses from everywhere.
-pub fn level_pose(bearing_rad: f64, distance_m: f32, sensor: &SensorModel, dice: &mut ChaCha8Rng) -> Pose {
-    let heading_rad = bearing_rad + dice.random_range(0.0..TAU);
+pub fn level_pose(bearing_rad: f64, distance_m: f32, sensor: &SensorModel, rng: &mut ChaCha8Rng) -> Pose {
+    let heading_rad = bearing_rad + rng.random_range(0.0..TAU);
     let (sine, cosine) = sine_and_cosine(bearing_rad);
     let plan_m = [cosine * distance_m, sine * distance_m];
     sensor_pose(plan_m, sensor.height_above_road_m, heading_rad, 0.0)

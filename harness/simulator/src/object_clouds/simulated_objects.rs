@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::approach::{ApproachParams, Drive, approached};
 use super::around::{scanned_around, survey_scanner};
-use super::drawn_object::{DiceUse, ObjectNumber};
+use super::drawn_object::{ObjectNumber, StreamUse};
 use super::from_the_air::scanned_from_the_air;
 use super::lone_object::LoneObject;
 use super::planar_scanner::PlanarScanner;
@@ -179,9 +179,9 @@ fn well_approached(
     scanner: &PlanarScanner,
     params: &ApproachParams,
 ) -> (Drive, PointCloud, Vec<Moment>) {
-    let mut dice = number.dice(DiceUse::Viewpoint);
+    let mut rng = number.random_stream(StreamUse::Viewpoint);
     let mut try_once = || {
-        let drive = params.drive(object, scanner, &mut dice);
+        let drive = params.drive(object, scanner, &mut rng);
         let (cloud, moments) = approached(object, number, scanner, &drive, params);
         (drive, cloud, moments)
     };

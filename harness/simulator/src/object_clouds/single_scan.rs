@@ -6,7 +6,7 @@ use detector::PointCloud;
 use rand::RngExt;
 use scans::object_cloud::growing_cloud::Moment;
 
-use super::drawn_object::{DiceUse, ObjectNumber};
+use super::drawn_object::{ObjectNumber, StreamUse};
 use super::lone_object::{LoneObject, Look, level_pose};
 use crate::scan::beam_errors;
 use crate::sensor::SensorModel;
@@ -21,13 +21,13 @@ pub fn scanned_once(
     sensor: &SensorModel,
     range_m: f32,
 ) -> (PointCloud, Moment) {
-    let errors = beam_errors(sensor, &mut number.dice(DiceUse::Beams));
-    let mut dice = number.dice(DiceUse::Viewpoint);
-    let bearing_rad = dice.random_range(0.0..TAU);
+    let errors = beam_errors(sensor, &mut number.random_stream(StreamUse::Beams));
+    let mut rng = number.random_stream(StreamUse::Viewpoint);
+    let bearing_rad = rng.random_range(0.0..TAU);
     let distance_m = object.reach_m() + range_m;
-    let world_from_sensor = level_pose(bearing_rad, distance_m, sensor, &mut dice);
+    let world_from_sensor = level_pose(bearing_rad, distance_m, sensor, &mut rng);
     let sensor = SensorModel { carrier_roof: None, ..sensor.clone() };
-    let pulses = |beam| number.dice(DiceUse::Pulses { scan: 0, beam });
+    let pulses = |beam| number.random_stream(StreamUse::Pulses { scan: 0, beam });
     let mut cloud = PointCloud::default();
     object.append_points(&Look::from(world_from_sensor, &sensor, &errors), |_| true, pulses, &mut cloud);
     let moment = Moment { n_points: cloud.len(), time_s: 0.0, distance_m: Some(distance_m) };
@@ -84,7 +84,7 @@ mod tests {
             .map(|it| it.map(f64::from))
             .filter_map(|[x, y, z]| {
                 let radius = (x * x + y * y + (z - 2.0) * (z - 2.0)).sqrt();
-                let bearing = number.dice(DiceUse::Viewpoint).random_range(0.0..TAU);
+                let bearing = number.random_stream(StreamUse::Viewpoint).random_range(0.0..TAU);
                 let [sensor_x, sensor_y] = [bearing.cos() * distance_m, bearing.sin() * distance_m];
                 let toward = (x * sensor_x + y * sensor_y) / (radius * distance_m);
                 (toward > 0.98).then_some(radius - 1.5)

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use detector::classify::grouping_model::{GROUPING_MODEL, GroupingModel};
 use detector::classify::model_file::ModelFile;
-use detector::classify::object_looks::LookBuffers;
+use detector::classify::refinement_forests::RefinementBuffers;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::params::HierarchicalParams;
@@ -16,7 +16,7 @@ use evaluation::run::config::{GROUPINGS_FILE, RunConfig};
 use evaluation::training::CHOICE_SEED;
 use evaluation::training::calibration::{CalibrationBin, calibration};
 use evaluation::training::group_examples::{GroupLabels, LEAST_IOU, ScanGroups, collect_groups};
-use evaluation::training::grouping_training::{LEAST_WORTH_TOLD, N_GROUPING_FORESTS, train_on_groups};
+use evaluation::training::grouping_training::{LEAST_IOU_OF_VEHICLES, N_GROUPING_FORESTS, train_on_groups};
 use evaluation::training::held_out::HeldOut;
 use evaluation::training::operating_curves::OperatingCurves;
 use jiff::Timestamp;
@@ -169,27 +169,29 @@ pub struct Judgement {
 
 impl Judgement {
     fn of((model, rounds): (&GroupingModel, u8), judged: &[&ScanGroups]) -> Self {
-        let mut buffers = LookBuffers::default();
-        let (mut worths, mut odds) = (Vec::new(), Vec::new());
+        let mut buffers = RefinementBuffers::default();
+        let (mut expected_ious, mut odds) = (Vec::new(), Vec::new());
         for scan in judged {
-            for (worth, it) in
-                scan.worths((&model.objects, rounds), &mut buffers).into_iter().zip(&scan.groups)
+            for (expected_iou, it) in
+                scan.expected_ious((&model.objects, rounds), &mut buffers).into_iter().zip(&scan.groups)
             {
                 let Some(GroupLabels { iou, is_vehicle }) = it.labels else { continue };
-                worths.push((worth, iou));
-                if let Some(is_vehicle) = is_vehicle.filter(|_| worth >= LEAST_WORTH_TOLD) {
+                expected_ious.push((expected_iou, iou));
+                if let Some(is_vehicle) = is_vehicle.filter(|_| expected_iou >= LEAST_IOU_OF_VEHICLES) {
                     odds.push((model.vehicles.sum(&it.vehicle_values), is_vehicle));
                 }
             }
         }
         let probability = |log_odds: f32| 1.0 / (1.0 + f64::from(-log_odds).exp());
         Self {
-            n: worths.len(),
-            n_objects: worths.iter().filter(|it| it.1 >= LEAST_IOU).count(),
-            objects: OperatingCurves::of(worths.iter().map(|it| (it.0, it.1 >= LEAST_IOU))),
+            n: expected_ious.len(),
+            n_objects: expected_ious.iter().filter(|it| it.1 >= LEAST_IOU).count(),
+            objects: OperatingCurves::of(expected_ious.iter().map(|it| (it.0, it.1 >= LEAST_IOU))),
             n_vehicles: odds.iter().filter(|it| it.1).count(),
             vehicles: OperatingCurves::of(odds.iter().copied()),
-            ious: calibration(worths.iter().map(|it| (f64::from(it.0).clamp(0.0, 1.0), f64::from(it.1)))),
+            ious: calibration(
+                expected_ious.iter().map(|it| (f64::from(it.0).clamp(0.0, 1.0), f64::from(it.1))),
+            ),
             probabilities: calibration(odds.iter().map(|it| (probability(it.0), f64::from(u8::from(it.1))))),
         }
     }

@@ -1,20 +1,20 @@
-//! Groups that are worth too little for objects, and may be vehicles.
+//! Groups with too low an expected IoU for objects that may be vehicles.
 
 use crate::group::grouping_tree::GroupingTree;
 
 /// Finds groups beside those that are taken, in reusable buffers.
 #[derive(Debug, Clone, Default)]
-pub struct DoubtfulGroups {
+pub struct LowIouGroups {
     // For every node, whether it is one of those that are taken or found, or holds one.
     holds_one: Vec<bool>,
     is_one: Vec<bool>,
     offered: Vec<(u32, f32)>,
 }
 
-impl DoubtfulGroups {
+impl LowIouGroups {
     /// Adds to `taken`, which are nodes of `tree` of which none holds another, those of the `offered` nodes that share nothing with
-    /// them nor with each other, the one of the greatest worth first, and of those worth the same the one of the smallest number. Each
-    /// is offered with its worth. What was added is [`Self::is_added`].
+    /// them nor with each other, the one of the greatest expected IoU first, and of equal ones the one of the smallest number. Each
+    /// is offered with its expected IoU. What was added is [`Self::is_added`].
     pub fn add(
         &mut self,
         tree: &GroupingTree,
@@ -67,18 +67,18 @@ mod tests {
         #[test]
         fn no_group_holds_another_and_nothing_is_left_that_could_be_added(
             places in prop::collection::btree_set(0_u8..30, 1..8),
-            worths in prop::collection::vec(0_u8..9, 20),
+            expected_ious in prop::collection::vec(0_u8..9, 20),
             taken_idx in 0_usize..20,
         ) {
             let steps: Vec<[u8; 2]> = places.into_iter().map(|it| [it, 0]).collect();
             let (_, tree, _) = tree_over(&steps);
             let n_nodes = tree.nodes().len() as u32;
-            let worth = |it: u32| f32::from(worths[it as usize % worths.len()]);
-            let is_offered = |it: &u32| worth(*it) >= 3.0;
+            let expected_iou = |it: u32| f32::from(expected_ious[it as usize % expected_ious.len()]);
+            let is_offered = |it: &u32| expected_iou(*it) >= 3.0;
             let before = [taken_idx as u32 % n_nodes];
             let mut taken = before.to_vec();
-            let mut doubtful = DoubtfulGroups::default();
-            doubtful.add(&tree, (0..n_nodes).filter(is_offered).map(|it| (it, worth(it))), &mut taken);
+            let mut doubtful = LowIouGroups::default();
+            doubtful.add(&tree, (0..n_nodes).filter(is_offered).map(|it| (it, expected_iou(it))), &mut taken);
             let holds = |a: u32, b: u32| {
                 std::iter::successors(Some(b), |&it| tree.nodes()[it as usize].parent).any(|it| it == a)
             };
@@ -89,10 +89,10 @@ mod tests {
                 prop_assert_eq!(doubtful.is_added(a), a != before[0]);
                 prop_assert!(a == before[0] || is_offered(&a));
             }
-            // What was not added shares something with a group that is worth as much and more, or was there before.
+            // What was not added shares something with a group of as high an expected IoU, or was there before.
             for it in (0..n_nodes).filter(is_offered).filter(|it| !taken.contains(it)) {
                 prop_assert!(!doubtful.is_added(it));
-                let stands_in_its_way = |&by: &u32| shares(it, by) && (by == before[0] || worth(by) >= worth(it));
+                let stands_in_its_way = |&by: &u32| shares(it, by) && (by == before[0] || expected_iou(by) >= expected_iou(it));
                 prop_assert!(taken.iter().any(stands_in_its_way));
             }
         }

@@ -3,24 +3,24 @@
 use std::collections::BTreeMap;
 
 use detector::classify::forest::Forest;
-use detector::classify::object_looks::{N_MORE_LOOKS, ObjectLooks, is_looked_at_again};
-use detector::group::node_context::{N_SECOND_LOOK_VALUES, NodeContexts};
+use detector::classify::refinement_forests::{N_REFINEMENTS, RefinementForests, is_refined};
+use detector::group::node_context::{N_REFINEMENT_VALUES, NodeContexts};
 use forust_ml::errors::ForustError;
 use rayon::prelude::*;
 
 use crate::training::boosting::{BoostingParams, Target, boost};
 use crate::training::group_examples::{GroupExample, ScanGroups};
 
-/// Parts of the drives; what a look says of one of them is learned from the others.
+/// Parts of the drives; the expected IoUs of one of them come from forests of the others.
 const N_FOLDS: usize = 3;
 
-/// Forests that [`train_looks`] trains: each look, and what all looks say of each part by the others.
-pub const N_FORESTS: usize = (1 + N_MORE_LOOKS) * (1 + N_FOLDS);
+/// Forests that [`train_refinement`] trains: each round, and each round of each part by the others.
+pub const N_FORESTS: usize = (1 + N_REFINEMENTS) * (1 + N_FOLDS);
 
-/// Trains all looks with `scans`. Returns them, and what each group of the scans is worth, after so many `rounds`, to looks that have not
+/// Trains the forests of all rounds with `scans`. Returns them, and the expected IoU of each group of the scans, after so many `rounds`, by forests that have not
 /// seen its drive.
 ///
-/// What a look says of the scans that it learned from is better than what it says of others. So the look after it learns from what forests
+/// A forest is better on the scans that it learned from than on others. So the round after it learns from what forests
 /// say that have not seen these drives: the drives are parted in three, by their names, since one street may be there under several
 /// conditions and sensors. With fewer drives than that, the scans are.
 ///
@@ -29,29 +29,29 @@ pub const N_FORESTS: usize = (1 + N_MORE_LOOKS) * (1 + N_FOLDS);
 /// # Errors
 ///
 /// If there are fewer scans than parts, or no labels.
-pub fn train_looks(
+pub fn train_refinement(
     scans: &[&ScanGroups],
     (params, rounds): (&BoostingParams, u8),
     on_forest: &(dyn Fn() + Sync),
-) -> Result<(ObjectLooks, Vec<Vec<f32>>), ForustError> {
+) -> Result<(RefinementForests, Vec<Vec<f32>>), ForustError> {
     let folds = folds(scans);
     let seen: Vec<Vec<_>> =
         scans.iter().map(|it| it.groups.iter().map(|it| Some(it.node_values)).collect()).collect();
     let examples = Examples { scans, folds: &folds, params, on_forest };
     let first = examples.forest(&seen, None)?;
-    let mut worths: Vec<Vec<f32>> = scans.iter().map(|it| vec![0.0; it.groups.len()]).collect();
-    examples.look_by_others(&seen, &mut worths)?;
-    let mut worths_after = vec![worths.clone()];
-    let mut more: Vec<Forest<N_SECOND_LOOK_VALUES>> = Vec::new();
-    while more.len() < N_MORE_LOOKS {
-        let pairs = scans.iter().zip(&worths);
-        let seen: Vec<Vec<_>> = pairs.map(|(scan, worths)| seen_again(scan, worths)).collect();
+    let mut expected_ious: Vec<Vec<f32>> = scans.iter().map(|it| vec![0.0; it.groups.len()]).collect();
+    examples.refine_by_others(&seen, &mut expected_ious)?;
+    let mut ious_after = vec![expected_ious.clone()];
+    let mut more: Vec<Forest<N_REFINEMENT_VALUES>> = Vec::new();
+    while more.len() < N_REFINEMENTS {
+        let pairs = scans.iter().zip(&expected_ious);
+        let seen: Vec<Vec<_>> = pairs.map(|(scan, expected_ious)| seen_again(scan, expected_ious)).collect();
         more.push(examples.forest(&seen, None)?);
-        examples.look_by_others(&seen, &mut worths)?;
-        worths_after.push(worths.clone());
+        examples.refine_by_others(&seen, &mut expected_ious)?;
+        ious_after.push(expected_ious.clone());
     }
-    let looks = ObjectLooks { first, more: more.try_into().expect("as many were trained") };
-    Ok((looks, worths_after.swap_remove(usize::from(rounds) - 1)))
+    let forests = RefinementForests { first, more: more.try_into().expect("as many were trained") };
+    Ok((forests, ious_after.swap_remove(usize::from(rounds) - 1)))
 }
 
 /// The part that each scan belongs to.
@@ -67,16 +67,20 @@ fn folds(scans: &[&ScanGroups]) -> Vec<usize> {
     scans.iter().enumerate().map(|it| place(it) % N_FOLDS).collect()
 }
 
-/// What a second look sees of the groups of a scan of these worths, of those that it is asked about.
-fn seen_again(scan: &ScanGroups, worths: &[f32]) -> Vec<Option<[f32; N_SECOND_LOOK_VALUES]>> {
+/// What a refinement round sees of the groups of a scan with these expected IoUs, of those that it refines.
+fn seen_again(scan: &ScanGroups, expected_ious: &[f32]) -> Vec<Option<[f32; N_REFINEMENT_VALUES]>> {
     let mut contexts = NodeContexts::default();
     let node_idxs = scan.groups.iter().map(|it| it.node_idx);
-    contexts.find(&scan.upward, |it| scan.wholes[it as usize], node_idxs.zip(worths.iter().copied()));
+    contexts.find(&scan.upward, |it| scan.wholes[it as usize], node_idxs.zip(expected_ious.iter().copied()));
     let seen = |it: &GroupExample| contexts.seen(it.node_idx, &it.node_values);
-    scan.groups.iter().zip(worths).map(|(it, &worth)| is_looked_at_again(worth).then(|| seen(it))).collect()
+    scan.groups
+        .iter()
+        .zip(expected_ious)
+        .map(|(it, &expected_iou)| is_refined(expected_iou).then(|| seen(it)))
+        .collect()
 }
 
-/// What all looks learn from.
+/// What the forests of all rounds learn from.
 struct Examples<'a> {
     scans: &'a [&'a ScanGroups],
     folds: &'a [usize],
@@ -104,22 +108,22 @@ impl Examples<'_> {
         Ok(forest)
     }
 
-    /// Updates the worth of every group that is looked at, by a forest that has not learned from its part.
-    fn look_by_others<const D: usize>(
+    /// Updates the expected IoU of every group that is refined, by a forest that has not learned from its part.
+    fn refine_by_others<const D: usize>(
         &self,
         seen: &[Vec<Option<[f32; D]>>],
-        worths: &mut [Vec<f32>],
+        expected_ious: &mut [Vec<f32>],
     ) -> Result<(), ForustError> {
         // Each forest grows on one thread most of the time, so the parts grow in parallel.
         let forests: Vec<_> =
             (0..N_FOLDS).into_par_iter().map(|left_out| self.forest(seen, Some(left_out))).collect();
         for (left_out, forest) in forests.into_iter().enumerate() {
             let forest = forest?;
-            let of_part = worths.iter_mut().zip(seen).zip(self.folds).filter(|it| *it.1 == left_out);
-            for ((worths, seen), _) in of_part {
-                for (worth, seen) in worths.iter_mut().zip(seen) {
+            let of_part = expected_ious.iter_mut().zip(seen).zip(self.folds).filter(|it| *it.1 == left_out);
+            for ((expected_ious, seen), _) in of_part {
+                for (expected_iou, seen) in expected_ious.iter_mut().zip(seen) {
                     if let Some(seen) = seen {
-                        *worth = forest.sum(seen);
+                        *expected_iou = forest.sum(seen);
                     }
                 }
             }
@@ -135,7 +139,7 @@ mod tests {
     use super::*;
     use crate::training::group_examples::GroupLabels;
     use detector::classify::grouping_model::N_VEHICLE_VALUES;
-    use detector::classify::object_looks::LookBuffers;
+    use detector::classify::refinement_forests::RefinementBuffers;
     use detector::group::node_values::N_NODE_VALUES;
 
     /// A whole of two parts, which is the object or of which each part is one: nothing that a group has by itself tells which, but that
@@ -163,7 +167,7 @@ mod tests {
                 group(0, length, of_part),
                 group(1, 3.0, of_part),
                 group(2, 4.0, of_whole),
-                // Without hope, so that only the first look learns from it.
+                // Without hope, so that only the first round learns from it.
                 group(3, 9.0, 0.0),
             ],
         }
@@ -185,23 +189,25 @@ mod tests {
         let on_forest = || {
             n_forests.fetch_add(1, Ordering::Relaxed);
         };
-        let (looks, worths) =
-            train_looks(&scans.iter().collect::<Vec<_>>(), (&PARAMS, 3), &on_forest).unwrap();
+        let (forests, expected_ious) =
+            train_refinement(&scans.iter().collect::<Vec<_>>(), (&PARAMS, 3), &on_forest).unwrap();
         assert_eq!(n_forests.into_inner(), N_FORESTS);
         // Drives differ by their names alone, so that what others say of them is right, too.
         let groups = scans.iter().flat_map(|it| &it.groups);
-        for (worth, group) in worths.iter().flatten().zip(groups) {
+        for (expected_iou, group) in expected_ious.iter().flatten().zip(groups) {
             let iou = group.labels.unwrap().iou;
-            assert!((worth - iou).abs() < 0.1, "{worth} instead of {iou}");
+            assert!((expected_iou - iou).abs() < 0.1, "{worth} instead of {iou}");
         }
-        let mut buffers = LookBuffers::default();
+        let mut buffers = RefinementBuffers::default();
         for it in &scans {
-            for (worth, group) in it.worths((&looks, 3), &mut buffers).into_iter().zip(&it.groups) {
+            for (expected_iou, group) in
+                it.expected_ious((&forests, 3), &mut buffers).into_iter().zip(&it.groups)
+            {
                 let iou = group.labels.unwrap().iou;
-                assert!((worth - iou).abs() < 0.05, "{worth} instead of {iou}");
+                assert!((expected_iou - iou).abs() < 0.05, "{worth} instead of {iou}");
             }
             // By itself, the second part is between both.
-            let alone = looks.first.sum(&it.groups[1].node_values);
+            let alone = forests.first.sum(&it.groups[1].node_values);
             assert!((alone - 0.65).abs() < 0.1, "{alone}");
         }
     }
