@@ -225,7 +225,7 @@ mod tests {
     use crate::group::drawn_trees::{DrawnGroups, corner_m, groups_over};
 
     #[test]
-    fn a_heap_holds_what_stands_over_its_cell() {
+    fn statistics_are_of_what_stands_over_a_cell() {
         let DrawnGroups { dense, grid, .. } = groups_over(&[[3, 1]]);
         let [x_m, y_m] = corner_m([3, 1]).map(|it| it + 0.1);
         let mut occupied = dense.statistics().iter().zip(0..).filter(|(it, _)| it.n_points > 0);
@@ -236,9 +236,9 @@ mod tests {
         // The road is 1.73 m below the sensor: heights are 0.43, 0.48 … 1.18 m.
         assert_eq!(statistics.n_above, [14, 2, 0, 0]);
         let heights_m = || (4..20_u8).map(|it| 0.23 + 0.05 * f32::from(it));
-        assert!((statistics.height_sum_m - heights_m().sum::<f32>()).abs() < 1e-3, "{heap:?}");
+        assert!((statistics.height_sum_m - heights_m().sum::<f32>()).abs() < 1e-3, "{statistics:?}");
         let squares_m2: f32 = heights_m().map(|it| it * it).sum();
-        assert!((statistics.height_squares_m2 - squares_m2).abs() < 1e-3, "{heap:?}");
+        assert!((statistics.height_squares_m2 - squares_m2).abs() < 1e-3, "{statistics:?}");
         // The block is the coarse cell, and the cell is where it lies in it, row by row.
         let cell_idx = dense.cell_of_block()[dense.block_of_dense(dense_idx)];
         let corner_of_block_m = grid.center_m(cell_idx).map(|it| it - 0.3);
@@ -259,7 +259,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
         #[test]
-        fn every_candidate_is_in_the_heap_of_its_cell(
+        fn every_candidate_is_counted_in_its_cell(
             steps in prop::collection::btree_set((0_u8..25, 0_u8..12), 1..30),
         ) {
             let steps: Vec<[u8; 2]> = steps.into_iter().map(<[u8; 2]>::from).collect();
@@ -276,7 +276,7 @@ mod tests {
                     (y_m, [statistics.low_m[1], statistics.high_m[1]]),
                     (z_m, statistics.z_range_m),
                 ] {
-                    prop_assert!((low_m..=high_m).contains(&at_m), "{at_m} is not in {heap:?}");
+                    prop_assert!((low_m..=high_m).contains(&at_m), "{at_m} is not in {statistics:?}");
                 }
                 n_points[dense_idx as usize] += 1;
             }
@@ -312,7 +312,7 @@ mod tests {
         }
 
         #[test]
-        fn merged_heaps_are_the_heap_of_all_points(
+        fn merged_statistics_are_those_of_all_points(
             points in prop::collection::vec((-9_i8..9, -9_i8..9, 0_i8..9), 1..20),
             split in 0_usize..20,
         ) {

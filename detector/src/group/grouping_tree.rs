@@ -192,12 +192,12 @@ impl GroupingTree {
         let node = &self.nodes[leaf as usize];
         let (start, end, n_cuts) = (node.start, node.end, node.n_cuts + 1);
         let cells = &mut self.cells[node.cells()];
-        let mut statistics = [CellStatistics::EMPTY; 2];
+        let mut of_parts = [CellStatistics::EMPTY; 2];
         let mut n_first = 0;
         for place in 0..cells.len() {
             let statistics = &dense.statistics()[cells[place] as usize];
             let is_first = is_first(statistics);
-            statistics[usize::from(!is_first)].merge(statistics);
+            of_parts[usize::from(!is_first)].merge(statistics);
             if is_first {
                 cells.swap(n_first, place);
                 n_first += 1;
@@ -217,9 +217,9 @@ impl GroupingTree {
             end,
             ..Node::new(0)
         };
-        let [first_heap, second_heap] = statistics;
-        self.nodes.push(Node { next_sibling: Some(first + 1), ..part(first_heap, start, middle) });
-        self.nodes.push(part(second_heap, middle, end));
+        let [of_first, of_second] = of_parts;
+        self.nodes.push(Node { next_sibling: Some(first + 1), ..part(of_first, start, middle) });
+        self.nodes.push(part(of_second, middle, end));
         self.nodes[leaf as usize].first_child = Some(first);
     }
 

@@ -34,7 +34,7 @@ pub fn pavement_furniture(
     rng: &mut ChaCha8Rng,
 ) {
     if params.avenue {
-        // Dice of their own: everything else stands where it would stand without them.
+        // A random stream of their own: everything else stands where it would stand without them.
         let mut apart = rng.clone();
         apart.set_stream(AVENUE_STREAM);
         broad_trees(world, roadside, params.from_kerb_m, &mut apart);

@@ -84,7 +84,7 @@ pub struct EgoPose {
 
 /// What the random streams of a seed are used for; each use has a stream of its own.
 #[derive(Debug, Clone, Copy)]
-enum Dice {
+enum StreamUse {
     World = 0,
     BeamErrors = 1,
     Pulses = 2,
@@ -102,22 +102,22 @@ impl Street {
 
     /// Draws the street of this kind and seed under `conditions`.
     pub fn under(kind: StreetKind, seed: u64, conditions: &StreetConditions) -> Self {
-        let mut rng = rng(kind, seed, Dice::World);
+        let mut rng = random_stream(kind, seed, StreamUse::World);
         let mut world = match kind {
             StreetKind::MainRoad => main_road(conditions, &mut rng),
             StreetKind::NarrowStreet => narrow_street(conditions, &mut rng),
             StreetKind::Intersection => intersection(conditions, &mut rng),
         };
         if let Some(height_m) = conditions.truck_ahead_height_m {
-            leading_truck(&mut world, height_m, &mut rng(kind, seed, Dice::LeadingTruck));
+            leading_truck(&mut world, height_m, &mut random_stream(kind, seed, StreamUse::LeadingTruck));
         }
         for (is_built, build, purpose) in [
-            (conditions.bridges, bridges as fn(&mut World, &mut ChaCha8Rng), Dice::Bridges),
-            (conditions.wires, wires, Dice::Wires),
-            (conditions.garages, garages, Dice::Garages),
+            (conditions.bridges, bridges as fn(&mut World, &mut ChaCha8Rng), StreamUse::Bridges),
+            (conditions.wires, wires, StreamUse::Wires),
+            (conditions.garages, garages, StreamUse::Garages),
         ] {
             if is_built {
-                build(&mut world, &mut rng(kind, seed, purpose));
+                build(&mut world, &mut random_stream(kind, seed, purpose));
             }
         }
         let mut leaves = world.walls.clone();
@@ -214,9 +214,9 @@ impl Street {
                 rain: self.rain,
             })
             .collect();
-        let errors = beam_errors(sensor, &mut rng(self.kind, self.seed, Dice::BeamErrors));
+        let errors = beam_errors(sensor, &mut random_stream(self.kind, self.seed, StreamUse::BeamErrors));
         let mut turn = turn(sensor, &errors, &surroundings, |beam| {
-            let mut rng = rng(self.kind, self.seed, Dice::Pulses);
+            let mut rng = random_stream(self.kind, self.seed, StreamUse::Pulses);
             rng.set_stream(u64::from(scan_idx) << 32 | u64::from(beam));
             rng
         });
@@ -304,7 +304,7 @@ fn time_s(sensor: &SensorModel, scan_idx: u32) -> f32 {
     scan_idx as f32 / sensor.turns_per_second
 }
 
-fn random_stream(kind: StreetKind, seed: u64, purpose: Dice) -> ChaCha8Rng {
+fn random_stream(kind: StreetKind, seed: u64, purpose: StreamUse) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     key[8] = purpose as u8;

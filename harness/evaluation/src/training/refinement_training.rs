@@ -196,7 +196,7 @@ mod tests {
         let groups = scans.iter().flat_map(|it| &it.groups);
         for (expected_iou, group) in expected_ious.iter().flatten().zip(groups) {
             let iou = group.labels.unwrap().iou;
-            assert!((expected_iou - iou).abs() < 0.1, "{worth} instead of {iou}");
+            assert!((expected_iou - iou).abs() < 0.1, "{expected_iou} instead of {iou}");
         }
         let mut buffers = RefinementBuffers::default();
         for it in &scans {
@@ -204,7 +204,7 @@ mod tests {
                 it.expected_ious((&forests, 3), &mut buffers).into_iter().zip(&it.groups)
             {
                 let iou = group.labels.unwrap().iou;
-                assert!((expected_iou - iou).abs() < 0.05, "{worth} instead of {iou}");
+                assert!((expected_iou - iou).abs() < 0.05, "{expected_iou} instead of {iou}");
             }
             // By itself, the second part is between both.
             let alone = forests.first.sum(&it.groups[1].node_values);

@@ -212,7 +212,7 @@ impl Judgement {
             format!("Trained on {n_taught} groups"),
             String::new(),
             format!(
-                "On {n} held-out groups, of which {n_objects} show an object; of those worth {LEAST_WORTH_TOLD} and more, {n_vehicles} show a \
+                "On {n} held-out groups, of which {n_objects} show an object; of those with an expected IoU of {LEAST_IOU_OF_VEHICLES} and more, {n_vehicles} show a \
                  vehicle:"
             ),
             format!("{:<12}{:>10}{:>24}", "", "ROC area", "precision-recall area"),
