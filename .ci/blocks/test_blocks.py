@@ -302,7 +302,7 @@ class Shown(unittest.TestCase):
         self.assertIn("40 simulated annotations, 4 recorded ones.", text)
 
     def test_what_changed_nowhere_is_zero(self):
-        head = "| task | detector | slice | metric | before | after | difference | 95 % | least |\n| :-- |\n"
+        head = "| task | detector | slice | metric | before | after | difference | 95 % | detectable |\n| :-- |\n"
         row = "| objects | {} | all | f_rate \\[%] | 1 | 2 | {} | {} | 1.12 |\n"
         printed = head + row.format("grid", "+0.47", "−0.24 to +1.17") + row.format("pca", "+0.00", "+0.00 to +0.00")
         compared = {"printed": printed, "command": "scanbench compare a b"}

@@ -6,13 +6,18 @@ use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{DatasetCurves, RunFacts};
 use crate::plots::recall_plot::recall_plot;
 use crate::plots::series::key;
-use crate::plots::themed_panel::ThemedPanel;
+use crate::plots::themed_panel::{KeyEntry, ThemedPanel};
 
 /// Nothing if no detection has a score, or false ones are unknown.
 pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     if facts.curves.is_empty() {
         return html! {};
     }
+    let has_curve = |name: &str| {
+        let mut of_detectors = facts.curves.iter().flat_map(|it| &it.of_detectors);
+        of_detectors.any(|(detector, places)| detector == name && !places.is_empty())
+    };
+    let key: Vec<KeyEntry> = key(&facts.detectors()).into_iter().filter(|it| has_curve(&it.name)).collect();
     let panels: Vec<ThemedPanel> = facts.curves.iter().map(|it| panel(facts, it)).collect();
     html! {
         section #curves aria-labelledby="curves-title" {
@@ -21,7 +26,7 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                 file_stem: "precision_recall",
                 title: "Precision over recall of vehicles",
                 panels: &panels,
-                key: &key(&facts.detectors()),
+                key: &key,
                 caption: html! {
                     "Precision over recall as the score threshold falls, from the most certain vehicle (left) to all (right end). "
                     "Up and to the right is better."

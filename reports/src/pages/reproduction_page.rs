@@ -8,6 +8,7 @@ use super::document::document;
 use super::markup::{commands, sentences, table, wide_picture};
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
+use crate::reproduction::claim::Paper;
 use crate::reproduction::judged_claim::JudgedClaim;
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::studies::claims_table::{ClaimsTable, lead};
@@ -40,6 +41,7 @@ impl ReproductionPage<'_> {
                 p.kicker { "scanbench" }
                 h1 { "Do the papers' claims hold?" }
                 p.facts { (self.scans) }
+                @for paper in Paper::ALL { p.facts { (paper.short_name()) ": " (paper.citation()) } }
             }
             section #verdict aria-label="Verdict" {
                 div.verdict {

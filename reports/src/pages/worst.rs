@@ -20,7 +20,7 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
         section #worst aria-labelledby="worst-title" {
             h2 #worst-title { "Worst mistakes, seen from above" }
             p.about {
-                "The missed and false objects with the most points, each object once. Forward is up; the wedge at the edge points to the sensor. "
+                "The missed and false objects with the most points, each object once. Forward is up; the wedge at the edge points to the sensor, and a cross (+) is the sensor. "
                 @if facts.points.is_some() { "Dots are points of the scan: dark above the road, pale on the road." }
             }
             (key(&scene_keys(&facts.detectors())))

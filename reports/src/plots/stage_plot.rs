@@ -10,8 +10,9 @@ use crate::files::fixed_decimals::three_digits;
 
 const HEADING_PX: u32 = 24;
 const ROW_PX: u32 = 22;
-/// Room for the names of stages, and for the times.
-const NAMES_PX: f64 = 104.0;
+/// Room for the names of stages, at least and at most, and for the times.
+const NAMES_PX: [f64; 2] = [104.0, 230.0];
+const CHARACTER_PX: f64 = 8.0;
 const TIMES_PX: f64 = 70.0;
 
 /// A panel with a bar for every stage, whose median times are in milliseconds, in the order of the stages. Bars are to the
@@ -41,16 +42,18 @@ fn marks(detector: &str, series: SeriesMark, stages: &[(String, f64)]) -> Vec<Ma
     };
     let mut marks = vec![Mark::text((2.0, 11.0), [0, 0], detector, bold_style(SMALL_TEXT_PX))];
     let longest_ms = stages.iter().map(|(_, ms)| *ms).fold(0.0, f64::max);
-    let room_px = f64::from(WIDTH_PX) - NAMES_PX - TIMES_PX;
+    let longest_name = stages.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    let names_px = (CHARACTER_PX * longest_name as f64 + 8.0).clamp(NAMES_PX[0], NAMES_PX[1]);
+    let room_px = f64::from(WIDTH_PX) - names_px - TIMES_PX;
     for ((stage, ms), top_px) in stages.iter().zip((HEADING_PX..).step_by(ROW_PX as usize)) {
         let [top_px, row_px] = [top_px, ROW_PX].map(f64::from);
         let middle_px = top_px + row_px / 2.0;
-        marks.push(text(NAMES_PX - 8.0, middle_px, words(stage), HPos::Right));
+        marks.push(text(names_px - 8.0, middle_px, words(stage), HPos::Right));
         // What is too short to be seen is a hair line.
         let long_px = if longest_ms > 0.0 { (room_px * ms / longest_ms).round().max(1.0) } else { 1.0 };
-        let corners = [(NAMES_PX, top_px + 4.0), (NAMES_PX + long_px, top_px + row_px - 4.0)];
+        let corners = [(names_px, top_px + 4.0), (names_px + long_px, top_px + row_px - 4.0)];
         marks.push(Mark::rectangle(corners, series.color()));
-        marks.push(text(NAMES_PX + long_px + 6.0, middle_px, time_text(*ms), HPos::Left));
+        marks.push(text(names_px + long_px + 6.0, middle_px, time_text(*ms), HPos::Left));
     }
     marks
 }

@@ -97,7 +97,21 @@ mod tests {
             row("none", "tree", [0, 5], [0, 0]),
         ];
         let text = Terminal { width: Some(100) }.text(&AgreementOfDetectors { rows: &rows });
-        insta::assert_snapshot!(text, @"");
+        insta::assert_snapshot!(text, @r"
+        Task objects on robot, 4 scans without labels.
+
+                                                  also found by [%]
+                                                  ────────────────
+        detector  detections  a scan  alone [%]   grid  tree  none
+        ──────────────────────────────────────────────────────────
+        grid              10     2.5       60.0         40.0   0.0
+        tree               5     1.2       20.0   80.0         0.0
+        none               0     0.0        –      –     –
+
+        also found by: share of a detector's detections that the other one has, too: they share half of the
+          points of both, and are matched one with one. alone: share that no other one has.
+        Nothing is labelled, so nothing was scored: who is right is not known.
+        ");
     }
 
     #[test]

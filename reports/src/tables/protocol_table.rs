@@ -233,8 +233,9 @@ mod tests {
           found. present: over classes with annotations, and errors that are known.
         Detections without a score have 1; vehicles whose class nobody tells are cars.
         –: no annotation that it could be of, or not known.
-        95 % interval: cluster bootstrap, 1000 resamples of seconds, because there are fewer than 10 drives:
-          they cover other scans of the same drives, but not other drives.
+        95 % interval: cluster bootstrap, 1000 resamples; each second of driving is one block, because there
+          are fewer than 10 drives: the intervals cover other scans of the same drives, but not other
+          drives.
         All numbers: table_protocol_nuscenes.md.
         simulated: from a simulator, not recorded.
         ");

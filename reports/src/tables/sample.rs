@@ -22,7 +22,7 @@ pub(crate) fn manifest() -> Manifest {
         created: "2026-03-02T09:30:00Z".to_owned(),
         n_warmup_detections: 1,
         n_repeats: 1,
-        matching_criterion: "points, Jaccard at least 0.5".to_owned(),
+        matching_criterion: "points, IoU at least 0.5".to_owned(),
         ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
         datasets: DATASETS.map(dataset).to_vec(),
         detectors: ["paper", "kd-tree", "pca"].map(detector).to_vec(),

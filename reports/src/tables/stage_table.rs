@@ -134,7 +134,7 @@ fn line(
 impl Tabular for StageTable {
     fn sheet(&self) -> Sheet {
         let title = format!("Median times of stages in ms, on {}.", self.cpu_model);
-        let about_published = "published: VM section 6, with another machine and other scans; for orientation. Several stages of a step \
+        let about_published = "published: section 6 of the vehicle paper (VM: Börcs, Nagy, Baticz, Benedek), with another machine and other scans; for orientation. Several stages of a step \
              have the sum of their medians.";
         let sentences = self.has_published.then(|| about_published.to_owned()).into_iter().collect();
         Sheet::of(title, self.grid.clone(), sentences).labelled("stages")
@@ -199,7 +199,7 @@ mod tests {
         |  | boxes, features | features | 18 | 1.25 |
         |  | classification | SVM | 2 | 0.38 |
 
-        - published: VM section 6, with another machine and other scans; for orientation. Several stages of a step have the sum of their medians.
+        - published: section 6 of the vehicle paper (VM: Börcs, Nagy, Baticz, Benedek), with another machine and other scans; for orientation. Several stages of a step have the sum of their medians.
         ");
     }
 

@@ -17,7 +17,11 @@ fn every_variant_has_a_row_for_each_data_set_and_for_all_simulated_ones() {
     let workplace = Workplace::with_drive(2);
     let streets = ["street", "street-narrow", "street-main-road", "--simulated-scans", "2"];
     let ended = workplace.succeed(&("ablation", &streets, "--sensor vlp-16 -o out"));
-    assert!(ended.stderr.ends_with("--seed 9001\nAblation: out\n"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.ends_with("--seed 9001\nAblation: out\nPage: out/report.html\n"),
+        "{}",
+        ended.stderr
+    );
 
     let rows = rows(&workplace, "out");
     let (head, rows) = rows.split_first().expect("a head");

@@ -10,7 +10,7 @@ use crate::program::{Words, Workplace};
 use crate::shard_folders::{check_same_but_times, make_shards, merge_whole};
 
 const N_SCANS: u32 = 12;
-const RUN: &str = "run street -d hierarchical,pca --no-rrd -q";
+const RUN: &str = "run street -d hierarchical,pca --no-rrd";
 
 /// A workplace with twelve scans in the layout of the object benchmark.
 fn objects() -> (Workplace, DrawnDataset) {
@@ -163,9 +163,7 @@ fn recorded_objects_decide_nothing() {
     let root = test_data("data/kitti_object");
     let workplace = Workplace::new();
     let root = root.to_str().unwrap();
-    workplace
-        .succeed(&["boxes", root, "-q", "-o", "boxes"])
-        .check_stdout(&["¶ over scans that may be neighbours"]);
+    workplace.succeed(&["boxes", root, "-o", "boxes"]).check_stdout(&["¶ over scans that may be neighbours"]);
     workplace.succeed(&("run", [root], "-d pca --protocol kitti-object --no-rrd -q -o run"));
     let report = workplace.read("run/table_protocol_kitti-object.md");
     assert!(report.contains("¶ over scans that may be neighbours"), "{report}");

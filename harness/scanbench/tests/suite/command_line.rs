@@ -192,9 +192,11 @@ fn bash_completes_a_verb() {
 fn results_are_on_stdout_and_the_rest_is_on_stderr_unless_quiet() {
     let workplace = Workplace::with_drive(2);
     let ended = workplace.succeed("run street -d hierarchical,pca -o out");
-    assert!(ended.stdout.starts_with("Task objects."), "{ended:#?}");
-    ended.check_stdout(&["\nTask vehicles."]);
-    assert_eq!(ended.stderr, "Run directory: out\n");
+    assert!(ended.stdout.starts_with("Task objects on street"), "{ended:#?}");
+    ended.check_stdout(&["\nTask vehicles on street"]);
+    let places = "Run directory: out\nPage: out/report.html\nRecording: rerun out/run.rrd\n";
+    assert_eq!(ended.stderr, places);
+    assert!(ended.stdout.lines().count() <= 45, "{ended:#?}");
     // It ends with who leads and who is faster.
     let (_, summary) = ended.stdout.rsplit_once("\n\nTask objects: ").expect("a summary");
     assert!(summary.contains("Task vehicles: "), "{summary}");
@@ -202,7 +204,7 @@ fn results_are_on_stdout_and_the_rest_is_on_stderr_unless_quiet() {
     assert!(summary.contains(" ms for a scan (median), ") && compared, "{summary}");
     let quiet = workplace.succeed("-q run street -d pca -o quiet");
     assert_eq!(quiet.stderr, "");
-    assert!(quiet.stdout.starts_with("Task objects."), "{quiet:#?}");
+    assert_eq!(quiet.stdout, "quiet\n");
     workplace.refuse("run nowhere --quiet", 2, &["error: "]);
     workplace.refuse("run -q -v", 2, &[]);
 }
@@ -216,6 +218,7 @@ fn verbose_says_every_scan() {
     let of_scans: Vec<&&str> = lines.iter().filter(|it| it.starts_with("street 0000/")).collect();
     assert_eq!(of_scans.len(), 2, "{verbose:#?}");
     assert!(of_scans[0].contains(" points; pca ") && of_scans[0].contains(" ms, "), "{verbose:#?}");
+    verbose.check_stdout(&["Times of detection only", "\nTask objects on street"]);
 }
 
 #[test]
@@ -244,7 +247,9 @@ fn a_page_is_made_again_of_the_directory_alone() {
     std::fs::remove_dir_all(workplace.path("street")).expect("the data go");
     std::fs::remove_file(moved.join("report.html")).expect("the page goes");
     let ended = workplace.succeed("report moved");
-    assert_eq!(ended.stderr, "Page: moved/report.html\n");
+    let places = "Run directory: moved\nPage: moved/report.html\nRecording: rerun moved/run.rrd\n";
+    assert_eq!(ended.stderr, places);
+    assert!(ended.stdout.starts_with("Task objects on street"), "{ended:#?}");
     assert_eq!(workplace.read("moved/report.html"), first);
     std::fs::remove_file(moved.join("scans.csv")).expect("a file goes");
     workplace.refuse("report moved", 3, &["scans.csv"]);

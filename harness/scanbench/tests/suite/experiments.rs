@@ -17,7 +17,7 @@ fn gaps_leave_curves_plots_and_a_pair_behind() {
     assert_eq!(workplace.column("out/gaps.csv", "n_pairs"), vec!["1"; 2 * 5 * 2 * 3 * 11]);
     assert!(workplace.column("out/gaps.csv", "data").iter().all(|it| it == "simulated"));
     ended.check_stdout(&["Pairs at 5 to 10 m (simulated)", "Separated: each"]);
-    assert!(ended.stderr.ends_with("Curves and plots: out\n"), "{ended:#?}");
+    assert!(ended.stderr.ends_with("Curves and plots: out\nPage: out/report.html\n"), "{ended:#?}");
     assert!(workplace.read("out/gaps.svg").contains("(simulated"));
     let manifest = workplace.json("out/manifest.json");
     let (simulated, seed) = (&manifest["datasets"][0]["simulated"], &manifest["seeds"]["pairs"]);
@@ -47,7 +47,7 @@ fn robustness_leaves_its_table_in_three_forms() {
     ended.check_stdout(&["(all simulated)"]);
     let density = |it: &str| format!("new sensor: {it}: density of the sensor {it} taken from the scans\n");
     let densities = ["xt32", "pandar64", "os0-128"].map(density).concat();
-    assert_eq!(ended.stderr, format!("{densities}Tables: out\n"));
+    assert_eq!(ended.stderr, format!("{densities}Tables: out\nPage: out/report.html\n"));
 
     // The rates are those of a run whose data sets are the conditions.
     let datasets = workplace.column("out/table_vehicles.csv", "dataset");

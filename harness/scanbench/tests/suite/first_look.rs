@@ -175,7 +175,7 @@ fn scans_without_labels_are_run_and_detectors_are_compared() {
     let ended = workplace.succeed(&run);
     ended.check_stderr(&["\"clouds\" has no labels: nothing is scored"]);
     assert!(
-        ended.stdout.contains("how far detectors agree") && !ended.stdout.contains("F-rate"),
+        ended.stdout.contains("also found by [%]") && !ended.stdout.contains("F-rate"),
         "{}",
         ended.stdout
     );
@@ -190,7 +190,11 @@ fn scans_without_labels_are_run_and_detectors_are_compared() {
         assert_eq!([back[5], back[6], back[7]], [row[6], row[5], row[7]]);
     }
     assert!(rows.iter().any(|it| it[7] != "0"), "{rows:?}");
-    assert!(workplace.read("out/report.html").contains("clouds"));
+    let page = workplace.read("out/report.html");
+    assert!(page.contains("Where detectors agree") && page.contains("clouds"));
+    for absent in ["F-rate", "is undefined", "published", "id=\"range\"", "id=\"tables\""] {
+        assert!(!page.contains(absent), "{absent}");
+    }
 }
 
 #[test]

@@ -361,7 +361,7 @@ fn the_summary_of_a_job_is_added_to() {
 fn two_detectors_are_compared_on_the_same_resamples() {
     let workplace = accepted();
     let text = workplace.succeed("compare first -d pca,hierarchical").stdout;
-    assert!(text.contains("hierarchical − pca") && text.contains("least"), "{text}");
+    assert!(text.contains("hierarchical − pca") && text.contains("detectable"), "{text}");
     let itself = workplace.succeed("compare first golden/run --slices --markdown").stdout;
     assert!(itself.contains(r"| objects | pca | range/0-15 | recall \[%] |"), "{itself}");
     assert!(itself.contains("No result of a scan changed."), "{itself}");

@@ -228,6 +228,13 @@ impl Workplace {
 }
 
 impl Ended {
+    /// The directory that it says it has written.
+    #[track_caller]
+    pub fn named_directory(&self) -> String {
+        let mut lines = self.stderr.lines();
+        lines.find_map(|it| it.strip_prefix("Run directory: ")).expect("its name").to_owned()
+    }
+
     /// It ended with `exit_code`, without a result, and with an error that has all `parts`.
     #[track_caller]
     pub fn check_refusal(&self, exit_code: i32, parts: &[&str]) {

@@ -88,7 +88,7 @@ fn recorded_and_simulated_data_sets_are_told_apart_and_published_rows_stand_besi
 fn a_run_without_a_name_is_found_as_the_latest() {
     let workplace = Workplace::with_drive(1);
     let ended = workplace.succeed("run street -d pca");
-    let named = ended.stderr.trim().strip_prefix("Run directory: ").expect("its name").to_owned();
+    let named = ended.named_directory();
     assert!(named.starts_with("runs/") && named.ends_with("Z-street"), "{named}");
     assert_eq!(workplace.read("runs/latest/report.json"), workplace.read(&format!("{named}/report.json")));
 }
@@ -100,7 +100,7 @@ fn runs_that_begin_in_the_same_second_have_names_of_their_own() {
     for child in children {
         let ended = Ended::from(child.wait_with_output().expect("it ends"));
         assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
-        let named = ended.stderr.trim().strip_prefix("Run directory: ").expect("its name").to_owned();
+        let named = ended.named_directory();
         assert!(workplace.path(&named).join("report.json").is_file(), "{named}");
     }
     let in_runs = std::fs::read_dir(workplace.path("runs")).expect("runs");

@@ -43,7 +43,7 @@ fn a_sweep_leaves_rows_with_what_they_are_made_of() {
         &with(&["sweep"], &data),
         &["-P", "cell_size_m=0.4:0.8:0.2", "-L", "xi=2,3", "--timed-scans", "1", "-o", "out"],
     ));
-    assert!(ended.stderr.ends_with("--seed 9001\nSweep: out\n"), "{}", ended.stderr);
+    assert!(ended.stderr.ends_with("--seed 9001\nSweep: out\nPage: out/report.html\n"), "{}", ended.stderr);
     assert!(
         ended.stdout.contains("street-narrow (simulated)") && ended.stdout.contains("knuth"),
         "{}",
@@ -228,7 +228,7 @@ fn going_on_with_something_else_is_refused() {
         "out",
         "--overwrite",
     ]);
-    assert!(ended.stderr.ends_with("--seed 9001\nSweep: out\n"), "{}", ended.stderr);
+    assert!(ended.stderr.ends_with("--seed 9001\nSweep: out\nPage: out/report.html\n"), "{}", ended.stderr);
     assert_eq!(workplace.top_names(), ["out"]);
 }
 

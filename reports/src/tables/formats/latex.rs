@@ -176,7 +176,7 @@ mod tests {
         % Needs \usepackage{booktabs}.
         \begin{table}
           \centering
-          \caption{Task objects. Rates in \%. Matched by points, Jaccard at least 0.5.}
+          \caption{Task objects. Rates in \%. Matched by a point-set IoU of at least 0.5.}
           \label{tab:scanbench-objects}
           \begin{tabular}{lrrrrrrrrrr}
             \toprule
@@ -205,7 +205,7 @@ mod tests {
             NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second, detection only, on Example CPU @ 2 GHz.\par
             95 \% interval: cluster bootstrap, 10000 resamples of whole drives.\par
             overall: ratios of counts and times summed over the data sets, recorded and simulated ones apart.\par
-            Numbers of data sets are measured here, and may be compared within a row. Published rows are printed in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under paper. They are of other scans, annotations and machines: for orientation, and not to be compared with ours.\par
+            Numbers of data sets are measured here, and may be compared within a row. Published rows are printed in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under paper. They are of other scans, annotations and machines: for orientation, and not to be compared with the numbers measured here.\par
             recorded: from a sensor.\par
             simulated: from a simulator, not recorded.\par
             $^\dagger$ Budapest recordings, not public.\par

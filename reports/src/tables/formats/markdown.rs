@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn a_table_is_a_pipe_table() {
         insta::assert_snapshot!(Markdown.text(&sample::tables()[0]), @r"
-        **Task objects. Rates in %. Matched by points, Jaccard at least 0.5.**
+        **Task objects. Rates in %. Matched by a point-set IoU of at least 0.5.**
 
         | data set | NO | paper: ND | F-rate | fps | kd-tree: ND | F-rate | fps | pca: ND | F-rate | fps |
         | :-- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |
@@ -164,7 +164,7 @@ mod tests {
         - P: precision, TP / ND. R: recall, TP / NO. IA, ID: ignored annotations and detections, neither right nor wrong.
         - 95 % interval: cluster bootstrap, 10000 resamples of whole drives.
         - overall: ratios of counts and times summed over the data sets, recorded and simulated ones apart.
-        - Numbers of data sets are measured here, and may be compared within a row. Published rows are printed in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under paper. They are of other scans, annotations and machines: for orientation, and not to be compared with ours.
+        - Numbers of data sets are measured here, and may be compared within a row. Published rows are printed in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under paper. They are of other scans, annotations and machines: for orientation, and not to be compared with the numbers measured here.
         - recorded: from a sensor.
         - simulated: from a simulator, not recorded.
         - † Budapest recordings, not public.

@@ -299,7 +299,7 @@ mod tests {
     #[test]
     fn objects_are_printed_with_recall_where_the_f_rate_is_undefined() {
         insta::assert_snapshot!(Terminal { width: Some(100) }.text(&sample::tables()[0]), @r"
-        Task objects. Rates in %. Matched by points, Jaccard at least 0.5.
+        Task objects. Rates in %. Matched by a point-set IoU of at least 0.5.
 
                                                paper               kd-tree                pca
                                         ───────────────────   ──────────────────   ──────────────────
@@ -345,7 +345,8 @@ mod tests {
         Numbers of data sets are measured here, and may be compared within a row. Published rows are printed
           in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1;
           connected component analysis under kd-tree, hierarchical grid under paper. They are of other
-          scans, annotations and machines: for orientation, and not to be compared with ours.
+          scans, annotations and machines: for orientation, and not to be compared with the numbers measured
+          here.
         recorded: from a sensor.
         simulated: from a simulator, not recorded.
         † Budapest recordings, not public.
@@ -356,7 +357,7 @@ mod tests {
     #[test]
     fn vehicles_are_printed_with_a_note_on_each_undefined_number() {
         insta::assert_snapshot!(Terminal { width: Some(100) }.text(&sample::tables()[1]), @r"
-        Task vehicles. Rates in %. Matched by points, Jaccard at least 0.5.
+        Task vehicles. Rates in %. Matched by a point-set IoU of at least 0.5.
 
                                               paper               kd-tree                pca
                                         ──────────────────   ──────────────────   ─────────────────
@@ -399,7 +400,7 @@ mod tests {
           in Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in Continuously
           Streamed Urban LIDAR Point Clouds, table 1; PCA based approach under pca, model-based approach
           under paper. They are of other scans, annotations and machines: for orientation, and not to be
-          compared with ours.
+          compared with the numbers measured here.
         recorded: from a sensor.
         simulated: from a simulator, not recorded.
         † Budapest recordings, not public.

@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn variants_stand_below_each_other() {
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&table()), @r"
-        Ablation of hierarchical. Task objects. Rates in %. Matched by points, IoU at least 0.5.
+        Ablation of hierarchical. Task objects. Rates in %. Matched by a point-set IoU of at least 0.5.
 
         data set            scans   NO    ND  F-rate  95 % interval     P     R  over  held  under  p50 ms
         ──────────────────────────────────────────────────────────────────────────────────────────────────
@@ -197,9 +197,10 @@ mod tests {
           have more than half of the points of an annotation.
         p50: median time of detection per scan, with all variants in turns, on Example CPU @ 2 GHz. overall:
           ratios of summed counts, and medians over all scans.
-        95 % interval: of the F-rate alone, cluster bootstrap, 10000 resamples of seconds, because there are
-          fewer than 10 drives: they cover other scans of the same drives, but not other drives. All
-          variants look at the same scans: scanbench compare shows the intervals of their differences.
+        95 % interval: of the F-rate alone, cluster bootstrap, 10000 resamples; each second of driving is
+          one block, because there are fewer than 10 drives: the intervals cover other scans of the same
+          drives, but not other drives. All variants look at the same scans: scanbench compare shows the
+          intervals of their differences.
         recorded: from a sensor.
         simulated: from a simulator, not recorded.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.

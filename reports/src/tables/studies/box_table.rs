@@ -128,7 +128,7 @@ mod tests {
                                    front right if sure, %     0.5§     1.0§
 
         box_errors.csv and the plot have 95 % intervals: cluster bootstrap, 10000 resamples of objects, each
-          with all its scans: they cover other scans of the same drives, but not other drives.
+          with all its scans: the intervals cover other scans of the same drives, but not other drives.
         A note.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");

@@ -190,7 +190,7 @@ mod tests {
         let sweep = four_cell_sizes();
         let verdicts = fitness_verdicts(&sweep);
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&FitnessTable { verdicts: &verdicts }), @r"
-        What each reading of the cell fitness recommends.
+        Cell size picked by each variant of the fitness formula.
 
         data set, sensor, task, rate                               reading        NO  best m  best %  defined  recommends m  there %  lost  rank
         ────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -198,23 +198,12 @@ mod tests {
                                                                    dense-share                            4/4         0.60      60.0  20.0  0.80
                                                                    as configured                          1/4         0.40      80.0   0.0  –
 
-        The same over all data sets, with equal weights.
-
-        task, rate       reading        data sets  recommends  at an end  mean lost  most lost  mean rank
-        ─────────────────────────────────────────────────────────────────────────────────────────────────
-        objects, F-rate  printed                1           1          1       30.0       30.0       –
-        objects, F-rate  dense-share            1           1          0       20.0       20.0       0.80
-        objects, F-rate  as configured          1           1          0        0.0        0.0       –
-
         best: the cell size with the highest rate, in m, and that rate in %. A reading recommends the cell
           size with its greatest value, within its range if it has one. *: the least or greatest cell size
           of the sweep, so the reading may recommend one beyond it.
         defined: cell sizes at which the reading has a value, within its range if it has one/all cell sizes.
           lost: best rate minus rate at the recommended size, in percentage points. rank: Spearman's rank
-          correlation of reading and rate.
-        Over all data sets: on how many curves the reading recommends a cell size, on how many of them the
-          least or greatest of the sweep, the mean and the greatest loss, and the mean rank correlation. as
-          configured: the configured cell size.
+          correlation of reading and rate. as configured: the configured cell size.
         Where false objects cannot be counted, the rate is the recall; very large cells may raise it by
           joining everything.
         ");

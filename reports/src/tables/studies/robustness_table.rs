@@ -236,8 +236,9 @@ mod tests {
                   95 % interval        25.0–62.5§  25.0–62.5§
 
         A note.
-        95 % interval: cluster bootstrap, 10000 resamples of seconds, because there are fewer than 10
-          drives: they cover other scans of the same drives, but not other drives.
+        95 % interval: cluster bootstrap, 10000 resamples; each second of driving is one block, because
+          there are fewer than 10 drives: the intervals cover other scans of the same drives, but not other
+          drives.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");
     }

@@ -41,7 +41,9 @@ fn recommendation(sweep: &SweepScores, curve: &SweepCurve<'_>, paired: Paired<'_
         format!(" ({} to {}{caveat})", percent(low), percent(high))
     });
     let detector = [vec![first.subject.detector.clone()], curve.others.clone()].concat().join(", ");
-    let configured = sweep.configured.as_ref().filter(|it| *it != best.x_text);
+    let is_best =
+        |it: &&String| *it == best.x_text || it.parse::<f64>().is_ok_and(|it| (it - best.x).abs() < 1e-9);
+    let configured = sweep.configured.as_ref().filter(|it| !is_best(it));
     let configured = configured.map_or_else(String::new, |it| format!(" (configured: {it})"));
     Some(format!(
         "Best for {detector}, {}, {}: {} = {}{configured}, {} {} %{within}. {}",

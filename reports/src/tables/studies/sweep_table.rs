@@ -103,9 +103,10 @@ mod tests {
         street (simulated)  hierarchical  objects  F-rate      2  10      0.4        80.0  10.0 to 90.0§    40.0     3.20
 
         NO: annotations that count. Best at: the value with the highest rate, the first one if several are
-          equal. 95 %: cluster bootstrap, 10000 resamples of seconds, because there are fewer than 10
-          drives: they cover other scans of the same drives, but not other drives. Lowest: the rate at the
-          worst value. Time: the shortest detection of each scan at the best value, median over scans.
+          equal. 95 %: cluster bootstrap, 10000 resamples; each second of driving is one block, because
+          there are fewer than 10 drives: the intervals cover other scans of the same drives, but not other
+          drives. Lowest: the rate at the worst value. Time: the shortest detection of each scan at the best
+          value, median over scans.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");
     }

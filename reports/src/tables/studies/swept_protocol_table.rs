@@ -84,8 +84,8 @@ mod tests {
         street (simulated)  hierarchical  nuscenes  present  ap      9      0.2       0.5000  0.3750 to 0.6250§  0.2500
 
         n: annotations, scans or points that the number is made of. Best at: the first of the best values.
-        95 %: cluster bootstrap, 1000 resamples of seconds, because there are fewer than 10 drives: they
-          cover other scans of the same drives, but not other drives.
+        95 %: cluster bootstrap, 1000 resamples; each second of driving is one block, because there are
+          fewer than 10 drives: the intervals cover other scans of the same drives, but not other drives.
         All numbers at all points: sweep_protocols.csv.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");
