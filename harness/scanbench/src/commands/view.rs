@@ -1,5 +1,6 @@
 //! `scanbench view`.
 
+use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::vocabulary::reason::MistakeKind;
 use reports::worst::mistakes::{MistakeChoice, worst, worst_to_terminal};
 
@@ -11,7 +12,15 @@ use crate::commands::worst_scans::record;
 
 /// Lists the worst mistakes of a detector, and records the scans they are in.
 pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
-    let run = open_run(&arguments.run)?;
+    let path = &arguments.run;
+    if path.is_dir() && !path.join(MANIFEST_JSON).exists() {
+        let path = path.display();
+        return Err(Usage(format!(
+            "{path} is not the directory of a run; scans and labels are seen in the recording of one: `scanbench run {path} --scans 0`"
+        ))
+        .into());
+    }
+    let run = open_run(path)?;
     let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
     let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
     if !names.contains(&detector) {

@@ -9,6 +9,8 @@ use super::seen_vehicles::SeenVehicle;
 const NEAR_SIDE_M: f32 = 0.45;
 /// Points may lie so far outside of boxes, in metres.
 const OUTSIDE_M: f32 = 0.3;
+/// What fits worse than this is as good as nothing.
+const LEAST_FIT: f64 = 0.02;
 /// Steps of a shift along both axes, coarse first: so large, and so many to either side, in metres.
 const SHIFT_STEPS: [(f32, i32); 3] = [(0.3, 6), (0.1, 3), (0.05, 2)];
 /// Changes with two parameters fit better by chance, and are believed if they fit so much better.
@@ -84,9 +86,6 @@ pub fn better_fit(vehicles: &[SeenVehicle]) -> Option<BetterFit> {
         share_better: share_better(vehicles, correction),
     })
 }
-
-/// What fits worse than this is as good as nothing.
-const LEAST_FIT: f64 = 0.02;
 
 /// `fit`, compared with what `unchanged` boxes have.
 pub fn gain(fit: f64, unchanged: f64) -> f64 {

@@ -216,8 +216,8 @@ fn how_small_a_damage_is_heard() {
             [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0],
         ),
         ("yaw", "°", |it| Correction::Yaw(it.to_radians()), [3.0, 5.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0]),
-        ("boxes larger", "times", |it| Correction::Scale(it), [1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.4, 1.5]),
-        ("boxes smaller", "times", |it| Correction::Scale(it), [0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.6, 0.5]),
+        ("boxes larger", "times", Correction::Scale, [1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.4, 1.5]),
+        ("boxes smaller", "times", Correction::Scale, [0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.6, 0.5]),
     ];
     let mut all = recorded();
     for sensor in ["hdl-64e-s2", "vlp-16"] {
