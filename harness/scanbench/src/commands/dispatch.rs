@@ -1,8 +1,11 @@
 //! From the parsed command line to the verb.
 
+use std::path::Path;
+
 use clap::CommandFactory as _;
 
 use evaluation::training::model_kind::ModelKind;
+use reports::files::archive::ArchiveError;
 
 use crate::cli::{BaselineCommand, Cli, Command, DataCommand, SubmitCommand, TrainCommand};
 use crate::commands::ablation::ablation;
@@ -90,8 +93,15 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Params(arguments) => params(arguments),
         Command::Serve(arguments) => serve(arguments),
         Command::Supervise { .. } => unreachable!("it was begun before"),
-        Command::Completions { shell } => completions(*shell),
+        Command::Completions { shell: Some(shell), .. } => completions(*shell),
+        Command::Completions { man, .. } => manual(man.as_deref().expect("clap asks for one of both")),
     }
+}
+
+fn manual(folder: &Path) -> Result<(), Failure> {
+    let written =
+        std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
+    written.map_err(|source| ArchiveError::Write { path: folder.to_path_buf(), source }.into())
 }
 
 fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
