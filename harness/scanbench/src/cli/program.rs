@@ -155,7 +155,7 @@ pub enum Command {
         #[arg(required_unless_present = "man", conflicts_with = "man")]
         shell: Option<clap_complete::Shell>,
         /// Folder to write the manual pages into, one for each verb
-        #[arg(long, value_name = "FOLDER")]
+        #[arg(long, value_name = "FOLDER", help_heading = "Output")]
         man: Option<PathBuf>,
     },
 }
