@@ -65,6 +65,7 @@ class Release(unittest.TestCase):
             names = ["", "/man", "/man/a", "/man/b", "/scanbench"]
             modes = [0o755, 0o755, 0o644, 0o644, 0o755]
             self.assertEqual(entries, [(f"scanbench-1{it}", mode, 1000) for it, mode in zip(names, modes, strict=True)])
+            Path(scratch, "SHA256SUMS").touch()
             Path(scratch, "SHA256SUMS").write_text(packed("sums", scratch))
             subprocess.run(["sha256sum", "--check", "--strict", "--quiet", "SHA256SUMS"], cwd=scratch, check=True)
 
@@ -84,6 +85,20 @@ class Release(unittest.TestCase):
         for name in without:
             self.assertRegex(listed, rf"(?m)^{name} \d\S*: \S")
         self.assertIn("Apache License", listed)
+
+    def test_two_builds_are_compared_byte_by_byte(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            compiler = Path(scratch, "compiler")
+            for written, code in (("$RUSTFLAGS", 1), ("${RUSTFLAGS##*=}", 0)):
+                compiler.write_text(
+                    "#!/bin/bash\n[[ \"$*\" == '--release --locked --target some-linux' ]] || exit 3\n"
+                    f'mkdir -p $CARGO_TARGET_DIR/some-linux/release\necho "{written}" > $CARGO_TARGET_DIR/some-linux/release/scanbench\n'
+                )
+                compiler.chmod(0o755)
+                environment = os.environ | {"CARGO_TARGET_DIR": scratch, "TARGET": "some-linux", "BUILD": str(compiler)}
+                command = [RELEASE, "--rehearse", "program", "again"]
+                ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+                self.assertEqual((ended.returncode, "differ" in ended.stdout), (code, code == 1), ended)
 
     def test_a_tag_of_another_version_is_no_release(self):
         for words, code, said in (

@@ -94,7 +94,7 @@ def archive(folder, name):
 
 def sums(folder):
     for file in sorted(Path(folder).iterdir()):
-        if file.is_file() and file.name != "SHA256SUMS":
+        if file.is_file() and not file.name.startswith("SHA256SUMS"):
             print(f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}")
 
 

@@ -181,7 +181,9 @@ fn completions_know_the_verbs_of_every_shell() {
 fn every_verb_has_a_page_of_the_manual() {
     let workplace = Workplace::new();
     workplace.succeed("completions --man a/man");
-    for (page, word) in [("", "selftest"), ("-run", "\\-\\-scans"), ("-baseline-init", "Folder of the baseline")] {
+    for (page, word) in
+        [("", "selftest"), ("-run", "\\-\\-scans"), ("-baseline-init", "Folder of the baseline")]
+    {
         let text = workplace.read(&format!("a/man/scanbench{page}.1"));
         assert!(text.starts_with(".ie") && text.contains(word), "{text}");
     }
