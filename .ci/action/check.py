@@ -44,7 +44,7 @@ class Server:
         self.path = f"{self.bin}:{os.environ['PATH']}"
 
     def bash(self, script: str, variables: dict[str, str]) -> subprocess.CompletedProcess[str]:
-        kept = {it: os.environ[it] for it in ("HOME", "LANG", "CARGO_HOME", "RUSTUP_HOME") if it in os.environ}
+        kept = {it: os.environ[it] for it in ("HOME", "LANG", "CARGO_HOME", "RUSTUP_HOME", "CARGO_TARGET_DIR") if it in os.environ}
         environment = kept | {"PATH": self.path} | variables
         return subprocess.run(
             [*BASH, script], cwd=self.workspace, env=environment, capture_output=True, text=True, check=False
@@ -153,6 +153,9 @@ def check_action(server: Server) -> None:
     assert not (server.workspace / "owned").exists()
     assert failed.code == 2 and "headline" in failed.outputs and not failed.outputs["headline"], failed
     assert failed.uploaded, "what there is of it is uploaded"
+    # No other run in its place: a quote that is not closed ends it.
+    torn = server.action(run=f"{SCANS} -P pca.name='a", baseline="first", output="out/torn")
+    assert torn.code == 1 and "quote" in torn.said and not (server.workspace / "out/torn").exists(), torn
 
 
 def check_install(server: Server) -> None:
@@ -167,18 +170,16 @@ def check_install(server: Server) -> None:
             program += f'mkdir -p "$CARGO_TARGET_DIR/release"\ncp {server.bin}/scanbench "$CARGO_TARGET_DIR/release/"\n'
         (stand_ins / name).write_text(program)
         (stand_ins / name).chmod(0o755)
-    usual = "/usr/bin:/bin"
     added = server.workspace / ".added"
     target = str(server.workspace / ".target")
-    variables = {"PATH": f"{stand_ins}:{usual}", "CARGO_TARGET_DIR": target, "GITHUB_PATH": str(added)}
-    assert subprocess.run(["which", "scanbench"], env={"PATH": usual}, capture_output=True, check=False).returncode
+    # A program on the PATH, which may be of another version, does not take the place of the source.
+    variables = {"PATH": f"{stand_ins}:{server.bin}:/usr/bin:/bin", "CARGO_TARGET_DIR": target, "GITHUB_PATH": str(added)}
     ended = server.bash(f"{script} install", variables)
     assert ended.returncode == 0 and ended.stdout.startswith("scanbench "), ended
     assert noted.read_text() == f"cargo build --release --locked in {ROOT}\n"
     assert added.read_text() == f"{target}/release\n"
     noted.write_text("")
-    variables = {"PATH": f"{stand_ins}:{server.bin}:{usual}", "WHEEL": "a wheel.whl"}
-    ended = server.bash(f"{script} install", variables)
+    ended = server.bash(f"{script} install", variables | {"WHEEL": "a wheel.whl"})
     assert ended.returncode == 0, ended
     assert noted.read_text() == (
         f"python3 -m pip install --quiet --disable-pip-version-check a wheel.whl in {server.workspace}\n"
@@ -186,7 +187,7 @@ def check_install(server: Server) -> None:
     # A name alone would be looked up on a package index, where anybody may have taken it.
     noted.write_text("")
     ended = server.bash(f"{script} install", variables | {"WHEEL": "scanbench"})
-    assert ended.returncode == 2 and "neither a path nor an address" in ended.stderr, ended
+    assert ended.returncode == 2 and "not pinned" in ended.stderr, ended
     assert not noted.read_text(), noted.read_text()
     assert server.bash(f"{script} instal", {}).returncode == 2
     assert "the folder of the baseline" in server.bash(f"{script} gate", {}).stderr

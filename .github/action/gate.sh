@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The steps of the action, and of other CI servers: gate.sh install | run | gate.
 #
-#   install  a program that is on the PATH, the wheel WHEEL, or else what is built from the source that this script is a part of
+#   install  the wheel WHEEL: a path, an address with #sha256=SUM, or a version of the source by git; if unset, what is built from the
+#            source that this script is a part of
 #   run      scanbench run $RUN, with page and recording, into OUTPUT/run
 #   gate     holds it to BASELINE, with its verdict in OUTPUT/verdict; ends with the exit code of the gate
 #
@@ -20,13 +21,12 @@ set_output() {
 
 install() {
     if [[ -n "${WHEEL:-}" ]]; then
-        # No package index has scanbench: whoever takes the name there could run anything here.
-        if [[ "$WHEEL" != *.whl && "$WHEEL" != */* ]]; then
-            echo "wheel is '$WHEEL', which is neither a path nor an address" >&2
-            exit 2
-        fi
+        # No package index has scanbench: whoever takes the name there could run anything here. pip compares the checksum.
+        local pinned='^([^-:][^:]*\.whl|https://.+\.whl#sha256=[0-9a-f]{64}|git\+https://.+/[^/@]+@[^#]+#subdirectory=.+)$'
+        [[ "$WHEEL" =~ $pinned ]] || { echo "wheel is not pinned: $WHEEL" >&2; exit 2; }
         python3 -m pip install --quiet --disable-pip-version-check "$WHEEL"
-    elif ! command -v scanbench > /dev/null; then
+    else
+        # Even if there is a program on the PATH: it may be another version than the action.
         local target
         target=$(realpath -m "${CARGO_TARGET_DIR:-$HOME/.cache/scanbench-target}")
         # There, so that rustup takes the toolchain of the source.
@@ -41,6 +41,7 @@ run() {
     # Words as a shell reads them, quotes included, without anything else that a shell does.
     local words
     mapfile -d '' -t words < <(xargs printf '%s\0' <<< "${RUN:?the arguments of scanbench run}")
+    wait "$!" # what xargs says of a quote that is not closed
     scanbench run "${words[@]}" -o "$output/run" --overwrite
     set_output page "$output/run/report.html"
 }

@@ -158,7 +158,7 @@ fn column(memory: &File, columns: &Value, name: &str, n: usize) -> Result<Vec<f3
 /// The pipe whose number is in the environment.
 fn pipe(variable: &str, how: &OpenOptions) -> io::Result<File> {
     let number = std::env::var(variable).map_err(io::Error::other)?;
-    how.open(format!("/proc/self/fd/{number}"))
+    how.open(format!("/dev/fd/{number}"))
 }
 
 fn main() -> io::Result<()> {

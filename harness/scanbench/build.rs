@@ -2,9 +2,13 @@
 
 use std::process::Command;
 
+/// What the program is built from. The rest of the repository need not be there, as in the image.
+const SOURCES: [&str; 7] =
+    ["Cargo.lock", "Cargo.toml", "baselines", "datasets.toml", "detector", "harness", "reports"];
+
 fn main() {
     // Any of these changing may change the commit or whether there are changes beyond it.
-    for path in ["detector", "baselines", "reports", "harness", "Cargo.toml"] {
+    for path in SOURCES {
         println!("cargo:rerun-if-changed=../../{path}");
     }
     for file in ["HEAD", "index"] {
@@ -18,7 +22,9 @@ fn main() {
     println!("cargo:rustc-env=SCANBENCH_RUSTC_VERSION={rustc_version}");
     // Empty outside of a checkout, such as in a source archive.
     let commit = output_of("git", &["rev-parse", "HEAD"]).unwrap_or_default();
-    let changes = output_of("git", &["status", "--porcelain", "--untracked-files=no"]).unwrap_or_default();
+    let mut status = vec!["-C", "../..", "status", "--porcelain", "--untracked-files=no", "--"];
+    status.extend(SOURCES);
+    let changes = output_of("git", &status).unwrap_or_default();
     println!("cargo:rustc-env=SCANBENCH_GIT_COMMIT={commit}");
     println!("cargo:rustc-env=SCANBENCH_GIT_DIRTY={}", !changes.is_empty());
 }

@@ -10,14 +10,18 @@ use reports::files::unfinished;
 mod cli;
 mod commands;
 
-use cli::{Cli, Command};
+use cli::Cli;
+#[cfg(target_os = "linux")]
+use cli::Command;
 use commands::dispatch::dispatch;
 use commands::exit_code::exit_code_of;
 use commands::interruption::watch_for_signals;
+#[cfg(target_os = "linux")]
 use commands::serve::supervise;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    #[cfg(target_os = "linux")]
     if let Command::Supervise { command } = &cli.command {
         // It has its own way with signals.
         supervise(command);

@@ -1,5 +1,7 @@
 //! The program and its verbs.
 
+use std::path::PathBuf;
+
 use clap::{ArgAction, Parser, Subcommand};
 
 use super::ablation::AblationArgs;
@@ -144,12 +146,16 @@ pub enum Command {
     Submit(SubmitCommand),
     /// Write a folder to begin with: a detector in Python, scans with labels, a gate
     Init(InitArgs),
-    /// Print a completion script for a shell
+    /// Print a completion script for a shell, or write the manual pages
     #[command(
         after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench"
     )]
     Completions {
         /// The shell
-        shell: clap_complete::Shell,
+        #[arg(required_unless_present = "man", conflicts_with = "man")]
+        shell: Option<clap_complete::Shell>,
+        /// Folder to write the manual pages into, one for each verb
+        #[arg(long, value_name = "FOLDER", help_heading = "Output")]
+        man: Option<PathBuf>,
     },
 }

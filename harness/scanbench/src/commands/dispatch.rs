@@ -1,8 +1,11 @@
 //! From the parsed command line to the verb.
 
+use std::path::Path;
+
 use clap::CommandFactory as _;
 
 use evaluation::training::model_kind::ModelKind;
+use reports::files::archive::ArchiveError;
 
 use crate::cli::{BaselineCommand, Cli, Command, DataCommand, SubmitCommand, TrainCommand};
 use crate::commands::ablation::ablation;
@@ -19,6 +22,8 @@ use crate::commands::data::prelabel::data_prelabel;
 use crate::commands::data::realism::data_realism;
 use crate::commands::detect::detect;
 use crate::commands::failure::Failure;
+#[cfg(not(target_os = "linux"))]
+use crate::commands::failure::Usage;
 use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
 use crate::commands::gate::gate;
@@ -31,6 +36,7 @@ use crate::commands::reproduce::reproduce;
 use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
+#[cfg(target_os = "linux")]
 use crate::commands::serve::serve;
 use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
 use crate::commands::submit::kubernetes::submit_kubernetes;
@@ -88,10 +94,23 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Submit(SubmitCommand::Kubernetes(arguments)) => submit_kubernetes(arguments),
         Command::Init(arguments) => init(arguments),
         Command::Params(arguments) => params(arguments),
+        #[cfg(target_os = "linux")]
         Command::Serve(arguments) => serve(arguments),
+        #[cfg(target_os = "linux")]
         Command::Supervise { .. } => unreachable!("it was begun before"),
-        Command::Completions { shell } => completions(*shell),
+        #[cfg(not(target_os = "linux"))]
+        Command::Serve(_) | Command::Supervise { .. } => {
+            Err(Usage("detectors that are programs of their own need Linux".to_owned()).into())
+        }
+        Command::Completions { shell: Some(shell), .. } => completions(*shell),
+        Command::Completions { man, .. } => manual(man.as_deref().expect("clap asks for one of both")),
     }
+}
+
+fn manual(folder: &Path) -> Result<(), Failure> {
+    let written =
+        std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
+    written.map_err(|source| ArchiveError::Write { path: folder.to_path_buf(), source }.into())
 }
 
 fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {

@@ -25,7 +25,16 @@ fn workflow(argv: &[String], data: &str, folder: &Path) -> String {
     let folder = folder.display().to_string();
     let baseline = shell_word(folder.trim_end_matches('/'));
     let run = command_again(argv, "runs/gate");
-    TEMPLATE.replace("BASELINE", &baseline).replace("      # DATA\n", data).replace("RUN", &run)
+    // One after the other, because a name that is put in may be the next mark.
+    let marks = [("      # DATA\n", data), ("RUN", &run), ("BASELINE", &baseline)];
+    let mut written = String::new();
+    let end = marks.iter().fold(TEMPLATE, |rest, (mark, word)| {
+        let (before, after) = rest.split_once(mark).expect("the template has the marks in this order");
+        written += before;
+        written += word;
+        after
+    });
+    written + end
 }
 
 /// What has to be fetched before objects are judged; nothing if all of them are simulated on the way.

@@ -178,6 +178,21 @@ fn completions_know_the_verbs_of_every_shell() {
 }
 
 #[test]
+fn every_verb_has_a_page_of_the_manual() {
+    let workplace = Workplace::new();
+    workplace.succeed("completions --man a/man");
+    for (page, word) in
+        [("", "selftest"), ("-run", "\\-\\-scans"), ("-baseline-init", "Folder of the baseline")]
+    {
+        let text = workplace.read(&format!("a/man/scanbench{page}.1"));
+        assert!(text.starts_with(".ie") && text.contains(word), "{text}");
+    }
+    assert!(!workplace.path("a/man/scanbench-supervise.1").exists());
+    workplace.write("file", "");
+    workplace.refuse("completions --man file", 2, &["cannot write"]);
+}
+
+#[test]
 fn bash_completes_a_verb() {
     let script = Workplace::new().succeed("completions bash").stdout;
     let complete = "COMP_WORDS=(scanbench self); COMP_CWORD=1; _scanbench scanbench self scanbench; echo \"${COMPREPLY[@]}\"";

@@ -238,6 +238,11 @@ fn a_first_baseline_gates_the_run_that_it_was_made_of() {
     let ended = workplace.succeed(&["gate", "first", "--baseline", "a b/ci"]);
     assert!(ended.stdout.starts_with("PASSED") && !ended.stdout.contains("built in"), "{ended:#?}");
     workplace.refuse(&("baseline init first -o", ["a b/ci"]), 2, &["run\" exists; name another folder"]);
+    // Words of the template.
+    workplace.succeed("baseline init first -o RUN/BASELINE");
+    let workflow = workplace.read("RUN/BASELINE/scanbench.yml");
+    assert!(workflow.contains(again), "{workflow}");
+    assert!(workflow.contains("scanbench gate runs/gate --baseline RUN/BASELINE -o verdict\n"), "{workflow}");
 }
 
 #[test]
