@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use super::of_some_runs::{agreement_of, given_classes, protocols_of, scored};
 use crate::files::archive::ArchiveError;
 use crate::files::csv_rows::{each_row, read_rows};
 use crate::numbers::blocks::BlockCount;
@@ -16,16 +17,13 @@ use crate::protocols::given_classes::GivenClasses;
 use crate::protocols::protocol_report::ProtocolReport;
 use crate::rows::agreement_row::AgreementRow;
 use crate::rows::error_row::ErrorRow;
-use crate::rows::kitti_object_row::KittiObjectRow;
 use crate::rows::match_outcome::{BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
-use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_name::ScanName;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_directory::{
-    AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PRECISION_RECALL_CSV, PROTOCOL_BOXES_CSV, PROTOCOLS_JSON,
-    RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
+    MATCHES_CSV, PRECISION_RECALL_CSV, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::uncertainty::bootstrap::Distribution;
@@ -33,7 +31,6 @@ use crate::uncertainty::sample::{Draw, Question};
 use crate::verdicts::reason_gains::ReasonTally;
 use crate::verdicts::standing::{Speeds, Standing, speeds, standings};
 use crate::vocabulary::metric::Metric;
-use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 use crate::worst::places::{WorstPlace, WorstPlaces};
@@ -84,30 +81,6 @@ pub(super) struct PoolFacts {
     pub(super) times_ms: Vec<(String, Vec<f64>)>,
     /// Median times of the stages in milliseconds, of every detector.
     pub(super) stages_ms: Vec<(String, Vec<(String, f64)>)>,
-}
-
-fn protocols_of(directory: &Path, manifest: &Manifest) -> Result<Option<ProtocolReport>, ArchiveError> {
-    let is_evaluated = !manifest.protocols.is_empty();
-    is_evaluated.then(|| ProtocolReport::read(&directory.join(PROTOCOLS_JSON))).transpose()
-}
-
-/// The classes that detectors give under the protocols that have classes.
-fn given_classes(directory: &Path, manifest: &Manifest) -> Result<GivenClasses, ArchiveError> {
-    let mut given = GivenClasses::default();
-    let has = |protocol: &Protocol| manifest.protocols.contains(protocol);
-    if [Protocol::Nuscenes, Protocol::Argoverse2].iter().any(has) {
-        each_row(&directory.join(PROTOCOL_BOXES_CSV), |row: RankedBoxRow| given.add_ranked_box(&row))?;
-    }
-    if has(&Protocol::KittiObject) {
-        each_row(&directory.join(KITTI_OBJECT_CSV), |row: KittiObjectRow| given.add_kitti_object(&row))?;
-    }
-    Ok(given)
-}
-
-/// Nothing where everything is labelled.
-fn agreement_of(directory: &Path) -> Result<Vec<AgreementRow>, ArchiveError> {
-    let path = directory.join(AGREEMENT_CSV);
-    if path.is_file() { read_rows(&path) } else { Ok(Vec::new()) }
 }
 
 /// A detector that gave no answer to some scans.
@@ -196,11 +169,9 @@ impl RunFacts {
         let draws = tally.draw();
         let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, (&tally, &draws), &report);
         let agreement = agreement_of(directory)?;
-        let is_compared = |it: &String| agreement.iter().any(|row| row.dataset == *it);
-        let mut standings = standings(&tally, &manifest, &report);
-        standings.retain(|it| !it.pool.datasets.iter().all(is_compared));
+        let standings = standings(&tally, &manifest, &report);
         Ok(Self {
-            standings,
+            standings: scored(standings, &agreement),
             speeds: speeds(&manifest, &report),
             pools: pools.into_iter().zip(times_ms).map(of_pool).collect(),
             curves: curves(&read_rows(&directory.join(PRECISION_RECALL_CSV))?, &detectors),

@@ -41,19 +41,9 @@ impl ErrorTable<'_> {
     fn reasons(&self, is_asked: impl Fn(&ErrorRow) -> bool) -> Vec<(MistakeKind, &str)> {
         let mut reasons: Vec<(MistakeKind, &str)> =
             self.rows.iter().filter(|it| is_asked(it)).map(|it| (it.mistake, it.reason.as_str())).collect();
-        let place = |it: &(MistakeKind, &str)| (it.0, self.first_place(*it));
-        reasons.sort_by_key(place);
+        reasons.sort_by_key(|it| (it.0, place(*it)));
         reasons.dedup();
         reasons
-    }
-
-    /// The vocabulary's order is that of every detector's rows.
-    fn first_place(&self, (mistake, reason): (MistakeKind, &str)) -> usize {
-        let place = match mistake {
-            MistakeKind::Missed => MissReason::ALL.iter().position(|it| it.name() == reason),
-            MistakeKind::False => FalseReason::ALL.iter().position(|it| it.name() == reason),
-        };
-        place.unwrap_or(usize::MAX)
     }
 
     /// A line for each reason: of every detector how often, and the gain.
@@ -113,6 +103,14 @@ impl ErrorTable<'_> {
             }
         }
         Grid { columns, lines }
+    }
+}
+
+/// The place of a reason in the vocabulary.
+fn place((mistake, reason): (MistakeKind, &str)) -> Option<usize> {
+    match mistake {
+        MistakeKind::Missed => MissReason::ALL.iter().position(|it| it.name() == reason),
+        MistakeKind::False => FalseReason::ALL.iter().position(|it| it.name() == reason),
     }
 }
 

@@ -85,7 +85,7 @@ fn changes_of_shipped(manifest: &Manifest) -> Result<Vec<String>, Failure> {
     let shipped = RunConfig::load(None)?;
     let mut changes = Vec::new();
     for entry in manifest.detectors.iter().filter(|it| it.foreign.is_none()) {
-        for listed in built_in_named(&[entry.name.clone()], &shipped)? {
+        for listed in built_in_named(std::slice::from_ref(&entry.name), &shipped)? {
             let as_shipped = detector_entry(&Entrant::of(listed, &shipped));
             changes.extend(detector_changes(&as_shipped, entry));
         }

@@ -1,0 +1,50 @@
+//! What only some runs have: numbers under protocols of others, and scans without labels.
+
+use std::path::Path;
+
+use crate::files::archive::ArchiveError;
+use crate::files::csv_rows::{each_row, read_rows};
+use crate::protocols::given_classes::GivenClasses;
+use crate::protocols::protocol_report::ProtocolReport;
+use crate::rows::agreement_row::AgreementRow;
+use crate::rows::kitti_object_row::KittiObjectRow;
+use crate::rows::ranked_box_row::RankedBoxRow;
+use crate::run_folder::manifest::Manifest;
+use crate::run_folder::run_directory::{AGREEMENT_CSV, KITTI_OBJECT_CSV, PROTOCOL_BOXES_CSV, PROTOCOLS_JSON};
+use crate::verdicts::standing::Standing;
+use crate::vocabulary::protocol::Protocol;
+
+/// Numbers under protocols of others; `None` where there are none.
+pub(super) fn protocols_of(
+    directory: &Path,
+    manifest: &Manifest,
+) -> Result<Option<ProtocolReport>, ArchiveError> {
+    let is_evaluated = !manifest.protocols.is_empty();
+    is_evaluated.then(|| ProtocolReport::read(&directory.join(PROTOCOLS_JSON))).transpose()
+}
+
+/// The classes that detectors give under the protocols that have classes.
+pub(super) fn given_classes(directory: &Path, manifest: &Manifest) -> Result<GivenClasses, ArchiveError> {
+    let mut given = GivenClasses::default();
+    let has = |protocol: &Protocol| manifest.protocols.contains(protocol);
+    if [Protocol::Nuscenes, Protocol::Argoverse2].iter().any(has) {
+        each_row(&directory.join(PROTOCOL_BOXES_CSV), |row: RankedBoxRow| given.add_ranked_box(&row))?;
+    }
+    if has(&Protocol::KittiObject) {
+        each_row(&directory.join(KITTI_OBJECT_CSV), |row: KittiObjectRow| given.add_kitti_object(&row))?;
+    }
+    Ok(given)
+}
+
+/// Nothing where everything is labelled.
+pub(super) fn agreement_of(directory: &Path) -> Result<Vec<AgreementRow>, ArchiveError> {
+    let path = directory.join(AGREEMENT_CSV);
+    if path.is_file() { read_rows(&path) } else { Ok(Vec::new()) }
+}
+
+/// Those on data sets that have labels.
+pub(super) fn scored(mut standings: Vec<Standing>, agreement: &[AgreementRow]) -> Vec<Standing> {
+    let is_compared = |it: &String| agreement.iter().any(|row| row.dataset == *it);
+    standings.retain(|it| !it.pool.datasets.iter().all(is_compared));
+    standings
+}
