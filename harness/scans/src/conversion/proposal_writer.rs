@@ -61,7 +61,9 @@ impl ProposalWriter {
             _ => format!("{}-{:06}", folder_name(&scan.id.sequence), scan.id.index),
         };
         self.n_written += 1;
-        proposals.iter().for_each(|it| self.proposed.add(&it.bounding_box));
+        for it in proposals {
+            self.proposed.add(&it.bounding_box);
+        }
         let folder = &self.folder;
         match self.format {
             ProposalFormat::Kitti => {

@@ -167,7 +167,9 @@ mod tests {
                 let share = step as f32 / 79.0 - 0.5;
                 add(share * 4.0, 0.9 * sensor_across_m.signum(), -1.0);
                 add(2.0 * sensor_along_m.signum(), share * 1.8, -1.0);
-                (0..3).for_each(|row| add(share * 7.0, row as f32 - 1.0, -1.7));
+                for across_m in [-1.0, 0.0, 1.0] {
+                    add(share * 7.0, across_m, -1.7);
+                }
             }
             let car = Annotation { bounding_box: Some(bounding_box), ..Annotation::of(AnnotationClass::Car) };
             vehicles.add(&cloud, &[car], |it| *it);
@@ -194,7 +196,9 @@ mod tests {
             (Correction::NegateYaw, Correction::NegateYaw),
         ] {
             let mut vehicles = cars(12).seen;
-            vehicles.iter_mut().for_each(|it| it.bounding_box = damage.of(&it.bounding_box));
+            for it in &mut vehicles {
+                it.bounding_box = damage.of(&it.bounding_box);
+            }
             let found = better_fit(&vehicles).unwrap();
             assert!(found.gain > 1.3 && found.share_better > 0.7, "{found:?}");
             let text = |it: Correction| it.to_string();

@@ -43,7 +43,7 @@ impl ProposalList {
     /// The list as a file.
     pub fn to_csv(&self) -> String {
         let lines = self.lines.iter().map(String::as_str);
-        [HEADER].into_iter().chain(lines).map(|it| format!("{it}\n")).collect()
+        [HEADER].into_iter().chain(lines).collect::<Vec<_>>().join("\n") + "\n"
     }
 }
 
