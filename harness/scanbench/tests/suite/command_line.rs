@@ -275,7 +275,7 @@ fn a_page_is_made_again_of_the_directory_alone() {
 fn the_drawn_cars_are_found() {
     let workplace = Workplace::new();
     DrawnDataset::objects(workplace.folder(), 2);
-    let report = workplace.succeed("run street -d hierarchical -o out");
+    let report = workplace.succeed("run street -d hierarchical -o out -v");
     let row = report.stdout.lines().find(|line| line.contains("street") && line.contains(" hierarchical "));
     let words: Vec<&str> = row.expect("a row").split_whitespace().collect();
     // Data set, detector, scans, NO, TP, MO.
