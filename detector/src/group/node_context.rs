@@ -5,7 +5,7 @@ use crate::group::node_values::N_NODE_VALUES;
 /// The names of the values that a round leaves for the next one, as in files.
 ///
 /// The expected IoU of a group is that with an object; 0 of those that are not described. The best
-/// groups are disjoint, and have the greatest sum of expected IoUs less 0.42 each.
+/// groups are disjoint, and have the greatest sum of expected IoU less 0.42 each.
 pub const CONTEXT_VALUES: [&str; 10] = [
     "worth",
     // The best groups among those that it holds.

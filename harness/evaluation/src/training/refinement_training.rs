@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::training::boosting::{BoostingParams, Target, boost};
 use crate::training::group_examples::{GroupExample, ScanGroups};
 
-/// Parts of the drives; the expected IoUs of one of them come from forests of the others.
+/// Parts of the drives; the expected IoU of one of them come from forests of the others.
 const N_FOLDS: usize = 3;
 
 /// Forests that [`train_refinement`] trains: each round, and each round of each part by the others.
@@ -67,7 +67,7 @@ fn folds(scans: &[&ScanGroups]) -> Vec<usize> {
     scans.iter().enumerate().map(|it| place(it) % N_FOLDS).collect()
 }
 
-/// What a refinement round sees of the groups of a scan with these expected IoUs, of those that it refines.
+/// What a refinement round sees of the groups of a scan with these expected IoU, of those that it refines.
 fn seen_again(scan: &ScanGroups, expected_ious: &[f32]) -> Vec<Option<[f32; N_REFINEMENT_VALUES]>> {
     let mut contexts = NodeContexts::default();
     let node_idxs = scan.groups.iter().map(|it| it.node_idx);

@@ -109,7 +109,6 @@ Examples:
   scanbench reproduce                              all three papers, on simulations
   scanbench reproduce all streets ~/data/kitti_tracking -o runs/papers
   scanbench reproduce hg --settings 1000
-  scanbench reproduce all --choose training-streets --scans 0..300:6
   scanbench reproduce all --choose=kd-tree training-streets --scans 0..300:6
 
 Runs the method of the papers and its rivals, judges each claim of the papers, and says

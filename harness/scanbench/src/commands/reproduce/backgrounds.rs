@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use detector::Detector;
-use evaluation::run::config::RunConfig;
+use evaluation::run::config::{RunConfig, VehicleModels};
 use evaluation::run::detector_list::built_in_named;
 use evaluation::training::CHOICE_SEED;
 use evaluation::training::candidates::{Candidate, CandidateSource, collect_candidates};
@@ -21,7 +21,7 @@ pub fn backgrounds(
     config: &RunConfig,
     interrupted: &AtomicBool,
 ) -> Result<BackgroundTable, Failure> {
-    let model = config.vehicle_models.as_ref().map(|it| it.paper());
+    let model = config.vehicle_models.as_ref().map(VehicleModels::paper);
     let mut counts: BTreeMap<(bool, &'static str), Classified> = BTreeMap::new();
     for it in datasets {
         let description = it.dataset.description();

@@ -52,12 +52,11 @@ impl PartialObjects {
             |it| {
                 rows.extend(it.rows);
                 progress.inc(1);
-                match interrupted.load(Ordering::Relaxed) {
-                    false => Ok(()),
-                    true => {
-                        Err(Failure::from(Interrupted { object_idx: it.object_idx, set: OBJECTS.to_owned() }))
-                    }
+                if interrupted.load(Ordering::Relaxed) {
+                    let (object_idx, set) = (it.object_idx, OBJECTS.to_owned());
+                    return Err(Failure::from(Interrupted { object_idx, set }));
                 }
+                Ok(())
             },
         );
         progress.finish_and_clear();
