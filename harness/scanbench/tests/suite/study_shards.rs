@@ -62,7 +62,8 @@ fn nothing_is_timed(_: &Path) -> bool {
 /// A file whose bytes hang on times.
 fn hangs_on_times(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    ["times.csv", "sweep.md", "sweep.tex", "report.html"].contains(&name.as_str()) || name.starts_with("pareto_")
+    ["times.csv", "sweep.md", "sweep.tex", "report.html"].contains(&name.as_str())
+        || name.starts_with("pareto_")
 }
 
 #[test]
