@@ -49,7 +49,7 @@ impl ErrorTable<'_> {
     /// A line for each reason: of every detector how often, and the gain.
     fn gains(&self) -> Grid {
         let is_all = |it: &ErrorRow| it.slice == Slice::All;
-        let mut columns = ["", "reason"].map(Column::left).to_vec();
+        let mut columns = ["mistake", "reason"].map(Column::left).to_vec();
         for detector in &self.detectors {
             columns.extend(["n", "gain"].map(|it| Column::number(it).within(*detector)));
         }
