@@ -61,13 +61,13 @@ def quality(numbers, detectors, task):
 
 def times(numbers, detectors):
     lines = table("detector", "ms (median)", "× hierarchical", "CPU ms (mean)", "× hierarchical", "process overhead, ms", "failed scans")
-    of = {name: {it: value(numbers, it, "objects", name) for it in detectors} for name in ["latency_p50_ms", "cpu_mean_ms", "door_p50_ms", "failed_scans"]}
+    of = {name: {it: value(numbers, it, "objects", name) for it in detectors} for name in ["latency_p50_ms", "cpu_mean_ms", "overhead_p50_ms", "failed_scans"]}
     for it in detectors:
         cells = []
         for metric in ["latency_p50_ms", "cpu_mean_ms"]:
             ms = of[metric][it]
             cells += [number(ms), number(ms / of[metric].get("hierarchical", float("nan")))]
-        lines.append(row(it, *cells, number(of["door_p50_ms"][it], 2), number(of["failed_scans"][it], 0)))
+        lines.append(row(it, *cells, number(of["overhead_p50_ms"][it], 2), number(of["failed_scans"][it], 0)))
     return lines
 
 

@@ -16,7 +16,7 @@ TIMES |= {f"table_{task}.{kind}" for task in ("objects", "vehicles") for kind in
 OF_MERGE = {"times_of_processors.csv", "recordings.json"}
 WITH_TIMES = re.compile(r"(scans|stages|table_\w+)\.csv")
 TIME_COLUMN = re.compile(r".*_ms|fps_mean")
-TIME_METRIC = re.compile(r"(latency|cpu|fps|door|reference|stage)_.*|time_over_reference")
+TIME_METRIC = re.compile(r"(latency|cpu|fps|overhead|reference|stage)_.*|time_over_reference")
 FIGURE_OF_TIMES = re.compile(r"figures/(times|stages)\..*|figures/.*\.pdf")
 
 

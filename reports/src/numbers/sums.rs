@@ -1,6 +1,7 @@
 //! Sums over objects, of which every ratio of a report is made: those of any choice of scans give its ratios.
 
 use crate::rows::counts::Counts;
+use crate::rows::scan_row::ScanNumbers;
 use crate::vocabulary::metric::{BoxDimension, Metric};
 
 /// What is summed.
@@ -85,6 +86,26 @@ impl Sums {
         sums.add(Term::Annotations, counts.no() as f64);
         sums.add(Term::Matched, counts.tp() as f64);
         sums.add(Term::False, counts.fo().unwrap_or(0) as f64);
+        sums
+    }
+
+    /// The objects of a scan; its times are not in it.
+    pub(super) fn of_scan(numbers: &ScanNumbers) -> Self {
+        let mut sums = Self::of_counts(numbers.counts);
+        let segmentation = &numbers.segmentation;
+        for (term, value) in [
+            (Term::IgnoredAnnotations, numbers.n_ignored_annotations as f64),
+            (Term::IgnoredDetections, numbers.n_ignored_detections as f64),
+            (Term::Unknowable, numbers.n_unknowable_detections as f64),
+            (Term::Split, segmentation.n_split as f64),
+            (Term::Holding, segmentation.n_holding as f64),
+            (Term::Joining, segmentation.n_joining as f64),
+            (Term::Touching, segmentation.n_touching as f64),
+            (Term::OverEntropy, segmentation.over_entropy_nats),
+            (Term::UnderEntropy, segmentation.under_entropy_nats),
+        ] {
+            sums.add(term, value);
+        }
         sums
     }
 

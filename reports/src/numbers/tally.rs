@@ -120,21 +120,7 @@ impl Tally {
             gathered.false_objects = FalseObjects::Unknown;
         }
         let sums = gathered.sums(Slice::All, &block);
-        let segmentation = &numbers.segmentation;
-        sums.add_times(&Sums::of_counts(numbers.counts), 1.0);
-        for (term, value) in [
-            (Term::IgnoredAnnotations, numbers.n_ignored_annotations as f64),
-            (Term::IgnoredDetections, numbers.n_ignored_detections as f64),
-            (Term::Unknowable, numbers.n_unknowable_detections as f64),
-            (Term::Split, segmentation.n_split as f64),
-            (Term::Holding, segmentation.n_holding as f64),
-            (Term::Joining, segmentation.n_joining as f64),
-            (Term::Touching, segmentation.n_touching as f64),
-            (Term::OverEntropy, segmentation.over_entropy_nats),
-            (Term::UnderEntropy, segmentation.under_entropy_nats),
-        ] {
-            sums.add(term, value);
-        }
+        sums.add_times(&Sums::of_scan(numbers), 1.0);
         let times_ms = numbers.least_latency_ms.zip(numbers.reference_ms);
         if let Some((least_ms, reference_ms)) = times_ms.filter(|it| it.0 > 0.0 && it.1 > 0.0) {
             sums.add(Term::TimedScans, 1.0);
@@ -150,7 +136,7 @@ impl Tally {
         let of_kinds = [
             (TimeKind::Latency, numbers.latency_ms),
             (TimeKind::Cpu, numbers.cpu_ms),
-            (TimeKind::Door, numbers.door_ms),
+            (TimeKind::Overhead, numbers.overhead_ms),
         ];
         for (kind, time_ms) in of_kinds {
             if let Some(time_ms) = time_ms.filter(|_| self.processors == Processors::Alike) {

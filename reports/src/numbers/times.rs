@@ -22,7 +22,7 @@ pub(crate) enum TimeKind {
     /// On processors meanwhile.
     Cpu,
     /// To a detector that is a program of its own, and back.
-    Door,
+    Overhead,
 }
 
 impl Times {

@@ -12,7 +12,7 @@ use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{AGREEMENT_CSV, KITTI_OBJECT_CSV, PROTOCOL_BOXES_CSV, PROTOCOLS_JSON};
 use crate::verdicts::standing::Standing;
-use crate::vocabulary::protocol::Protocol;
+use crate::vocabulary::protocol::ProtocolFamily;
 
 /// Numbers under protocols of others; `None` where there are none.
 pub(super) fn protocols_of(
@@ -26,11 +26,11 @@ pub(super) fn protocols_of(
 /// The classes that detectors give under the protocols that have classes.
 pub(super) fn given_classes(directory: &Path, manifest: &Manifest) -> Result<GivenClasses, ArchiveError> {
     let mut given = GivenClasses::default();
-    let has = |protocol: &Protocol| manifest.protocols.contains(protocol);
-    if [Protocol::Nuscenes, Protocol::Argoverse2].iter().any(has) {
+    let has = |family| manifest.protocols.iter().any(|it| it.family() == family);
+    if has(ProtocolFamily::RankedBoxes) {
         each_row(&directory.join(PROTOCOL_BOXES_CSV), |row: RankedBoxRow| given.add_ranked_box(&row))?;
     }
-    if has(&Protocol::KittiObject) {
+    if has(ProtocolFamily::KittiObjects) {
         each_row(&directory.join(KITTI_OBJECT_CSV), |row: KittiObjectRow| given.add_kitti_object(&row))?;
     }
     Ok(given)

@@ -18,7 +18,7 @@ use crate::rows::label_score_row::LabelScoreRow;
 use crate::rows::official_rows::OfficialRows;
 use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_name::ScanName;
-use crate::vocabulary::protocol::Protocol;
+use crate::vocabulary::protocol::{Protocol, ProtocolFamily};
 use crate::vocabulary::ranked_protocol::RankedProtocol;
 
 /// Rows of protocols, in whatever order they came.
@@ -101,13 +101,11 @@ impl ProtocolTally {
 
     /// The protocols that there are rows of, in the order of tables.
     pub fn protocols(&self) -> Vec<Protocol> {
-        let has_rows = |protocol: &Protocol| match protocol {
-            Protocol::KittiObject => !self.kitti.is_empty(),
-            Protocol::SemanticKitti => !self.labels.is_empty(),
-            Protocol::Ground => !self.ground.is_empty(),
-            Protocol::Nuscenes | Protocol::Argoverse2 => {
-                self.ranked.keys().any(|(it, _)| it.protocol() == *protocol)
-            }
+        let has_rows = |protocol: &Protocol| match protocol.family() {
+            ProtocolFamily::KittiObjects => !self.kitti.is_empty(),
+            ProtocolFamily::Instances => !self.labels.is_empty(),
+            ProtocolFamily::Ground => !self.ground.is_empty(),
+            ProtocolFamily::RankedBoxes => self.ranked.keys().any(|(it, _)| it.protocol() == *protocol),
         };
         Protocol::ALL.into_iter().filter(has_rows).collect()
     }
@@ -119,29 +117,28 @@ impl ProtocolTally {
         scans: &DrawnScans,
     ) -> Option<Box<dyn UnderProtocol + '_>> {
         let ProtocolQuestion { protocol, detector } = question;
-        match protocol {
-            Protocol::KittiObject => {
+        Some(match protocol.family() {
+            ProtocolFamily::KittiObjects => {
                 let facts = self.kitti.get(detector)?.iter();
                 // What is read from files was checked.
                 let of_scan = |(name, facts): (&ScanName, &Vec<KittiFact>)| {
                     Some((name.clone(), KittiScan::of(facts.iter().copied()).ok()?))
                 };
                 let of_scans = facts.filter_map(of_scan).collect();
-                return Some(Box::new(KittiMatches::named(scans.names(), &of_scans)));
+                Box::new(KittiMatches::named(scans.names(), &of_scans))
             }
-            Protocol::SemanticKitti => {
-                return Some(Box::new(SemanticKitti::new(scans.names(), self.labels.get(detector)?)));
+            ProtocolFamily::Instances => {
+                Box::new(SemanticKitti::new(scans.names(), self.labels.get(detector)?))
             }
-            Protocol::Ground => {
-                return Some(Box::new(Ground::new(scans.names(), self.ground.get(detector)?)));
+            ProtocolFamily::Ground => Box::new(Ground::new(scans.names(), self.ground.get(detector)?)),
+            ProtocolFamily::RankedBoxes => {
+                let ranked = RankedProtocol::of(protocol)?;
+                let rows = self.ranked.get(&(ranked, detector.to_owned()))?;
+                match ranked {
+                    RankedProtocol::Nuscenes => Box::new(Nuscenes::new(scans.names(), rows)),
+                    RankedProtocol::Argoverse2 => Box::new(Argoverse2::new(scans.names(), rows)),
+                }
             }
-            Protocol::Nuscenes | Protocol::Argoverse2 => {}
-        }
-        let ranked = RankedProtocol::ALL.into_iter().find(|it| it.protocol() == protocol)?;
-        let rows = self.ranked.get(&(ranked, detector.to_owned()))?;
-        Some(match ranked {
-            RankedProtocol::Nuscenes => Box::new(Nuscenes::new(scans.names(), rows)),
-            RankedProtocol::Argoverse2 => Box::new(Argoverse2::new(scans.names(), rows)),
         })
     }
 

@@ -62,7 +62,7 @@ pub struct ScanNumbers {
     pub cpu_ms: Option<f64>,
     /// The way to a detector that is a program of its own and back, in milliseconds: the shortest of all repetitions. It is
     /// part of `latency_ms`. `None` of others.
-    pub door_ms: Option<f64>,
+    pub overhead_ms: Option<f64>,
     /// Annotations found and missed, and false detections.
     pub counts: Counts,
     /// Annotations that are neither found nor missed.
@@ -90,7 +90,7 @@ impl ScanNumbers {
             least_latency_ms: None,
             reference_ms: None,
             cpu_ms: None,
-            door_ms: None,
+            overhead_ms: None,
             counts,
             n_ignored_annotations: 0,
             n_ignored_detections: 0,
@@ -153,7 +153,7 @@ row! {
         least_latency_ms: Option<Fixed<3>>,
         reference_ms: Option<Fixed<4>>,
         cpu_ms: Option<Fixed<3>>,
-        door_ms: Option<Fixed<3>>,
+        overhead_ms: Option<Fixed<3>>,
         no: Option<u64>,
         tp: Option<u64>,
         mo: Option<u64>,
@@ -207,7 +207,7 @@ impl From<ScanRow> for ScanRecord {
             least_latency_ms: numbers.and_then(|it| it.least_latency_ms).map(Fixed::rounded),
             reference_ms: numbers.and_then(|it| it.reference_ms).map(Fixed::rounded),
             cpu_ms: numbers.and_then(|it| it.cpu_ms).map(Fixed::rounded),
-            door_ms: numbers.and_then(|it| it.door_ms).map(Fixed::rounded),
+            overhead_ms: numbers.and_then(|it| it.overhead_ms).map(Fixed::rounded),
             no: counts.map(Counts::no),
             tp: counts.map(Counts::tp),
             mo: counts.map(Counts::mo),
@@ -273,7 +273,7 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
         least_latency_ms: record.least_latency_ms.map(|Fixed(latency_ms)| latency_ms),
         reference_ms: record.reference_ms.map(|Fixed(reference_ms)| reference_ms),
         cpu_ms: record.cpu_ms.map(|Fixed(cpu_ms)| cpu_ms),
-        door_ms: record.door_ms.map(|Fixed(door_ms)| door_ms),
+        overhead_ms: record.overhead_ms.map(|Fixed(overhead_ms)| overhead_ms),
         counts,
         n_ignored_annotations: present(record.ignored_annotations)?,
         n_ignored_detections: present(record.ignored_detections)?,
@@ -312,7 +312,7 @@ mod tests {
             least_latency_ms: latency_ms,
             reference_ms: latency_ms.map(|_| 0.25),
             cpu_ms: latency_ms.map(|it| 2.0 * it),
-            door_ms: latency_ms.map(|_| 0.125),
+            overhead_ms: latency_ms.map(|_| 0.125),
             counts: Counts::new(7, 5, n_false).unwrap(),
             n_ignored_annotations: 3,
             n_ignored_detections: 2,
@@ -349,7 +349,7 @@ mod tests {
     fn rows_read_back_as_they_were() {
         let text = csv_text(&rows());
         insta::assert_snapshot!(text, @r#"
-        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,checksum,latency_ms,least_latency_ms,reference_ms,cpu_ms,door_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
+        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,checksum,latency_ms,least_latency_ms,reference_ms,cpu_ms,overhead_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
         "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,00c0ffee,,,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
         "kitti, tracking",0000,1,0.100,kd-tree,objects,evaluated,,120000,00c0ffee,8.250,8.250,0.2500,16.500,0.125,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
         "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,,,,

@@ -10,7 +10,7 @@ use crate::run_folder::folder_in_place::move_into_place;
 use crate::run_folder::run_target::{
     ClaimedTarget, ExistingTarget, LATEST, LatestPointer, RunDirectoryError, refused,
 };
-use crate::vocabulary::protocol::Protocol;
+use crate::vocabulary::protocol::{Protocol, ProtocolFamily};
 
 /// The numbers of the run.
 pub const REPORT_JSON: &str = "report.json";
@@ -49,10 +49,10 @@ pub const PROTOCOL_FILES: [&str; 3] = [PROTOCOL_BOXES_CSV, KITTI_OBJECT_CSV, PRO
 
 /// That of [`PROTOCOL_FILES`] that has the rows under `protocol`.
 pub fn protocol_file(protocol: Protocol) -> &'static str {
-    match protocol {
-        Protocol::KittiObject => KITTI_OBJECT_CSV,
-        Protocol::Nuscenes | Protocol::Argoverse2 => PROTOCOL_BOXES_CSV,
-        Protocol::SemanticKitti | Protocol::Ground => PROTOCOL_LABELS_CSV,
+    match protocol.family() {
+        ProtocolFamily::KittiObjects => KITTI_OBJECT_CSV,
+        ProtocolFamily::RankedBoxes => PROTOCOL_BOXES_CSV,
+        ProtocolFamily::Instances | ProtocolFamily::Ground => PROTOCOL_LABELS_CSV,
     }
 }
 /// Folder of the figures of the page, each as a file of its own.

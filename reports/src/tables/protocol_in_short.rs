@@ -8,7 +8,8 @@ use crate::protocols::protocol_report::ProtocolReport;
 use crate::run_folder::manifest::Manifest;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
-use crate::vocabulary::protocol::Protocol;
+use crate::vocabulary::protocol::{Protocol, ProtocolFamily};
+use crate::vocabulary::ranked_protocol::RankedProtocol;
 
 /// A line for each detector, on all data sets of one origin together.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,11 +44,12 @@ impl Tabular for ProtocolInShort {
 /// Whether a number is one of those that a detector is known by: of a class that is given, or of no class.
 fn is_shown(number: &ProtocolNumber, given: &GivenClasses) -> bool {
     let (class, id) = (number.metric.class.as_str(), number.metric.id.as_str());
-    match number.protocol {
-        Protocol::KittiObject => number.is_principal() && given.has(number.protocol, class),
-        Protocol::Nuscenes => id == "ap" && given.has(number.protocol, class),
-        Protocol::Argoverse2 => ["ap", "cds"].contains(&id) && given.has(number.protocol, class),
-        Protocol::SemanticKitti | Protocol::Ground => number.is_principal(),
+    match (number.protocol.family(), RankedProtocol::of(number.protocol)) {
+        (ProtocolFamily::RankedBoxes, ranked) => {
+            ranked.is_some_and(|it| it.principal_metrics().contains(&id)) && given.has(number.protocol, class)
+        }
+        (ProtocolFamily::KittiObjects, _) => number.is_principal() && given.has(number.protocol, class),
+        (ProtocolFamily::Instances | ProtocolFamily::Ground, _) => number.is_principal(),
     }
 }
 

@@ -14,7 +14,7 @@ use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::task_grids::extent_cell;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
-use crate::vocabulary::protocol::Protocol;
+use crate::vocabulary::protocol::{Protocol, ProtocolFamily};
 
 /// The numbers of a run under one protocol.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,14 +145,14 @@ impl<'a> ProtocolTable<'a> {
         });
         let has_gaps = self.numbers.iter().any(|it| it.value.is_none());
         let about_gaps = has_gaps.then(|| "–: no annotation that it could be of, or not known.".to_owned());
-        let about_scores = match self.protocol {
-            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => {
+        let about_scores = match self.protocol.family() {
+            ProtocolFamily::KittiObjects | ProtocolFamily::RankedBoxes => {
                 "Detections without a score have 1; vehicles whose class nobody tells are cars."
             }
-            Protocol::SemanticKitti => {
+            ProtocolFamily::Instances => {
                 "All points count, whatever their range, and objects of a single point. The entropies are sums over a scan."
             }
-            Protocol::Ground => {
+            ProtocolFamily::Ground => {
                 "class: which labels are ground, by whose definition. Numbers of one are not to be compared with those of another."
             }
         };
@@ -164,10 +164,10 @@ impl<'a> ProtocolTable<'a> {
 
 impl Tabular for ProtocolTable<'_> {
     fn sheet(&self) -> Sheet {
-        let counted = match self.protocol {
-            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => "annotations that count",
-            Protocol::SemanticKitti => "instances, scans, or segments of a class",
-            Protocol::Ground => "points, or scans",
+        let counted = match self.protocol.family() {
+            ProtocolFamily::KittiObjects | ProtocolFamily::RankedBoxes => "annotations that count",
+            ProtocolFamily::Instances => "instances, scans, or segments of a class",
+            ProtocolFamily::Ground => "points, or scans",
         };
         let title = format!("Protocol {}. n: {counted}.", self.protocol);
         Sheet::of(title, self.grid(), self.sentences()).labelled(&self.file_stem().replacen("table_", "", 1))

@@ -30,7 +30,7 @@ const STATISTICS: [(&str, Metric); 8] = [
 ];
 
 /// What is not known of every detector; columns without a value are left out.
-const OF_SOME: [(&str, Metric); 2] = [("CPU", Metric::CpuMean), ("door", Metric::DoorP50)];
+const OF_SOME: [(&str, Metric); 2] = [("CPU", Metric::CpuMean), ("overhead", Metric::OverheadP50)];
 
 impl TimesTable {
     /// The times of `report`. They are the same for every task.
@@ -75,9 +75,10 @@ impl Tabular for TimesTable {
         let has = |title: &str| self.grid.columns.iter().any(|it| it.title == title);
         let of_cpu = "CPU: mean time on processors, on all threads and in all processes; more than the time of a scan \
                       where several work at once.";
-        let of_door = "door: median of the way to a detector that is a program of its own, and back, measured beside it \
+        let of_overhead = "overhead: median of the way to a detector that is a program of its own, and back, measured beside it \
                        with one that answers nothing.";
-        let of_some = [("CPU", of_cpu), ("door", of_door)].into_iter().filter(|(title, _)| has(title));
+        let of_some =
+            [("CPU", of_cpu), ("overhead", of_overhead)].into_iter().filter(|(title, _)| has(title));
         let sentences = [sentence].into_iter().chain(of_some.map(|it| it.1)).map(str::to_owned);
         let title = format!("Times of detection only, on {}.", self.cpu_model);
         Sheet::of(title, self.grid.clone(), sentences.collect()).labelled("times")

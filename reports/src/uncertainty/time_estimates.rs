@@ -66,12 +66,12 @@ impl Tally {
                 for (statistic, percent) in STATISTICS {
                     push(Metric::Latency(statistic), of_scans.percentile_ms(percent), of_scans.n());
                 }
-                let (cpu, door) = (of_kind(TimeKind::Cpu), of_kind(TimeKind::Door));
+                let (cpu, overhead) = (of_kind(TimeKind::Cpu), of_kind(TimeKind::Overhead));
                 if cpu.n() > 0 {
                     push(Metric::CpuMean, cpu.fps_mean().map(|per_s| 1e3 / per_s), cpu.n());
                 }
-                if door.n() > 0 {
-                    push(Metric::DoorP50, door.percentile_ms(50), door.n());
+                if overhead.n() > 0 {
+                    push(Metric::OverheadP50, overhead.percentile_ms(50), overhead.n());
                 }
                 let [n_scans, n_failed] = times.failures(task, detector_idx);
                 if n_failed > 0 {

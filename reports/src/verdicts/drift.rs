@@ -204,7 +204,7 @@ fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Op
             least_latency_ms: None,
             reference_ms: None,
             cpu_ms: None,
-            door_ms: None,
+            overhead_ms: None,
             failure: None,
             ..it.clone()
         })

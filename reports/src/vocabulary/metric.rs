@@ -50,7 +50,7 @@ pub enum Metric {
     /// Time on processors of a detection, on all threads and in all processes of the detector: mean over scans.
     CpuMean,
     /// Median time of the way to a detector that is a program of its own, and back.
-    DoorP50,
+    OverheadP50,
     /// Scans to which the detector gave no answer, and that count as if it had found nothing.
     FailedScans,
     /// Time of the reference that detectors are timed in turns with: a plain write of a grid. Geometric mean over scans of the
@@ -168,7 +168,7 @@ static METRICS: [Declared; 35] = {
         (Metric::Latency(LatencyStatistic::P99), "latency_p99_ms", "ms", LowerIsBetter),
         (Metric::Latency(LatencyStatistic::Max), "latency_max_ms", "ms", LowerIsBetter),
         (Metric::CpuMean, "cpu_mean_ms", "ms", LowerIsBetter),
-        (Metric::DoorP50, "door_p50_ms", "ms", Neither),
+        (Metric::OverheadP50, "overhead_p50_ms", "ms", Neither),
         (Metric::FailedScans, "failed_scans", "count", LowerIsBetter),
         (Metric::ReferenceTime, "reference_ms", "ms", Neither),
         (Metric::TimeRatio, "time_over_reference", "times", LowerIsBetter),

@@ -17,3 +17,28 @@ named! {
         Ground = "ground",
     }
 }
+
+/// What the numbers of a protocol are computed from. Protocols of one family share rows, the file of these and the words of tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProtocolFamily {
+    /// Boxes and regions that are left out, as KITTI's object benchmark has them.
+    KittiObjects,
+    /// Ranked boxes, matched by the distance of their centres.
+    RankedBoxes,
+    /// Labels of the points of objects.
+    Instances,
+    /// Labels of the points of the ground.
+    Ground,
+}
+
+impl Protocol {
+    /// What its numbers are computed from.
+    pub fn family(self) -> ProtocolFamily {
+        match self {
+            Self::KittiObject => ProtocolFamily::KittiObjects,
+            Self::Nuscenes | Self::Argoverse2 => ProtocolFamily::RankedBoxes,
+            Self::SemanticKitti => ProtocolFamily::Instances,
+            Self::Ground => ProtocolFamily::Ground,
+        }
+    }
+}

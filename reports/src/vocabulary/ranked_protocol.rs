@@ -32,6 +32,19 @@ impl RankedProtocol {
         }
     }
 
+    /// The one that `protocol` is; `None` if it does not rank boxes.
+    pub fn of(protocol: Protocol) -> Option<Self> {
+        Self::ALL.into_iter().find(|it| it.protocol() == protocol)
+    }
+
+    /// The metrics that it is known by.
+    pub fn principal_metrics(self) -> &'static [&'static str] {
+        match self {
+            Self::Nuscenes => &["ap", "nds"],
+            Self::Argoverse2 => &["ap", "cds"],
+        }
+    }
+
     /// The classes that are evaluated, in the makers' order.
     pub fn classes(self) -> &'static [&'static str] {
         match self {

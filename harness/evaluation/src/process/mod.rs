@@ -1,4 +1,5 @@
-//! Detectors that are programs of their own: `docs/protocol.md`. The way to one and back is called the door.
+//! Detectors that are programs of their own: `docs/protocol.md`. The time to ask one and to get its answer, without detection, is
+//! the process overhead.
 
 pub mod problem;
 pub mod message;

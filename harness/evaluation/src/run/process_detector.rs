@@ -39,7 +39,7 @@ pub struct ProcessDetector {
     conversation: Option<Conversation>,
     has_answered: bool,
     n_failures: u32,
-    door: Door,
+    probe: OverheadProbe,
     // Of the latest scan.
     clusters: Vec<Option<u32>>,
     products: Vec<(String, Vec<u8>)>,
@@ -48,9 +48,9 @@ pub struct ProcessDetector {
 }
 
 /// A program that answers nothing.
-enum Door {
-    Closed,
-    Open(Box<Conversation>),
+enum OverheadProbe {
+    NotStarted,
+    Running(Box<Conversation>),
     /// It does not work here.
     Broken,
 }
@@ -79,7 +79,7 @@ impl ProcessDetector {
             conversation: None,
             has_answered: false,
             n_failures: 0,
-            door: Door::Closed,
+            probe: OverheadProbe::NotStarted,
             clusters: Vec::new(),
             products: Vec::new(),
             tells_ground: false,
@@ -153,18 +153,18 @@ impl ProcessDetector {
     }
 
     /// What the way there and back takes.
-    fn time_door(&mut self, scan: &LabeledScan, time_s: f64) -> Option<Duration> {
-        if matches!(self.door, Door::Closed) {
-            let start = StartedProgram { command: door_command(), threads: 1, ..self.start.clone() };
+    fn time_overhead(&mut self, scan: &LabeledScan, time_s: f64) -> Option<Duration> {
+        if matches!(self.probe, OverheadProbe::NotStarted) {
+            let start = StartedProgram { command: probe_command(), threads: 1, ..self.start.clone() };
             let configuration =
                 Configuration { parameters: serde_json::Map::new(), ..self.configuration.clone() };
             let begun = Conversation::begin(&start, &configuration, scan.cloud.len());
-            self.door = begun.map_or(Door::Broken, |it| Door::Open(Box::new(it)));
+            self.probe = begun.map_or(OverheadProbe::Broken, |it| OverheadProbe::Running(Box::new(it)));
         }
-        let Door::Open(door) = &mut self.door else { return None };
-        let answered = door.ask(scan, time_s, FIRST_SCAN_LIMIT).ok();
+        let OverheadProbe::Running(probe) = &mut self.probe else { return None };
+        let answered = probe.ask(scan, time_s, FIRST_SCAN_LIMIT).ok();
         if answered.is_none() {
-            self.door = Door::Broken;
+            self.probe = OverheadProbe::Broken;
         }
         answered.map(|it| it.wall)
     }
@@ -209,8 +209,8 @@ impl RunningDetector for ProcessDetector {
             self.products.clear();
             return Err(self.failure(Some(scan), problem));
         }
-        let door = self.time_door(scan, time_s);
-        Ok(DetectionTime { wall: Some(wall), cpu, door })
+        let overhead = self.time_overhead(scan, time_s);
+        Ok(DetectionTime { wall: Some(wall), cpu, overhead })
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
@@ -238,8 +238,8 @@ impl RunningDetector for ProcessDetector {
     }
 
     fn finish(self: Box<Self>) -> Vec<String> {
-        if let Door::Open(door) = self.door {
-            door.quit();
+        if let OverheadProbe::Running(probe) = self.probe {
+            probe.quit();
         }
         let warnings = self.conversation.map_or_else(Vec::new, Conversation::quit);
         warnings.into_iter().map(|it| format!("the detector {:?} {it}", self.name)).collect()
@@ -247,7 +247,7 @@ impl RunningDetector for ProcessDetector {
 }
 
 /// This program, as a detector that answers nothing.
-fn door_command() -> Vec<String> {
+fn probe_command() -> Vec<String> {
     let program = std::env::current_exe().unwrap_or_default();
     vec![program.display().to_string(), "serve".to_owned(), NOTHING.to_owned()]
 }

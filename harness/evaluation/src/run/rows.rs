@@ -117,7 +117,7 @@ fn scan_row(
             least_latency_ms: result.times.least.map(ms),
             reference_ms: result.times.reference.map(ms),
             cpu_ms: result.times.cpu.map(ms),
-            door_ms: result.times.door.map(ms),
+            overhead_ms: result.times.overhead.map(ms),
             counts: counts.scored(FalseDetections::of(&dataset.annotated, assignment.task)),
             n_ignored_annotations: counts.n_ignored_annotations,
             n_ignored_detections: counts.n_ignored_detections,

@@ -19,7 +19,7 @@ pub struct DetectionTime {
     /// Time on processors, on all threads and in all processes of the detector; `None` where the system does not tell.
     pub cpu: Option<Duration>,
     /// What the way to the detector and back takes, measured beside; `None` where there is none.
-    pub door: Option<Duration>,
+    pub overhead: Option<Duration>,
 }
 
 /// A program that has been started.
@@ -123,7 +123,7 @@ impl RunningDetector for BuiltIn {
         self.n_detections += 1;
         self.n_with_groups_uncut += usize::from(output.n_left_uncut > 0);
         let cpu = own_cpu_time().zip(cpu_before).map(|(after, before)| after.saturating_sub(before));
-        Ok(DetectionTime { wall: Some(wall), cpu, door: None })
+        Ok(DetectionTime { wall: Some(wall), cpu, overhead: None })
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {

@@ -79,7 +79,7 @@ pub struct DetectionTimes {
     /// Time on processors in the first repetition; `None` where the system does not tell.
     pub cpu: Option<Duration>,
     /// The shortest way to the detector and back; `None` of built-in ones.
-    pub door: Option<Duration>,
+    pub overhead: Option<Duration>,
     /// The shortest of all repetitions of the [reference](GridWrite), in turns with the detectors; `None` if it was not timed.
     pub reference: Option<Duration>,
 }
@@ -313,7 +313,7 @@ impl Turns {
                 self.times.first = self.times.first.or(taken.wall);
                 self.times.cpu = self.times.cpu.or(taken.cpu);
                 self.times.least = least(self.times.least, taken.wall);
-                self.times.door = least(self.times.door, taken.door);
+                self.times.overhead = least(self.times.overhead, taken.overhead);
             }
             // Times of a detection that was repeated in vain are none of an answer.
             Err(failure) => *self = Self { times: DetectionTimes::default(), failure: Some(failure) },

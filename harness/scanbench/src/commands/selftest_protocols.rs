@@ -9,7 +9,7 @@ use reports::protocols::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, Protocol
 use reports::protocols::protocol_tally::{ProtocolQuestion, ProtocolTally};
 use reports::rows::scan_name::ScanName;
 use reports::vocabulary::metric::Direction;
-use reports::vocabulary::protocol::Protocol;
+use reports::vocabulary::protocol::{Protocol, ProtocolFamily};
 use scans::dataset::source::DamagePolicy;
 
 use crate::commands::failure::{Failure, NothingEvaluated};
@@ -140,10 +140,10 @@ fn checked(
     let of_present: BTreeSet<String> =
         values.iter().filter(|(it, _)| it.class == PRESENT_CLASSES).map(|(it, _)| it.id.clone()).collect();
     // KITTI's own reading does not give the best of few annotations; ours has to.
-    let is_asked = |metric: &ProtocolMetric| match protocol {
-        Protocol::KittiObject => metric.class != ALL_CLASSES && is_sound(&metric.id),
-        Protocol::Nuscenes | Protocol::Argoverse2 => metric.class != ALL_CLASSES,
-        Protocol::SemanticKitti | Protocol::Ground => {
+    let is_asked = |metric: &ProtocolMetric| match protocol.family() {
+        ProtocolFamily::KittiObjects => metric.class != ALL_CLASSES && is_sound(&metric.id),
+        ProtocolFamily::RankedBoxes => metric.class != ALL_CLASSES,
+        ProtocolFamily::Instances | ProtocolFamily::Ground => {
             metric.class != ALL_CLASSES || !of_present.contains(&metric.id)
         }
     };

@@ -1,4 +1,4 @@
-//! `scanbench serve`: our own detectors through the door for those of others.
+//! `scanbench serve`: our own detectors under the protocol for other people's.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead as _, BufReader, Write as _};

@@ -14,7 +14,7 @@ fn untimed_rows(workplace: &Workplace, run: &str) -> Vec<Value> {
     let rows = report["rows"].as_array().expect("rows").clone();
     let is_time = |row: &Value| {
         let metric = row["metric"].as_str().expect("a metric");
-        ["fps_", "latency_", "stage_", "cpu_", "door_", "reference_ms", "time_over_reference"]
+        ["fps_", "latency_", "stage_", "cpu_", "overhead_", "reference_ms", "time_over_reference"]
             .iter()
             .any(|prefix| metric.starts_with(prefix))
     };

@@ -102,7 +102,7 @@ fn untimed_numbers(workplace: &Workplace, run: &str) -> String {
     let report: Value = serde_json::from_str(&workplace.read(&format!("{run}/report.json"))).unwrap();
     let is_time = |row: &&Value| {
         let metric = row["metric"].as_str().unwrap();
-        ["fps_", "latency_", "stage_", "cpu_", "door_", "reference_ms", "time_over_reference"]
+        ["fps_", "latency_", "stage_", "cpu_", "overhead_", "reference_ms", "time_over_reference"]
             .iter()
             .any(|it| metric.starts_with(it))
     };

@@ -81,11 +81,6 @@ impl AblationScore {
     }
 }
 
-/// The count that `share` is of `n`.
-fn count_of(share: Option<f64>, n: u64) -> u64 {
-    share.map_or(0, |it| (it * n as f64).round() as u64)
-}
-
 row! {
     /// A row of `ablation.csv`.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -102,10 +97,8 @@ row! {
         f_rate: Option<Fixed<6>>,
         precision: Option<Fixed<6>>,
         recall: Option<Fixed<6>>,
-        n_split: u64,
         over_segmentation: Option<Fixed<6>>,
         n_holding: u64,
-        n_joining: u64,
         under_segmentation: Option<Fixed<6>>,
         latency_min_ms: Option<Fixed<4>>,
         latency_p50_ms: Option<Fixed<4>>,
@@ -132,10 +125,8 @@ impl AblationRow {
             f_rate: counts.f_rate().map(Fixed),
             precision: counts.precision().map(Fixed),
             recall: counts.recall().map(Fixed),
-            n_split: count_of(score.over_segmentation, counts.no()),
             over_segmentation: score.over_segmentation.map(Fixed),
             n_holding: score.n_holding,
-            n_joining: count_of(score.under_segmentation, score.n_holding),
             under_segmentation: score.under_segmentation.map(Fixed),
             latency_min_ms: score.latency_min_ms.map(Fixed),
             latency_p50_ms: score.latency_p50_ms.map(Fixed),

@@ -213,13 +213,13 @@ mod tests {
     fn rows_of_the_file_stand_alone() {
         let rows: Vec<_> = table().scores.iter().map(|it| AblationRow::new(Task::Objects, it)).collect();
         insta::assert_snapshot!(csv_text(&rows), @r"
-        task,dataset,origin,variant,n_scans,no,tp,mo,fo,f_rate,precision,recall,n_split,over_segmentation,n_holding,n_joining,under_segmentation,latency_min_ms,latency_p50_ms,f_rate_low,f_rate_high,few_blocks
-        objects,street,simulated,whole method,20,100,80,20,20,0.800000,0.800000,0.800000,5,0.050000,80,10,0.125000,3.5000,4.2500,0.750000,0.850000,true
-        objects,street,simulated,without terrain,20,100,0,100,0,0.000000,,0.000000,5,0.050000,0,0,,3.5000,4.2500,,,
-        objects,kitti,recorded,whole method,20,100,90,10,,,,0.900000,5,0.050000,90,10,0.111111,3.5000,4.2500,,,
-        objects,kitti,recorded,without terrain,20,100,50,50,,,,0.500000,5,0.050000,50,10,0.200000,3.5000,4.2500,,,
-        objects,overall-recorded,recorded,whole method,20,100,85,15,,,,0.850000,5,0.050000,85,10,0.117647,3.5000,4.2500,,,
-        objects,overall-recorded,recorded,without terrain,20,100,25,75,,,,0.250000,5,0.050000,25,10,0.400000,3.5000,4.2500,,,
+        task,dataset,origin,variant,n_scans,no,tp,mo,fo,f_rate,precision,recall,over_segmentation,n_holding,under_segmentation,latency_min_ms,latency_p50_ms,f_rate_low,f_rate_high,few_blocks
+        objects,street,simulated,whole method,20,100,80,20,20,0.800000,0.800000,0.800000,0.050000,80,0.125000,3.5000,4.2500,0.750000,0.850000,true
+        objects,street,simulated,without terrain,20,100,0,100,0,0.000000,,0.000000,0.050000,0,,3.5000,4.2500,,,
+        objects,kitti,recorded,whole method,20,100,90,10,,,,0.900000,0.050000,90,0.111111,3.5000,4.2500,,,
+        objects,kitti,recorded,without terrain,20,100,50,50,,,,0.500000,0.050000,50,0.200000,3.5000,4.2500,,,
+        objects,overall-recorded,recorded,whole method,20,100,85,15,,,,0.850000,0.050000,85,0.117647,3.5000,4.2500,,,
+        objects,overall-recorded,recorded,without terrain,20,100,25,75,,,,0.250000,0.050000,25,0.400000,3.5000,4.2500,,,
         ");
     }
 }

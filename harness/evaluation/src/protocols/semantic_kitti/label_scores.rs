@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use detector::{Detections, PointCloud};
 use reports::rows::label_score_row::LabelScore;
 use reports::vocabulary::ground_definition::GroundDefinition;
-use reports::vocabulary::protocol::Protocol;
+use reports::vocabulary::protocol::{Protocol, ProtocolFamily};
 use reports::vocabulary::thing_class::ThingClass;
 
 use super::found_segments::found_segments;
@@ -57,17 +57,17 @@ impl<'a> LabeledPoints<'a> {
 
     /// The scores of `found` under `protocol`: none of one that does not score labels, or of ground that is not told.
     pub fn scores(&self, protocol: Protocol, found: &FoundPoints<'_>) -> Vec<LabelScore> {
-        match protocol {
-            Protocol::SemanticKitti => self.of_segments(found),
-            Protocol::Ground => found.told_ground().map_or_else(Vec::new, |told| self.of_ground(&told)),
-            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => Vec::new(),
+        match protocol.family() {
+            ProtocolFamily::Instances => self.of_segments(found),
+            ProtocolFamily::Ground => found.told_ground().map_or_else(Vec::new, |told| self.of_ground(&told)),
+            ProtocolFamily::KittiObjects | ProtocolFamily::RankedBoxes => Vec::new(),
         }
     }
 
     /// The scores of the labels themselves under `protocol`, each fed back as what it asks for: the best there are.
     pub fn echoed_scores(&self, protocol: Protocol) -> Vec<LabelScore> {
-        match protocol {
-            Protocol::SemanticKitti => {
+        match protocol.family() {
+            ProtocolFamily::Instances => {
                 let segments = segments_of(&self.labels);
                 let things = ThingClass::ALL.into_iter().zip(thing_counts(&self.labels, &self.labels));
                 let entropies = segmentation_entropies(&self.objects, &self.objects);
@@ -78,7 +78,7 @@ impl<'a> LabeledPoints<'a> {
                     .chain([LabelScore::Entropies(entropies)])
                     .collect()
             }
-            Protocol::Ground => {
+            ProtocolFamily::Ground => {
                 let points = || self.labels.iter().zip(self.cloud.z_m());
                 let of = |definition| {
                     let is_ground = |(label, z_m): (&u32, &f32)| {
@@ -90,7 +90,7 @@ impl<'a> LabeledPoints<'a> {
                 };
                 GroundDefinition::ALL.map(of).to_vec()
             }
-            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => Vec::new(),
+            ProtocolFamily::KittiObjects | ProtocolFamily::RankedBoxes => Vec::new(),
         }
     }
 
