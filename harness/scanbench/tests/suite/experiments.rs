@@ -1,6 +1,7 @@
 //! `scanbench gaps` and `scanbench robustness`, from outside.
 
 use crate::program::Workplace;
+use crate::shard_folders::check_study_in_shards;
 
 #[test]
 fn gaps_leave_curves_plots_and_a_pair_behind() {
@@ -31,36 +32,41 @@ fn gaps_leave_curves_plots_and_a_pair_behind() {
 }
 
 #[test]
-fn robustness_leaves_its_table_in_three_forms() {
+fn robustness_leaves_its_table_in_three_forms_also_in_shards() {
     let workplace = Workplace::new();
-    let ended = workplace.succeed("robustness --scans 1 -d simple-grid -o out");
+    let ended = workplace.succeed("robustness --scans 1 -d simple-grid -o whole");
     for name in ["robustness.md", "stages.csv"] {
-        assert!(workplace.path("out").join(name).is_file(), "{name}");
+        assert!(workplace.path("whole").join(name).is_file(), "{name}");
     }
-    let conditions = workplace.column("out/robustness.csv", "condition");
-    let f_rates = workplace.column("out/robustness.csv", "f_rate");
+    let conditions = workplace.column("whole/robustness.csv", "condition");
+    let f_rates = workplace.column("whole/robustness.csv", "f_rate");
     assert!(conditions.len() >= 2 * 15 && f_rates.len() == conditions.len());
     for condition in ["10 % even", "25 cm", "3.0 m", "2.5 m", "vlp-16", "rain, 10 mm/h", "rolling"] {
         assert_eq!(conditions.iter().filter(|it| *it == condition).count(), 2, "{condition}");
-        assert!(ended.stdout.contains(condition) && workplace.read("out/robustness.md").contains(condition));
+        assert!(
+            ended.stdout.contains(condition) && workplace.read("whole/robustness.md").contains(condition)
+        );
     }
     ended.check_stdout(&["(all simulated)"]);
     let density = |it: &str| format!("new sensor: {it}: density of the sensor {it} taken from the scans\n");
     let densities = ["xt32", "pandar64", "os0-128"].map(density).concat();
-    assert_eq!(ended.stderr, format!("{densities}Tables: out\nPage: out/report.html\n"));
+    assert_eq!(ended.stderr, format!("{densities}Tables: whole\nPage: whole/report.html\n"));
 
     // The rates are those of a run whose data sets are the conditions.
-    let datasets = workplace.column("out/table_vehicles.csv", "dataset");
+    let datasets = workplace.column("whole/table_vehicles.csv", "dataset");
     assert!(datasets.iter().any(|it| it == "sensor: vlp-16"), "{datasets:?}");
-    let lows = workplace.column("out/robustness.csv", "f_rate_low");
+    let lows = workplace.column("whole/robustness.csv", "f_rate_low");
     assert!(lows.iter().any(|it| !it.is_empty()), "{lows:?}");
-    workplace.succeed("compare out out").check_stdout(&["No result of a scan changed."]);
-    let page = workplace.read("out/report.html");
-    workplace.succeed("report out");
-    assert_eq!(workplace.read("out/report.html"), page);
-    let manifest = workplace.json("out/manifest.json");
+    workplace.succeed("compare whole whole").check_stdout(&["No result of a scan changed."]);
+    let page = workplace.read("whole/report.html");
+    workplace.succeed("report whole");
+    assert_eq!(workplace.read("whole/report.html"), page);
+    let manifest = workplace.json("whole/manifest.json");
     let drives = &manifest["experiment"][0]["drives"];
     assert_eq!((drives.as_array().unwrap().len(), &manifest["seeds"]["streets"]), (3, &1.into()));
+
+    let command = ["robustness", "--scans", "1", "-d", "simple-grid", "-q"];
+    check_study_in_shards(&workplace, &command, 2, "robustness.csv");
 }
 
 #[test]

@@ -1,16 +1,17 @@
 //! Labels that do not lie where the points are, or that a detector made, are heard before anything rests on them.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::program::Workplace;
+use crate::program::{Prepared, Workplace};
 
 /// Simulated scans with boxes, as if they were recorded: no file says where they come from.
 fn recorded() -> Workplace {
-    let workplace = Workplace::new();
-    let simulate =
-        "data simulate street-main-road --seed 9001 --simulated-scans 5 --to kitti-tracking -o drive";
-    workplace.succeed(simulate);
-    std::fs::remove_file(workplace.path("drive/training/scanbench.json")).unwrap();
-    workplace
+    static RECORDED: Prepared = Prepared::new();
+    RECORDED.workplace(|workplace| {
+        let simulate =
+            "data simulate street-main-road --seed 9001 --simulated-scans 5 --to kitti-tracking -o drive";
+        workplace.succeed(simulate);
+        std::fs::remove_file(workplace.path("drive/training/scanbench.json")).unwrap();
+    })
 }
 
 /// Rewrites the numbers of every line of KITTI's labels: height, width, length, x, y, z and yaw.
@@ -33,7 +34,7 @@ fn rewrite(workplace: &Workplace, change: impl Fn(&mut [f64])) {
     }
 }
 
-const RUN: &str = "run drive -d pca,kd-tree --no-rrd -o out --overwrite";
+const RUN: &str = "run drive -d pca,simple-grid --no-rrd -o out --overwrite";
 
 #[test]
 fn swapped_sides_are_heard_and_no_verdict_is_drawn() {

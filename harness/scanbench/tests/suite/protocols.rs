@@ -3,15 +3,24 @@
 use serde_json::Value;
 use test_data::test_data;
 
-use crate::program::{Ended, Workplace};
+use crate::program::{Ended, Prepared, Workplace};
 
 /// Runs two detectors on scans of a narrow street, seen by few beams.
 #[track_caller]
 fn run(workplace: &Workplace, name: &str, options: &str) {
-    let street = "run street-narrow --simulated-scans 24 --scans 0..24:2 --sensor vlp-16 -o";
+    let street = "run street-narrow --simulated-scans 12 --scans 0..12:2 --sensor vlp-16 -o";
     let detectors = if options.contains("-d ") { "" } else { "-d hierarchical,pca" };
     let no_recording = if cfg!(feature = "viewer") { "--no-rrd" } else { "" };
     workplace.succeed(&((street, name), detectors, no_recording, options));
+}
+
+/// A workplace with a run `before` under a protocol, and one `without`.
+fn evaluated() -> Workplace {
+    static EVALUATED: Prepared = Prepared::new();
+    EVALUATED.workplace(|workplace| {
+        run(workplace, "before", "--protocol nuscenes");
+        run(workplace, "without", "");
+    })
 }
 
 fn numbers(workplace: &Workplace, run: &str) -> Vec<Value> {
@@ -59,16 +68,14 @@ fn a_run_leaves_numbers_rows_tables_and_a_section() {
 
 #[test]
 fn the_order_of_detectors_changes_no_number_and_others_leave_no_file() {
-    let workplace = Workplace::new();
-    run(&workplace, "once", "--protocol nuscenes");
+    let workplace = evaluated();
     run(&workplace, "again", "--protocol nuscenes -d pca,hierarchical");
     let sorted = |run: &str| {
         let mut rows: Vec<String> = numbers(&workplace, run).iter().map(Value::to_string).collect();
         rows.sort();
         rows
     };
-    assert_eq!(sorted("once"), sorted("again"));
-    run(&workplace, "without", "");
+    assert_eq!(sorted("before"), sorted("again"));
     assert!(!workplace.path("without/protocols.json").exists());
     let manifest = workplace.json("without/manifest.json");
     assert!(manifest["protocols"].is_null());
@@ -76,8 +83,7 @@ fn the_order_of_detectors_changes_no_number_and_others_leave_no_file() {
 
 #[test]
 fn a_gate_holds_numbers_of_protocols_to_rules() {
-    let workplace = Workplace::new();
-    run(&workplace, "before", "--protocol nuscenes");
+    let workplace = evaluated();
     run(&workplace, "after", "--protocol nuscenes -P hierarchical.cluster.min_vehicle_points=60");
     let same = workplace.succeed("gate before -b before --full");
     assert!(same.stdout.starts_with("PASSED"), "{}", same.stdout);
@@ -99,7 +105,6 @@ fn a_gate_holds_numbers_of_protocols_to_rules() {
     let refused = gate("after");
     assert_eq!(refused.exit_code, Some(2), "{}", refused.stderr);
     refused.check_stderr(&["the rule has no effect on \"cds\" of \"car\""]);
-    run(&workplace, "without", "");
     workplace.write("rules.toml", &rule("ap"));
     let missing = gate("without");
     assert_eq!(missing.exit_code, Some(5), "{}{}", missing.stdout, missing.stderr);
@@ -109,7 +114,7 @@ fn a_gate_holds_numbers_of_protocols_to_rules() {
 fn a_sweep_has_the_numbers_of_a_run_at_every_value() {
     let workplace = Workplace::new();
     let name = "hierarchical.grouping.ranked_probability";
-    let street = ["street-narrow", "--simulated-scans", "24", "--scans", "0..24:2", "--sensor", "vlp-16"];
+    let street = ["street-narrow", "--simulated-scans", "12", "--scans", "0..12:2", "--sensor", "vlp-16"];
     let swept =
         ["-L", "ranked_probability=0.05,0.5", "--timed-scans", "0", "--protocol", "nuscenes,argoverse2"];
     workplace

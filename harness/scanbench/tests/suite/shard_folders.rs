@@ -34,6 +34,27 @@ pub fn merge_whole(workplace: &Workplace, folder: &str, output: &str) {
     assert_eq!(merged.exit_code, Some(0), "{merged:#?}");
 }
 
+/// The lines of a table in CSV without times.
+fn untimed_lines(workplace: &Workplace, path: &str) -> Vec<String> {
+    let text = workplace.read(path);
+    let head: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let untimed = |line: &str| {
+        let cells = line.split(',').zip(&head).filter(|(_, name)| !name.ends_with("_ms"));
+        cells.map(|it| it.0).collect::<Vec<_>>().join(",")
+    };
+    text.lines().map(untimed).collect()
+}
+
+/// Makes the study `command` in `count` shards and compares it with `whole`; `table` is what only this study leaves.
+#[track_caller]
+pub fn check_study_in_shards(workplace: &Workplace, command: &[&str], count: u32, table: &str) {
+    make_shards(workplace, command, count, "shards");
+    merge_whole(workplace, "shards", "merged");
+    check_same_but_times(workplace, "whole", "merged");
+    let [one, other] = ["whole", "merged"].map(|it| untimed_lines(workplace, &format!("{it}/{table}")));
+    assert!(one == other && one.len() > 10, "{table}: {other:#?}");
+}
+
 /// All files of a run but its manifest.
 pub fn files_of(workplace: &Workplace, run: &str) -> BTreeSet<PathBuf> {
     let names = workplace.names().into_iter();
