@@ -215,6 +215,31 @@ def file(results: list[Result], name: str) -> Shown:
     return Shown(left(results[0], name).read_text())
 
 
+def file_head(results: list[Result], name: str, n_rows: str) -> Shown:
+    """A Markdown file that a command left behind, with the first rows of its table alone."""
+    text = left(results[0], name).read_text()
+    rows_of_table = [it for it in text.splitlines(keepends=True) if it.startswith("|")]
+    for it in rows_of_table[2 + int(n_rows) :]:
+        text = text.replace(it, "", 1)
+    return Shown(text)
+
+
+def claims(results: list[Result], paper: str) -> Shown:
+    """A row for each claim of a paper: the numbers of the first reading, the verdict, and other readings under which it holds."""
+    lines = []
+    for it in json.loads(left(results[0], "reproduction.json").read_text())["claims"]:
+        if it["claim"]["paper"] != paper:
+            continue
+        first, *others = it["readings"]
+        under = "; ".join(other["reading"] for other in others if other["holds"] and it["verdict"] != "holds")
+        verdict = it["verdict"].replace("_", " ") + f" ({under})" * bool(under)
+        if it["settings"]:
+            verdict += f"; {it['settings'][0]} of {it['settings'][1]} settings"
+        here = ": difference ".join(filter(None, [first["numbers"], first["difference"]]))
+        lines.append([it["claim"]["says"], it["claim"]["place"], it["claim"]["printed"], here, verdict])
+    return Shown(table(["claim", "section", "printed", "here", "verdict"], lines, 5))
+
+
 def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], list[tuple[tuple[str, ...], list[str]]]]:
     """The detectors; and by `keys` how many pairs were judged, and what share of them each detector separated."""
     sums: dict[tuple[str, ...], dict[str, list[int]]] = defaultdict(lambda: defaultdict(lambda: [0, 0]))
@@ -227,8 +252,8 @@ def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], li
 
 
 def gap_shares(results: list[Result]) -> Shown:
-    """Pairs of objects that are told apart, by range and every second gap."""
-    found = [it for it in rows(results[0], "gaps.csv") if round(10 * float(it["gap_m"])) % 2 == 0]
+    """Pairs of objects that are separated, by range and every fourth gap."""
+    found = [it for it in rows(results[0], "gaps.csv") if round(10 * float(it["gap_m"])) % 4 == 2]
     detectors, cells = gaps_by(found, ["range_from_m", "range_to_m", "gap_m"])
     lines = [[*map(float, key), it] for key, it in cells]
     texts = [[f"{near:g} to {far:g}", f"{gap:.1f}", *it] for near, far, gap, it in sorted(lines)]
@@ -268,7 +293,7 @@ def box_fits(results: list[Result]) -> Shown:
 
 def box_slices(results: list[Result]) -> Shown:
     """The shares with the right yaw and with the right box, slice by slice."""
-    fits, what = ["hull box", "outline box", "reported box"], ["yaw within 10 deg", "BEV IoU >= 0.7"]
+    fits, what = ["hull box", "reported box"], ["yaw within 10 deg", "BEV IoU >= 0.7"]
     words = {"all": "all", "occlusion": "hidden: ", "range": "", "class": "", "points": "points: "}
     lines: dict[str, list[dict[str, str]]] = defaultdict(list)
     for row in rows(results[0], "box_errors.csv"):
@@ -419,8 +444,8 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 
 
 SHOWN = [
-    file, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs, ablation_rates,
-    rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary, fitness_by_dataset,
-    fitness_losses, realism_agreement, realism_worst, picture, viewer, report_page,
+    file, file_head, claims, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs,
+    ablation_rates, rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary,
+    fitness_by_dataset, fitness_losses, realism_agreement, realism_worst, picture, viewer, report_page,
 ]  # fmt: skip
 SHOWS = {it.__name__.replace("_", "-"): it for it in SHOWN}

@@ -288,6 +288,19 @@ class Shown(unittest.TestCase):
         rows += "grid,cars,beside,5.0,10.0,0.30,4,4\n"
         self.assertEqual(self.text("gap-shares", gaps_csv=rows).splitlines()[2:], ["| 5 to 10 | 0.2 | 8 | 50 | 50 |"])
 
+    def test_the_head_of_a_file_keeps_its_notes(self):
+        written = "**Rates.**\n\n| a |\n| :-- |\n| 1 |\n| 2 |\n\n- a: all\n"
+        self.assertEqual(self.text("file-head", "robustness.md", "1", robustness_md=written), written.replace("| 2 |\n", ""))
+
+    def test_a_claim_has_its_first_reading_and_others_under_which_it_holds(self):
+        claim = {"paper": "HG", "place": "5", "printed": "83", "says": "It leads."}
+        readings = [{"difference": difference, "holds": holds, "numbers": numbers, "reading": name}
+            for name, holds, numbers, difference in [("good faith", False, "1", "-1"), ("by centre", True, "2", ""), ("a", False, "3", "")]]
+        found = {"claim": claim, "readings": readings, "settings": [1, 9], "verdict": "holds_under_some_readings"}
+        text = self.text("claims", "HG", reproduction_json=json.dumps({"claims": [found, {**found, "claim": {**claim, "paper": "VM"}}]}))
+        expected = "| It leads. | 5 | 83 | 1: difference -1 | holds under some readings (by centre); 1 of 9 settings |"
+        self.assertEqual(text.splitlines()[2:], [expected])
+
     def test_changes_are_against_the_first_condition(self):
         rows = "group,condition,task,detector,f_rate\n"
         rows += "standard,dry,objects,grid,0.7000\nweather,rain,objects,grid,0.6000\nweather,hail,objects,grid,\n"
