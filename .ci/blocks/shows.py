@@ -9,7 +9,7 @@ import re
 import shlex
 import subprocess
 import tempfile
-from collections import defaultdict
+from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -235,9 +235,11 @@ def claims(results: list[Result], paper: str) -> Shown:
         verdict = it["verdict"].replace("_", " ") + f" ({under})" * bool(under)
         if it["settings"]:
             verdict += f"; {it['settings'][0]} of {it['settings'][1]} settings"
-        here = ": difference ".join(filter(None, [first["numbers"], first["difference"]]))
+        here = "; ".join(filter(None, [first["numbers"], first["difference"]]))
         lines.append([it["claim"]["says"], it["claim"]["place"], it["claim"]["printed"], here, verdict])
-    return Shown(table(["claim", "section", "printed", "here", "verdict"], lines, 5))
+    verdicts = Counter(re.split(r" \(|;", it[-1])[0] for it in lines)
+    summary = ", ".join(f"{verdict}: {n}" for verdict, n in verdicts.most_common())
+    return Shown(f"{len(lines)} claims ({summary}).\n\n" + table(["claim", "section", "printed", "here", "verdict"], lines, 5))
 
 
 def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], list[tuple[tuple[str, ...], list[str]]]]:
