@@ -225,7 +225,7 @@ def file_head(results: list[Result], name: str, n_rows: str) -> Shown:
 
 
 def claims(results: list[Result], paper: str) -> Shown:
-    """A row for each claim of a paper: the numbers of the first reading, the verdict, and other readings under which it holds."""
+    """A row for each claim of a paper: numbers of the first reading, the verdict, other readings under which it holds."""
     lines = []
     for it in json.loads(left(results[0], "reproduction.json").read_text())["claims"]:
         if it["claim"]["paper"] != paper:
@@ -239,7 +239,8 @@ def claims(results: list[Result], paper: str) -> Shown:
         lines.append([it["claim"]["says"], it["claim"]["place"], it["claim"]["printed"], here, verdict])
     verdicts = Counter(re.split(r" \(|;", it[-1])[0] for it in lines)
     summary = ", ".join(f"{verdict}: {n}" for verdict, n in verdicts.most_common())
-    return Shown(f"{len(lines)} claims ({summary}).\n\n" + table(["claim", "section", "printed", "here", "verdict"], lines, 5))
+    heads = ["claim", "section", "printed", "here", "verdict"]
+    return Shown(f"{len(lines)} claims ({summary}).\n\n{table(heads, lines, 5)}")
 
 
 def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], list[tuple[tuple[str, ...], list[str]]]]:

@@ -294,10 +294,13 @@ class Shown(unittest.TestCase):
 
     def test_a_claim_has_its_first_reading_and_others_under_which_it_holds(self):
         claim = {"paper": "HG", "place": "5", "printed": "83", "says": "It leads."}
-        readings = [{"difference": difference, "holds": holds, "numbers": numbers, "reading": name}
-            for name, holds, numbers, difference in [("good faith", False, "1", "-1"), ("by centre", True, "2", ""), ("a", False, "3", "")]]
+        readings = [
+            {"difference": difference, "holds": numbers == "2", "numbers": numbers, "reading": name}
+            for name, numbers, difference in [("good faith", "1", "-1"), ("by centre", "2", ""), ("by bev-iou", "3", "")]
+        ]
         found = {"claim": claim, "readings": readings, "settings": [1, 9], "verdict": "holds_under_some_readings"}
-        text = self.text("claims", "HG", reproduction_json=json.dumps({"claims": [found, {**found, "claim": {**claim, "paper": "VM"}}]}))
+        of_another = {**found, "claim": {**claim, "paper": "VM"}}
+        text = self.text("claims", "HG", reproduction_json=json.dumps({"claims": [found, of_another]}))
         expected = "| It leads. | 5 | 83 | 1; -1 | holds under some readings (by centre); 1 of 9 settings |"
         first, *_, last = text.splitlines()
         self.assertEqual((first, last), ("1 claims (holds under some readings: 1).", expected))
