@@ -308,7 +308,8 @@ class Shown(unittest.TestCase):
     def test_changes_are_against_the_first_condition(self):
         rows = "group,condition,task,detector,f_rate\n"
         rows += "standard,dry,objects,grid,0.7000\nweather,rain,objects,grid,0.6000\nweather,hail,objects,grid,\n"
-        text = self.text("condition-changes", robustness_csv=rows)
+        rows += "standard,dry,objects,pca,0.7000\n"
+        text = self.text("condition-changes", "grid", robustness_csv=rows)
         self.assertEqual(text.splitlines()[2:], ["| weather | rain | −10.0 |", "| weather | hail | – |"])
 
     def test_counts_are_summed_before_a_ratio_is_taken(self):
