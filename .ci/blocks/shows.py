@@ -362,15 +362,6 @@ def fitness_by_dataset(results: list[Result], task: str) -> Shown:
     return Shown(table(heads, [it + [DASH] * (len(heads) - len(it)) for it in lines.values()], 2))
 
 
-def fitness_losses(results: list[Result], *names: str) -> Shown:
-    """Mean and greatest loss of Knuth's rule and of the configured cell size, one column a command."""
-    of_commands = [of_datasets(rows(result, "cell_fitness.csv")) for result in results]
-    lines = []
-    for task, reading in product(TASKS, ("knuth", "as configured")):
-        lines.append([task, reading, *(", ".join(losses(it, task, reading)[:2]) for it in of_commands)])
-    return Shown(table(["task", "reading", *names], lines, 2))
-
-
 # Realism
 
 ALIKE = 1.5
@@ -450,6 +441,6 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 SHOWN = [
     file, file_head, claims, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs,
     ablation_rates, rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary,
-    fitness_by_dataset, fitness_losses, realism_agreement, realism_worst, picture, viewer, report_page,
+    fitness_by_dataset, realism_agreement, realism_worst, picture, viewer, report_page,
 ]  # fmt: skip
 SHOWS = {it.__name__.replace("_", "-"): it for it in SHOWN}
