@@ -50,7 +50,11 @@ def of_datasets(found: list[dict[str, str]]) -> list[dict[str, str]]:
 def table(heads: list[str], lines: list[list[str]], n_left: int = 1) -> str:
     """A pipe table, of which the first `n_left` columns are text and the others numbers."""
     rules = [":--" if n < n_left else "--:" for n in range(len(heads))]
-    return "\n".join(f"| {' | '.join(it)} |" for it in [heads, rules, *lines])
+    return "\n".join(map(row_of, [heads, rules, *lines]))
+
+
+def row_of(cells: list[str]) -> str:
+    return f"| {' | '.join(cells)} |"
 
 
 def number(value: float | str | None, decimals: int = 1, scale: float = 1.0) -> str:
@@ -222,6 +226,14 @@ def file_head(results: list[Result], name: str, n_rows: str) -> Shown:
     for it in rows_of_table[2 + int(n_rows) :]:
         text = text.replace(it, "", 1)
     return Shown(text)
+
+
+def file_without(results: list[Result], name: str, *heads: str) -> Shown:
+    """A Markdown file that a command left behind, with its table without these columns."""
+    lines = left(results[0], name).read_text().splitlines()
+    cells = {n: it.removeprefix("| ").removesuffix(" |").split(" | ") for n, it in enumerate(lines) if it.startswith("| ")}
+    kept = [n for n, it in enumerate(next(iter(cells.values()))) if it not in heads]
+    return Shown("\n".join(row_of([cells[n][it] for it in kept]) if n in cells else line for n, line in enumerate(lines)))
 
 
 def claims(results: list[Result], paper: str) -> Shown:
@@ -439,7 +451,7 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 
 
 SHOWN = [
-    file, file_head, claims, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs,
+    file, file_head, file_without, claims, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs,
     ablation_rates, rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary,
     fitness_by_dataset, realism_agreement, realism_worst, picture, viewer, report_page,
 ]  # fmt: skip
