@@ -220,12 +220,11 @@ def file(results: list[Result], name: str) -> Shown:
 
 
 def file_head(results: list[Result], name: str, n_rows: str) -> Shown:
-    """A Markdown file that a command left behind, with the first rows of its table alone."""
-    text = left(results[0], name).read_text()
-    rows_of_table = [it for it in text.splitlines(keepends=True) if it.startswith("|")]
-    for it in rows_of_table[2 + int(n_rows) :]:
-        text = text.replace(it, "", 1)
-    return Shown(text)
+    """A Markdown file that a command left behind, from its table on, of which only the first rows."""
+    lines = left(results[0], name).read_text().splitlines()
+    first = next(n for n, it in enumerate(lines) if it.startswith("|"))
+    end = next((n for n, it in enumerate(lines[first:], first) if not it.startswith("|")), len(lines))
+    return Shown("\n".join([*lines[first : min(end, first + 2 + int(n_rows))], *lines[end:]]))
 
 
 def file_without(results: list[Result], name: str, *heads: str) -> Shown:
