@@ -214,9 +214,12 @@ def rates_by_dataset(results: list[Result], task: str) -> Shown:
 # Experiments
 
 
-def file(results: list[Result], name: str) -> Shown:
-    """A Markdown file that a command left behind."""
-    return Shown(left(results[0], name).read_text())
+def file(results: list[Result], name: str, *without: str) -> Shown:
+    """A Markdown file that a command left behind, its table without these columns."""
+    lines = left(results[0], name).read_text().splitlines()
+    cells = {n: it.removeprefix("| ").removesuffix(" |").split(" | ") for n, it in enumerate(lines) if it.startswith("| ")}
+    kept = [n for n, it in enumerate(next(iter(cells.values()), [])) if it not in without]
+    return Shown("\n".join(row_of([cells[n][it] for it in kept]) if n in cells else line for n, line in enumerate(lines)))
 
 
 def file_head(results: list[Result], name: str, n_rows: str) -> Shown:
@@ -225,14 +228,6 @@ def file_head(results: list[Result], name: str, n_rows: str) -> Shown:
     first = next(n for n, it in enumerate(lines) if it.startswith("|"))
     end = next((n for n, it in enumerate(lines[first:], first) if not it.startswith("|")), len(lines))
     return Shown("\n".join([*lines[first : min(end, first + 2 + int(n_rows))], *lines[end:]]))
-
-
-def file_without(results: list[Result], name: str, *heads: str) -> Shown:
-    """A Markdown file that a command left behind, with its table without these columns."""
-    lines = left(results[0], name).read_text().splitlines()
-    cells = {n: it.removeprefix("| ").removesuffix(" |").split(" | ") for n, it in enumerate(lines) if it.startswith("| ")}
-    kept = [n for n, it in enumerate(next(iter(cells.values()))) if it not in heads]
-    return Shown("\n".join(row_of([cells[n][it] for it in kept]) if n in cells else line for n, line in enumerate(lines)))
 
 
 def claims(results: list[Result], paper: str) -> Shown:
@@ -450,7 +445,7 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 
 
 SHOWN = [
-    file, file_head, file_without, claims, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs,
+    file, file_head, claims, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs,
     ablation_rates, rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary,
     fitness_by_dataset, realism_agreement, realism_worst, picture, viewer, report_page,
 ]  # fmt: skip
