@@ -94,15 +94,6 @@ def overall_rows(result: Result, task: str) -> list[dict[str, str]]:
     return [it for it in found if it["dataset"] == "overall"] or found
 
 
-def detector_rules(results: list[Result]) -> Shown:
-    """Which detector has which rule, by the manifest of a run."""
-    detectors = json.loads(left(results[0], "manifest.json").read_text())["detectors"]
-    rules_of = {it["name"]: it.get("rules", []) for it in detectors}
-    rules = dict.fromkeys(rule for of_detector in rules_of.values() for rule in of_detector)
-    lines = [[rule, *["yes" if rule in it else "no" for it in rules_of.values()]] for rule in rules]
-    return Shown(table(["rule", *rules_of], lines))
-
-
 def printed_table(results: list[Result], task: str) -> Shown:
     """The first table of a task, as a run prints it."""
     found = re.search(rf"^(Task {task} on .* Rates.*)\n\s*\n((?:.*\S.*\n)+)", results[0].printed, re.MULTILINE)
@@ -445,7 +436,7 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 
 
 SHOWN = [
-    file, file_head, claims, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs,
+    file, file_head, claims, printed_table, overall_rates, over_seeds, compared_detectors, compared_runs,
     ablation_rates, rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary,
     fitness_by_dataset, realism_agreement, realism_worst, picture, viewer, report_page,
 ]  # fmt: skip

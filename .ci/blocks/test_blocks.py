@@ -344,11 +344,6 @@ class Shown(unittest.TestCase):
         many = row.replace("true", "false")
         self.assertNotIn("§", self.text("overall-rates", table_objects_csv=many, table_vehicles_csv=many))
 
-    def test_rules_are_those_of_the_manifest(self):
-        manifest = '{"detectors": [{"name": "grid", "rules": ["walls", "bounds"]}, {"name": "tree", "rules": ["bounds"]}]}'
-        text = self.text("detector-rules", manifest_json=manifest)
-        self.assertEqual(text.splitlines()[2:], ["| walls | yes | no |", "| bounds | yes | yes |"])
-
     def test_alike_is_within_a_factor_either_way(self):
         head = "statistic,bin,bin_from_m,bin_to_m,left,ratio\n"
         rows = [("5-6 m", 5, 6, 1.4), ("6-7 m", 6, 7, 0.5), ("60-61 m", 60, 61, 9.0), ("7-8 m", 7, 8, "")]
