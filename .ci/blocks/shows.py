@@ -9,7 +9,7 @@ import re
 import shlex
 import subprocess
 import tempfile
-from collections import defaultdict
+from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -50,7 +50,11 @@ def of_datasets(found: list[dict[str, str]]) -> list[dict[str, str]]:
 def table(heads: list[str], lines: list[list[str]], n_left: int = 1) -> str:
     """A pipe table, of which the first `n_left` columns are text and the others numbers."""
     rules = [":--" if n < n_left else "--:" for n in range(len(heads))]
-    return "\n".join(f"| {' | '.join(it)} |" for it in [heads, rules, *lines])
+    return "\n".join(map(row_of, [heads, rules, *lines]))
+
+
+def row_of(cells: list[str]) -> str:
+    return f"| {' | '.join(cells)} |"
 
 
 def number(value: float | str | None, decimals: int = 1, scale: float = 1.0) -> str:
@@ -88,15 +92,6 @@ def overall_rows(result: Result, task: str) -> list[dict[str, str]]:
     """What the detectors of a run reach on all its data sets together."""
     found = measured(result, task)
     return [it for it in found if it["dataset"] == "overall"] or found
-
-
-def detector_rules(results: list[Result]) -> Shown:
-    """Which detector has which rule, by the manifest of a run."""
-    detectors = json.loads(left(results[0], "manifest.json").read_text())["detectors"]
-    rules_of = {it["name"]: it.get("rules", []) for it in detectors}
-    rules = dict.fromkeys(rule for of_detector in rules_of.values() for rule in of_detector)
-    lines = [[rule, *["yes" if rule in it else "no" for it in rules_of.values()]] for rule in rules]
-    return Shown(table(["rule", *rules_of], lines))
 
 
 def printed_table(results: list[Result], task: str) -> Shown:
@@ -210,9 +205,39 @@ def rates_by_dataset(results: list[Result], task: str) -> Shown:
 # Experiments
 
 
-def file(results: list[Result], name: str) -> Shown:
-    """A Markdown file that a command left behind."""
-    return Shown(left(results[0], name).read_text())
+def file(results: list[Result], name: str, *without: str) -> Shown:
+    """A Markdown file that a command left behind, its table without these columns."""
+    lines = left(results[0], name).read_text().splitlines()
+    cells = {n: it.removeprefix("| ").removesuffix(" |").split(" | ") for n, it in enumerate(lines) if it.startswith("| ")}
+    kept = [n for n, it in enumerate(next(iter(cells.values()), [])) if it not in without]
+    return Shown("\n".join(row_of([cells[n][it] for it in kept]) if n in cells else line for n, line in enumerate(lines)))
+
+
+def file_head(results: list[Result], name: str, n_rows: str) -> Shown:
+    """A Markdown file that a command left behind, from its table on, of which only the first rows."""
+    lines = left(results[0], name).read_text().splitlines()
+    first = next(n for n, it in enumerate(lines) if it.startswith("|"))
+    end = next((n for n, it in enumerate(lines[first:], first) if not it.startswith("|")), len(lines))
+    return Shown("\n".join([*lines[first : min(end, first + 2 + int(n_rows))], *lines[end:]]))
+
+
+def claims(results: list[Result], paper: str) -> Shown:
+    """A row for each claim of a paper: numbers of the first reading, the verdict, other readings under which it holds."""
+    lines = []
+    for it in json.loads(left(results[0], "reproduction.json").read_text())["claims"]:
+        if it["claim"]["paper"] != paper:
+            continue
+        first, *others = it["readings"]
+        under = "; ".join(other["reading"] for other in others if other["holds"] and it["verdict"] != "holds")
+        verdict = it["verdict"].replace("_", " ") + f" ({under})" * bool(under)
+        if it["settings"]:
+            verdict += f"; {it['settings'][0]} of {it['settings'][1]} settings"
+        here = "; ".join(filter(None, [first["numbers"], first["difference"]]))
+        lines.append([it["claim"]["says"], it["claim"]["place"], it["claim"]["printed"], here, verdict])
+    verdicts = Counter(re.split(r" \(|;", it[-1])[0] for it in lines)
+    summary = ", ".join(f"{verdict}: {n}" for verdict, n in verdicts.most_common())
+    heads = ["claim", "section", "printed", "here", "verdict"]
+    return Shown(f"{len(lines)} claims ({summary}).\n\n{table(heads, lines, 5)}")
 
 
 def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], list[tuple[tuple[str, ...], list[str]]]]:
@@ -227,8 +252,8 @@ def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], li
 
 
 def gap_shares(results: list[Result]) -> Shown:
-    """Pairs of objects that are told apart, by range and every second gap."""
-    found = [it for it in rows(results[0], "gaps.csv") if round(10 * float(it["gap_m"])) % 2 == 0]
+    """Pairs of objects that are separated, by range and every fourth gap."""
+    found = [it for it in rows(results[0], "gaps.csv") if round(10 * float(it["gap_m"])) % 4 == 2]
     detectors, cells = gaps_by(found, ["range_from_m", "range_to_m", "gap_m"])
     lines = [[*map(float, key), it] for key, it in cells]
     texts = [[f"{near:g} to {far:g}", f"{gap:.1f}", *it] for near, far, gap, it in sorted(lines)]
@@ -241,10 +266,10 @@ def gap_layouts(results: list[Result]) -> Shown:
     return Shown(table(["layout", "judged", *detectors], [[layout, *it] for (layout,), it in cells]))
 
 
-def condition_changes(results: list[Result]) -> Shown:
-    """What each condition does to the F-rates, in points against the first one."""
+def condition_changes(results: list[Result], *detectors: str) -> Shown:
+    """What each condition does to the F-rates of these detectors, in points against the first one."""
     rates: dict[tuple[str, ...], dict[tuple[str, str], str]] = defaultdict(dict)
-    for row in rows(results[0], "robustness.csv"):
+    for row in (it for it in rows(results[0], "robustness.csv") if it["detector"] in detectors):
         rates[row["group"], row["condition"]][row["detector"], row["task"]] = row["f_rate"]
     standard, *_ = rates.values()
     lines = []
@@ -256,8 +281,9 @@ def condition_changes(results: list[Result]) -> Shown:
 
 
 def box_fits(results: list[Result]) -> Shown:
-    """How boxes of each kind do around the same clusters."""
-    found = [it for it in rows(results[0], "box_errors.csv") if it["by"] == "all"]
+    """How boxes of each kind do around the same clusters, without the looser of two limits."""
+    looser = ("yaw within 10 deg", "BEV IoU >= 0.5", "3D IoU >= 0.5")
+    found = [it for it in rows(results[0], "box_errors.csv") if it["by"] == "all" and it["error"] not in looser]
     lines: dict[str, list[str]] = defaultdict(list)
     for row in found:
         lines[row["fit"]].append(number(row["value"], 2 if row["unit"] == "m" else 1))
@@ -268,7 +294,7 @@ def box_fits(results: list[Result]) -> Shown:
 
 def box_slices(results: list[Result]) -> Shown:
     """The shares with the right yaw and with the right box, slice by slice."""
-    fits, what = ["hull box", "outline box", "reported box"], ["yaw within 10 deg", "BEV IoU >= 0.7"]
+    fits, what = ["hull box", "reported box"], ["yaw within 10 deg", "BEV IoU >= 0.7"]
     words = {"all": "all", "occlusion": "hidden: ", "range": "", "class": "", "points": "points: "}
     lines: dict[str, list[dict[str, str]]] = defaultdict(list)
     for row in rows(results[0], "box_errors.csv"):
@@ -331,15 +357,6 @@ def fitness_by_dataset(results: list[Result], task: str) -> Shown:
     heads = ["data set", "sensor", "NO", "best m", "rate %", "Knuth m", "lost", "rank", "as configured: lost"]
     # A sweep that leaves out the configured cell size says nothing about it.
     return Shown(table(heads, [it + [DASH] * (len(heads) - len(it)) for it in lines.values()], 2))
-
-
-def fitness_losses(results: list[Result], *names: str) -> Shown:
-    """Mean and greatest loss of Knuth's rule and of the configured cell size, one column a command."""
-    of_commands = [of_datasets(rows(result, "cell_fitness.csv")) for result in results]
-    lines = []
-    for task, reading in product(TASKS, ("knuth", "as configured")):
-        lines.append([task, reading, *(", ".join(losses(it, task, reading)[:2]) for it in of_commands)])
-    return Shown(table(["task", "reading", *names], lines, 2))
 
 
 # Realism
@@ -419,8 +436,8 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 
 
 SHOWN = [
-    file, printed_table, detector_rules, overall_rates, over_seeds, compared_detectors, compared_runs, ablation_rates,
-    rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary, fitness_by_dataset,
-    fitness_losses, realism_agreement, realism_worst, picture, viewer, report_page,
+    file, file_head, claims, printed_table, overall_rates, over_seeds, compared_detectors, compared_runs,
+    ablation_rates, rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary,
+    fitness_by_dataset, realism_agreement, realism_worst, picture, viewer, report_page,
 ]  # fmt: skip
 SHOWS = {it.__name__.replace("_", "-"): it for it in SHOWN}

@@ -288,10 +288,34 @@ class Shown(unittest.TestCase):
         rows += "grid,cars,beside,5.0,10.0,0.30,4,4\n"
         self.assertEqual(self.text("gap-shares", gaps_csv=rows).splitlines()[2:], ["| 5 to 10 | 0.2 | 8 | 50 | 50 |"])
 
+    def test_the_head_of_a_file_keeps_its_notes(self):
+        written = "**Rates.**\n\n| a |\n| :-- |\n| 1 |\n| 2 |\n\n- a: all\n"
+        expected = "| a |\n| :-- |\n| 1 |\n\n- a: all"
+        self.assertEqual(self.text("file-head", "robustness.md", "1", robustness_md=written), expected)
+
+    def test_columns_are_left_out_of_a_file(self):
+        written = "**Values.**\n\n| a | b | c |\n| :-- | --: | --: |\n| 1 | 2 | 3 |\n\n- a: all"
+        expected = "**Values.**\n\n| a | c |\n| :-- | --: |\n| 1 | 3 |\n\n- a: all"
+        self.assertEqual(self.text("file", "open_values.md", "b", open_values_md=written), expected)
+
+    def test_a_claim_has_its_first_reading_and_others_under_which_it_holds(self):
+        claim = {"paper": "HG", "place": "5", "printed": "83", "says": "It leads."}
+        readings = [
+            {"difference": difference, "holds": numbers == "2", "numbers": numbers, "reading": name}
+            for name, numbers, difference in [("good faith", "1", "-1"), ("by centre", "2", ""), ("by bev-iou", "3", "")]
+        ]
+        found = {"claim": claim, "readings": readings, "settings": [1, 9], "verdict": "holds_under_some_readings"}
+        of_another = {**found, "claim": {**claim, "paper": "VM"}}
+        text = self.text("claims", "HG", reproduction_json=json.dumps({"claims": [found, of_another]}))
+        expected = "| It leads. | 5 | 83 | 1; -1 | holds under some readings (by centre); 1 of 9 settings |"
+        first, *_, last = text.splitlines()
+        self.assertEqual((first, last), ("1 claims (holds under some readings: 1).", expected))
+
     def test_changes_are_against_the_first_condition(self):
         rows = "group,condition,task,detector,f_rate\n"
         rows += "standard,dry,objects,grid,0.7000\nweather,rain,objects,grid,0.6000\nweather,hail,objects,grid,\n"
-        text = self.text("condition-changes", robustness_csv=rows)
+        rows += "standard,dry,objects,pca,0.7000\n"
+        text = self.text("condition-changes", "grid", robustness_csv=rows)
         self.assertEqual(text.splitlines()[2:], ["| weather | rain | −10.0 |", "| weather | hail | – |"])
 
     def test_counts_are_summed_before_a_ratio_is_taken(self):
@@ -319,11 +343,6 @@ class Shown(unittest.TestCase):
         self.assertIn("§ from fewer than ten blocks", text)
         many = row.replace("true", "false")
         self.assertNotIn("§", self.text("overall-rates", table_objects_csv=many, table_vehicles_csv=many))
-
-    def test_rules_are_those_of_the_manifest(self):
-        manifest = '{"detectors": [{"name": "grid", "rules": ["walls", "bounds"]}, {"name": "tree", "rules": ["bounds"]}]}'
-        text = self.text("detector-rules", manifest_json=manifest)
-        self.assertEqual(text.splitlines()[2:], ["| walls | yes | no |", "| bounds | yes | yes |"])
 
     def test_alike_is_within_a_factor_either_way(self):
         head = "statistic,bin,bin_from_m,bin_to_m,left,ratio\n"
