@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference_host import Host, Limits, ToldFailure, columns_of
+from reference_host import Host, Limits, ReportedFailure, columns_of
 
 HERE = Path(__file__).parent
 DETECTORS = tomllib.loads((HERE / "scanbench.toml").read_text())["detector"]
@@ -40,7 +40,7 @@ def test_three_cars_are_three_clusters(name: str) -> None:
     with Host(command, section["parameters"], limits, directory=HERE) as host:
         try:
             assert host.hello()["name"] == name
-        except ToldFailure as failure:
+        except ReportedFailure as failure:
             if "No module named" in str(failure) or "is not built" in str(failure):
                 pytest.skip(str(failure))
             raise
@@ -62,10 +62,10 @@ def test_a_ground_that_does_not_exist_is_refused() -> None:
     with Host([sys.executable, "-m", "scanbench.serve", "scipy_components.py:ScipyComponents"], directory=HERE) as host:
         try:
             host.hello()
-        except ToldFailure as failure:
+        except ReportedFailure as failure:
             pytest.skip(str(failure))
         host.parameters = {"ground": "plane"}
-        with pytest.raises(ToldFailure, match="ground is patchworkpp or none, not 'plane'"):
+        with pytest.raises(ReportedFailure, match="ground is patchworkpp or none, not 'plane'"):
             host.configure()
 
 
