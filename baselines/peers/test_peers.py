@@ -81,9 +81,9 @@ def write_objects(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("descriptor", ["esf", "vfh"])
-def test_whole_objects_are_told_and_steps_are_those_of_the_largest_extent(descriptor: str, tmp_path: Path) -> None:
+def test_whole_objects_are_classified_and_steps_are_those_of_the_largest_extent(descriptor: str, tmp_path: Path) -> None:
     write_objects(tmp_path / "objects")
-    folder, table = str(tmp_path / "objects"), tmp_path / "told.csv"
+    folder, table = str(tmp_path / "objects"), tmp_path / "predicted.csv"
     command = [
         sys.executable,
         "pcl_object_classes.py",
@@ -100,7 +100,7 @@ def test_whole_objects_are_told_and_steps_are_those_of_the_largest_extent(descri
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader(table.open()))
     assert len(rows) == 4 * 2 * 10
-    assert all(row["told"] == row["class"] and row["n_points"] == "300" for row in rows if row["step"] == "10")
+    assert all(row["predicted"] == row["class"] and row["n_points"] == "300" for row in rows if row["step"] == "10")
     # A tenth of 5 m at each step: a wall of 1.5 m is whole from step 3 on, a pole of 4 m a tenth more each time.
     seen = {(row["object"], row["from"], int(row["step"])): int(row["n_points"]) for row in rows}
     assert seen["other/0.npy", "below", 2] < 300 == seen["other/0.npy", "below", 3] == seen["other/0.npy", "above", 3]
