@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loss_and_every_object_that_is_told_otherwise_are_cases() {
+    fn a_loss_and_every_object_whose_predicted_class_changed_are_cases() {
         let [regression, drift] = ["type=\"regression\"", "type=\"drift\""];
         let (allowed, number) =
             ("<skipped message=\"allowed: ", "mean_recall at step 1 of street from below");
