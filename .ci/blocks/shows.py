@@ -227,7 +227,7 @@ def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], li
 
 
 def gap_shares(results: list[Result]) -> Shown:
-    """Pairs of objects that are told apart, by range and every second gap."""
+    """Pairs of objects that are separated, by range and every second gap."""
     found = [it for it in rows(results[0], "gaps.csv") if round(10 * float(it["gap_m"])) % 2 == 0]
     detectors, cells = gaps_by(found, ["range_from_m", "range_to_m", "gap_m"])
     lines = [[*map(float, key), it] for key, it in cells]
