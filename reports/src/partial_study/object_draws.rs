@@ -206,8 +206,11 @@ mod tests {
         #[test]
         fn numbers_lie_in_their_intervals_and_between_0_and_1(predicted in prop::collection::vec(0_usize..6, 12..40)) {
             let classes = [PartialClass::Tree, PartialClass::Other];
-            let rows: Vec<PartialRow> =
-                predicted.iter().enumerate().map(|(it, predicted)| object(classes[it % 2], it, Predicted::ALL[*predicted])).collect();
+            let rows: Vec<PartialRow> = predicted
+                .iter()
+                .enumerate()
+                .map(|(it, predicted)| object(classes[it % 2], it, Predicted::ALL[*predicted]))
+                .collect();
             let draws = ObjectDraws::of("street", &rows.iter().collect::<Vec<_>>());
             for metric in PartialMetric::ALL {
                 let value = draws.value(metric, 1).unwrap();

@@ -147,9 +147,8 @@ Examples:
 
 const GROUPINGS_DETAILS: &str = "\
 Trains on all groups of every scan: how well each fits an annotated object, and whether it
-shows a vehicle. Three rounds predict how well: the second and the third also use what the
-round before predicted for the groups around. Writes groupings.model, calibration.csv and
-manifest.json.
+shows a vehicle. Three rounds predict the fit; the second and third use what the round before
+predicted for the groups around. Writes groupings.model, calibration.csv and manifest.json.
 A run refuses a model that none of its detectors reads. The same scans and options write
 the same bytes, except the date in the manifest.";
 

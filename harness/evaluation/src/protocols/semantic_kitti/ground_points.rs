@@ -54,8 +54,9 @@ mod tests {
         ) {
             let (labels, z_m): (Vec<u32>, Vec<f32>) = points.into_iter().unzip();
             for definition in GroundDefinition::ALL {
-                let predicted = labels.iter().zip(&z_m).map(|(&it, &z_m)| is_ground(definition, it as u16, z_m) == Some(true));
-                let counts = ground_counts(definition, &labels, &z_m, &predicted.collect::<Vec<_>>());
+                let is_predicted = |(&it, &z_m): (&u32, &f32)| is_ground(definition, it as u16, z_m) == Some(true);
+                let predicted: Vec<bool> = labels.iter().zip(&z_m).map(is_predicted).collect();
+                let counts = ground_counts(definition, &labels, &z_m, &predicted);
                 prop_assert_eq!((counts.n_false, counts.n_missed), (0, 0));
             }
         }
