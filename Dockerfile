@@ -5,7 +5,7 @@
 # `.ci/cluster container` builds it, and runs a shard in it.
 
 FROM rust:1.95-slim-bookworm AS build
-# git tells which commit the program was built from, which manifests of runs say.
+# git gives the commit that the program is built from; manifests of runs have it.
 RUN apt-get update \
     && apt-get install -y --no-install-recommends git \
     && rm -rf /var/lib/apt/lists/*

@@ -8,7 +8,7 @@ For every scan, detector and task of a run under a box or centre criterion:
 For every run, detector and task:
   counts      NO, TP, FO and F-rate of report.json, counted again
   precision   sklearn.metrics.precision_recall_curve, of which average precision is interpolated again (101 points, R40)
-  AP          pycocotools: COCOeval over 101 points, told our pairs; and with pairs of its own, which differ: COCO gives
+  AP          pycocotools: COCOeval over 101 points, given our pairs; and with pairs of its own, which differ: COCO gives
               detections their annotation one by one, best score first, and we all at once, as many pairs as can be. So its
               own figure is printed and only has to be near.
 
@@ -228,9 +228,9 @@ def check_average_precision(
         failures.check(abs(a - b) < 1e-9, f"{run.name} {key}: AP {name} {a}, from sklearn's curve {b}")
     images = [([it for it in rows if it["outcome"] in ("matched", "missed")],
                [it for it in rows if it["outcome"] in ("matched", "false")]) for rows in of_scans]
-    told = coco_ap(images, lambda gt, dt: float(gt is dt))
-    failures.check(abs(told - ours[0]) < 0.005, f"{run.name} {key}: AP {ours[0]}, pycocotools told our pairs {told}")
-    line = f"  {run.name} {'/'.join(key)}: AP 101 {100 * ours[0]:.2f} (pycocotools told our pairs {100 * told:.2f}"
+    given = coco_ap(images, lambda gt, dt: float(gt is dt))
+    failures.check(abs(given - ours[0]) < 0.005, f"{run.name} {key}: AP {ours[0]}, pycocotools given our pairs {given}")
+    line = f"  {run.name} {'/'.join(key)}: AP 101 {100 * ours[0]:.2f} (pycocotools given our pairs {100 * given:.2f}"
     if measure in (bev_iou, iou_3d):
         # Half of COCO's threshold stands for our gate.
         def scaled(gt: Row, dt: Row) -> float:

@@ -33,7 +33,7 @@ def pages(root: Path, names: list[str]) -> dict[Path, list[str | Block]]:
 
 
 def why_stale(root: Path, block: Block) -> list[str]:
-    """What has changed since the block was made: names of checksums, with both values where they tell something."""
+    """What has changed since the block was made: names of checksums, with both values where these explain something."""
     if not block.made_of:
         return ["never made"]
     now = stamp(root, block.commands, block.shows)

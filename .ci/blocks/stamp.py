@@ -1,6 +1,6 @@
 """What decides the results of a block, as checksums by name, and so whether it is stale.
 
-What detectors find and how it is judged is told by the accepted run: `.ci/run` fails where the sources do anything else, so
+The accepted run stands for what detectors find and how it is judged: `.ci/run` fails where the sources do anything else, so
 a change that leaves results alone makes no page stale. docs/decisions/program.md says why, and what no stamp sees.
 """
 

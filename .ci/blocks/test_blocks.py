@@ -24,10 +24,10 @@ cargo run --release -- gaps \\
 
 <!-- made by:
 scanbench gaps --pairs 3
-shows: picture gaps.svg gaps.svg 'who is told apart'
+shows: picture gaps.svg gaps.svg 'who is separated'
 -->
 
-![who is told apart](gaps.svg)
+![who is separated](gaps.svg)
 
 <!-- end: command 00000000, content 11111111 -->
 
@@ -80,7 +80,7 @@ class Pages(unittest.TestCase):
     def test_blocks_are_read_and_written_back(self):
         first, second = blocks()
         self.assertEqual(first.commands, ["scanbench gaps --pairs 3"])
-        self.assertEqual(first.shows, ["picture", "gaps.svg", "gaps.svg", "who is told apart"])
+        self.assertEqual(first.shows, ["picture", "gaps.svg", "gaps.svg", "who is separated"])
         self.assertEqual(first.made_of, {"command": "00000000", "content": "11111111"})
         self.assertEqual((first.line, second.line, second.made_of), (8, 19, {}))
         self.assertEqual(join(split(Path("docs/page.md"), PAGE)), PAGE)

@@ -14,7 +14,7 @@ import sys
 def units(*command):
     """What Cargo would compile: the package, target and features of each unit, by all that it is made of."""
     arguments = ["cargo", *command, "--release", "--unit-graph", "-Z", "unstable-options"]
-    # The graph is shown by nightly toolchains alone, and by those that are told to pass for one; nothing is compiled here.
+    # The graph is shown by nightly toolchains alone, and by those that an environment variable makes pass for one; nothing is compiled here.
     environment = {**os.environ, "RUSTC_BOOTSTRAP": "1"}
     graph = json.loads(subprocess.run(arguments, env=environment, check=True, capture_output=True).stdout)["units"]
     identities = {}

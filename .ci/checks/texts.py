@@ -89,7 +89,7 @@ def problems(root, files):
 
 
 def prove():
-    """Ends the program unless texts that are wrong in one way each are told from right ones."""
+    """Ends the program unless right texts pass, and texts that are wrong in one way each fail."""
     right = {
         "README.md": "# Top\n\n[page](docs/page.md#a-heading-1), ![picture](docs/picture.png), `docs/page.md`, [it](#top)\n"
         "\n[![within](docs/picture.png)](docs/page.md)\n\n```sh\n[no](link) `docs/none`\n```\n",
@@ -118,7 +118,7 @@ def prove():
             found = problems(root, sorted(texts))
         is_seen = any(expected in it for it in found) if expected else not found
         if not is_seen:
-            sys.exit(f"the check does not tell {expected or 'right texts'}: {found}")
+            sys.exit(f"the check does not recognise {expected or 'right texts'}: {found}")
 
 
 def main():

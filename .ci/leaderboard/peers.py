@@ -16,7 +16,7 @@ from tables import lines_of
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = ROOT / "baselines/peers/scanbench.toml"
 SWEEPS = tomllib.loads((Path(__file__).parent / "sweeps.toml").read_text())
-# What tells rows of one detector apart.
+# What distinguishes rows of one detector.
 SUFFIX = re.compile(r"(-swept|-swept-model|-as-documented)$")
 PAGE = ROOT / "docs/leaderboard.md"
 # What is written between these lines is not to be written by hand.
@@ -80,7 +80,7 @@ def write_swept(folder):
         if "time_limit_s" in known[name]:
             section.append(f"time_limit_s = {known[name]['time_limit_s']}")
         sections.append("\n".join([*section, 'vehicles = "size"']) + "\n")
-        # The same clusters, and our model tells the vehicles among them.
+        # The same clusters, and our model classifies the vehicles among them.
         of_model = [section[0].replace("-swept]", "-swept-model]"), *section[1:], 'vehicles = "model"']
         sections.append("\n".join(of_model) + "\n")
     CONFIG.write_text(SWEPT.sub(lambda match: match[1] + "\n" + "\n".join(sections), text))

@@ -9,7 +9,7 @@ import re
 import sys
 from pathlib import Path
 
-# Files with times that are not told from the rest, and how a run came about. The tables are compared as CSV, figures as SVG.
+# Files in which times are not separated from the rest, and how a run came about. The tables are compared as CSV, figures as SVG.
 TIMES = {"manifest.json", "report.html", "table_times.md", "table_stages.md"}
 TIMES |= {f"table_{task}.{kind}" for task in ("objects", "vehicles") for kind in ("md", "tex")}
 # What a merged run has beside the files of a run.

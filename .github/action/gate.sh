@@ -6,7 +6,7 @@
 #   run      scanbench run $RUN, with page and recording, into OUTPUT/run
 #   gate     holds it to BASELINE, with its verdict in OUTPUT/verdict; ends with the exit code of the gate
 #
-# Tells GitHub what came of it where GITHUB_PATH, GITHUB_OUTPUT and GITHUB_STEP_SUMMARY say how.
+# Reports the result to GitHub through GITHUB_PATH, GITHUB_OUTPUT and GITHUB_STEP_SUMMARY, where these are set.
 set -euo pipefail
 
 source_folder=$(cd "$(dirname "$0")/../.." && pwd)

@@ -1,10 +1,11 @@
 """PCL's ESF and VFH with the nearest neighbour: what is an object of which a part has been seen?
 
-    python3 pcl_object_classes.py --descriptor esf --train FOLDER --judge FOLDER -o told.csv
+    python3 pcl_object_classes.py --descriptor esf --train FOLDER --judge FOLDER -o predicted.csv
 
 Both folders have a folder for each class with `.npy` files of x, y, z in metres, as scanbench writes them. Each object that is judged is
 uncovered in ten steps, from below and from above, as scanbench does it: a level strip more at each, as high as a tenth of the largest extent.
-The table has a row for each object, direction and step: what was told, or nothing where fewer than `--least-points` points are seen.
+The table has a row for each object, direction and step, with the predicted class; it is empty where fewer than `--least-points` points are
+seen.
 """
 
 from __future__ import annotations
@@ -150,13 +151,13 @@ def main() -> None:
     table = np.array(known)
     with asked.output.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["object", "class", "from", "step", "n_points", "told"])
+        writer.writerow(["object", "class", "from", "step", "n_points", "predicted"])
         for judged in objects_in(asked.judge, asked.most_per_class):
             for part in parts_of(judged):
                 histogram = histogram_of(part.points)
-                told = "" if histogram is None else classes[int(describe.distances(table, histogram).argmin())]
+                predicted = "" if histogram is None else classes[int(describe.distances(table, histogram).argmin())]
                 n_points = len(part.points)
-                writer.writerow([judged.name, judged.class_name, part.uncovered_from, part.step, n_points, told])
+                writer.writerow([judged.name, judged.class_name, part.uncovered_from, part.step, n_points, predicted])
 
 
 if __name__ == "__main__":

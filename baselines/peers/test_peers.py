@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference_host import Host, Limits, ToldFailure, columns_of
+from reference_host import Host, Limits, ReportedFailure, columns_of
 
 HERE = Path(__file__).parent
 DETECTORS = tomllib.loads((HERE / "scanbench.toml").read_text())["detector"]
@@ -40,7 +40,7 @@ def test_three_cars_are_three_clusters(name: str) -> None:
     with Host(command, section["parameters"], limits, directory=HERE) as host:
         try:
             assert host.hello()["name"] == name
-        except ToldFailure as failure:
+        except ReportedFailure as failure:
             if "No module named" in str(failure) or "is not built" in str(failure):
                 pytest.skip(str(failure))
             raise
@@ -62,10 +62,10 @@ def test_a_ground_that_does_not_exist_is_refused() -> None:
     with Host([sys.executable, "-m", "scanbench.serve", "scipy_components.py:ScipyComponents"], directory=HERE) as host:
         try:
             host.hello()
-        except ToldFailure as failure:
+        except ReportedFailure as failure:
             pytest.skip(str(failure))
         host.parameters = {"ground": "plane"}
-        with pytest.raises(ToldFailure, match="ground is patchworkpp or none, not 'plane'"):
+        with pytest.raises(ReportedFailure, match="ground is patchworkpp or none, not 'plane'"):
             host.configure()
 
 
@@ -81,9 +81,9 @@ def write_objects(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("descriptor", ["esf", "vfh"])
-def test_whole_objects_are_told_and_steps_are_those_of_the_largest_extent(descriptor: str, tmp_path: Path) -> None:
+def test_whole_objects_are_classified_and_steps_are_those_of_the_largest_extent(descriptor: str, tmp_path: Path) -> None:
     write_objects(tmp_path / "objects")
-    folder, table = str(tmp_path / "objects"), tmp_path / "told.csv"
+    folder, table = str(tmp_path / "objects"), tmp_path / "predicted.csv"
     command = [
         sys.executable,
         "pcl_object_classes.py",
@@ -100,7 +100,7 @@ def test_whole_objects_are_told_and_steps_are_those_of_the_largest_extent(descri
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader(table.open()))
     assert len(rows) == 4 * 2 * 10
-    assert all(row["told"] == row["class"] and row["n_points"] == "300" for row in rows if row["step"] == "10")
+    assert all(row["predicted"] == row["class"] and row["n_points"] == "300" for row in rows if row["step"] == "10")
     # A tenth of 5 m at each step: a wall of 1.5 m is whole from step 3 on, a pole of 4 m a tenth more each time.
     seen = {(row["object"], row["from"], int(row["step"])): int(row["n_points"]) for row in rows}
     assert seen["other/0.npy", "below", 2] < 300 == seen["other/0.npy", "below", 3] == seen["other/0.npy", "above", 3]

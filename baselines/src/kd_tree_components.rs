@@ -114,7 +114,7 @@ fn is_finite(position_m: &[f32; 3]) -> bool {
     position_m.iter().all(|coordinate_m| coordinate_m.is_finite())
 }
 
-/// Squared distances of very near points round to 0, so that these do not tell.
+/// Compares coordinates: squared distances of very near points round to 0.
 #[expect(clippy::float_cmp, reason = "only points with the very same neighbours may share a search")]
 fn is_same_place(a: &[f32; 3], b: &[f32; 3]) -> bool {
     a == b

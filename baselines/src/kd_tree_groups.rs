@@ -22,8 +22,10 @@ pub fn component_groups(
     grouping(Frame::over(Box::new(linkage), &shared, sensor_height_m), &shared)
 }
 
-/// The detector `kd-tree-trained`: each component is kept or dropped, and told a vehicle or none, by trees of the same kind, over the
-/// same values, trained on the same scans as those of the hierarchical detector, but on components at one tolerance, in metres.
+/// The detector `kd-tree-trained`: boosted trees keep or drop each component, and classify it as a vehicle or not.
+///
+/// The trees have the kind, the values and the training scans of those of the hierarchical detector. They are trained on
+/// components at one tolerance, in metres.
 pub fn kd_tree_trained(
     shared: &HierarchicalParams,
     tolerance_m: f32,

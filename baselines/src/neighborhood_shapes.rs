@@ -49,8 +49,8 @@ impl NeighborhoodShapes {
     /// 0 to 1, sum up to 1, and do not depend on how far the neighbours of this point happen to reach. The object may be
     /// moved and turned about the vertical without changing anything but for rounding.
     ///
-    /// Radius, division and number of bins were chosen among simulated training drives, where these tell vehicles best: a
-    /// smaller radius holds points of one ring alone, a larger one a whole bonnet with what is around it.
+    /// Radius, division and number of bins were chosen on simulated training drives, where these classify vehicles best.
+    /// A smaller radius holds points of one ring alone, a larger one a whole bonnet with what is around it.
     ///
     /// Paper: VM sections 1 and 6, \[5\], which takes the three as Lalonde et al. 2006 (\[6\]) and does not divide.
     pub fn describe(&mut self, points: &BoxFramePoints, length_m: f32) -> ShapeHistograms {

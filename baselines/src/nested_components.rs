@@ -50,7 +50,8 @@ impl NestedComponents {
         self.components.representative(point_idx)
     }
 
-    /// Joins the components of neighbours at this tolerance, in metres, of 0.05 and more. `on_join` is told the components that become one.
+    /// Joins the components of neighbours at this tolerance, in metres, of 0.05 and more. `on_join` gets the two
+    /// components of every join.
     ///
     /// ```
     /// use baselines::nested_components::NestedComponents;
@@ -206,7 +207,7 @@ mod tests {
             kd_tree_components(positions_m, tolerance_m, &mut KdTreeScratch::default(), &mut expected);
             let found: Vec<u32> = (0..positions_m.len() as u32).map(|it| nested.component(it)).collect();
             assert_eq!(found, expected, "at {tolerance_m} m");
-            assert_eq!(labels, expected, "as told of, at {tolerance_m} m");
+            assert_eq!(labels, expected, "as `on_join` reports, at {tolerance_m} m");
         }
     }
 

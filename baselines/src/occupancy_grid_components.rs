@@ -16,7 +16,7 @@ pub struct OccupancyParams {
 
 /// The occupied cells of `grid`, ascending: those with enough points and a height difference between them.
 ///
-/// Occupancy by height difference is that of Himmelsbach et al. 2008, the paper's reference 5; the paper tells
+/// Occupancy by height difference is that of Himmelsbach et al. 2008, the paper's reference 5; the paper states
 /// neither cell size nor thresholds, and the minimum of points is ours. Without a terrain it needs no sensor height
 /// and follows any slope, but what hangs over the road counts as standing on it, a flat bonnet at the right height
 /// does not count at all, and the road at an object's feet goes with the object.

@@ -1,4 +1,4 @@
-//! The values by which the rival of the vehicle model tells a vehicle from background.
+//! The values by which the rival of the vehicle model distinguishes vehicles from background.
 
 use detector::OrientedBox;
 use detector::describe::box_frame_points::BoxFramePoints;

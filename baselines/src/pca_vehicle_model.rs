@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn a_car_is_told_from_a_pedestrian() {
+    fn a_car_and_a_pedestrian_are_distinguished() {
         let steps = |n: u8| (0..n).map(move |it| f32::from(it) / f32::from(n - 1));
         // The near side and the end of a car, in rings.
         let side =

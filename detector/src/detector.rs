@@ -72,7 +72,7 @@ pub trait Detector: Send {
     /// that call.
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
 
-    /// Whether each point of the latest scan is ground, in the order of the scan; `None` if it does not tell.
+    /// Whether each point of the latest scan is ground, in the order of the scan; `None` if it does not report ground.
     ///
     /// As [`Self::stage_products`] never called inside a stopwatch, and given the same scan.
     fn ground_points(&self, _cloud: &PointCloud) -> Option<Vec<bool>> {
@@ -90,8 +90,9 @@ pub trait Detector: Send {
 pub struct DetectorOutput {
     /// The objects.
     pub detections: Detections,
-    /// What may be a vehicle though it was told none, each with a score below all detections of vehicles (that of its box need not be):
-    /// for protocols that rank detections, and for nothing else. Some are among `detections` as objects, others have too few points for that.
+    /// What was not classified as a vehicle, but may be one. Each has a score below all detections of vehicles; the score of its box may
+    /// be higher. Only protocols that rank detections use these. Some are among `detections` as objects, others have too few points for
+    /// that.
     pub unlikely_vehicles: Detections,
     /// How long each stage took, in the order of the stages.
     pub stage_times: Vec<StageTime>,

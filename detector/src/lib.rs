@@ -1,5 +1,7 @@
-//! A hierarchical grid that finds objects in LiDAR scans, and models that tell which of them are vehicles: [`hierarchical`](pipeline::tree_detector::hierarchical), and
-//! [`paper`](pipeline::paper_detector::paper), the method to the letter. Both are lists of stages.
+//! A hierarchical grid that finds objects in LiDAR scans, and models that classify vehicles among them.
+//!
+//! There are two detectors, both lists of stages: [`hierarchical`](pipeline::tree_detector::hierarchical), and
+//! [`paper`](pipeline::paper_detector::paper), the method exactly as published.
 //!
 //! This crate knows no files, no annotations and no Rerun. Ground truth cannot be reached from here, so a detector
 //! that peeks does not compile.
@@ -17,7 +19,8 @@
 //! let end = |x: f32| steps(2.0, 3.8).flat_map(move |y| steps(-1.5, -0.3).map(move |z| [x, y, z]));
 //! let cloud: PointCloud = road.chain(side(2.0)).chain(side(3.8)).chain(end(4.0)).chain(end(8.0)).collect();
 //!
-//! // A detector and its output are used again for the next scan. It tells vehicles by their size; `VehiclesBy::Model` makes it ask its model.
+//! // A detector and its output are used again for the next scan. This one classifies vehicles by their size; with `VehiclesBy::Model`
+//! // its model does.
 //! let (params, models) = (HierarchicalParams::shipped(), GroupModels::shipped(VehiclesBy::Size));
 //! let mut detector = hierarchical(&params, models, sensor_height_m);
 //! let mut output = DetectorOutput::default();

@@ -2,17 +2,17 @@
 
 use std::fmt;
 
-/// A rule that some detectors have and others have not, so that a comparison is not about clusters alone.
+/// A rule that only some detectors have. It matters when detectors are compared, beside their clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rule {
     /// Walls are no foreground.
     Walls,
-    /// Trained trees say how well each group of points is an object. Those that are taken for one are kept, and beside them some that
-    /// are taken for one a little less, if they are told vehicles. Walls are one of the values that the trees look at.
+    /// Trained trees predict the expected IoU of each group of points. Groups above a threshold are kept. Those a little below it are
+    /// kept if they are classified as vehicles. Walls are one of the values that the trees look at.
     TrainedGroups,
-    /// Groups hold groups, and of all ways to part them that is taken which the trees like best.
+    /// Groups hold groups; of all ways to part them, the one with the highest predicted IoU is taken.
     BestCut,
-    /// A cluster of so few points is kept if a model takes it for a vehicle.
+    /// A cluster of so few points is kept if a model classifies it as a vehicle.
     SmallVehicles {
         /// How few.
         min_points: usize,

@@ -5,7 +5,7 @@
 
 /// Points are sorted into cells.
 pub const GRID: &str = "grid";
-/// The ground is found, and cells are told from it.
+/// The ground is found, and cells are separated from it.
 pub const GROUND: &str = "ground";
 /// Walls are taken out of the short cells.
 pub const WALLS: &str = "walls";
@@ -23,7 +23,7 @@ pub const GAPS: &str = "gaps";
 pub const GROUPING: &str = "grouping";
 /// What no gap parts is cut.
 pub const CUTS: &str = "cuts";
-/// What tells whether a group is an object is computed.
+/// The values by which a group is judged to be an object are computed.
 pub const DESCRIPTION: &str = "description";
 /// The groups with the greatest gain are taken for objects.
 pub const BEST_CUT: &str = "best_cut";

@@ -12,8 +12,8 @@
 //         });
 //     }
 //
-// Exceptions are told to scanbench as errors, with their text; the next scan is asked for all the same. The function is called again where
-// parameters or the data set change within a process.
+// Exceptions are reported to scanbench as errors, with their text; the next scan is asked for all the same. The function is called again
+// where parameters or the data set change within a process.
 #pragma once
 
 #include <fcntl.h>
@@ -48,7 +48,7 @@
 
 namespace scanbench {
 
-// What goes wrong; any other std::exception is told in the same way.
+// What goes wrong; any other std::exception is reported in the same way.
 struct Error : std::runtime_error {
     using std::runtime_error::runtime_error;
 };

@@ -105,7 +105,7 @@ impl DecisionTree {
         let mut places = [0; N_ABREAST];
         for _ in 0..DEPTH {
             for (lane, place) in places.iter_mut().enumerate() {
-                // The remainders change nothing: they tell the compiler that no index is out of bounds.
+                // The remainders change nothing: they prove to the compiler that no index is out of bounds.
                 let value = usize::from(self.value_of_split[*place % N_LEAVES]) % MAX_VALUES;
                 let is_left = block[(first + lane) % N_IN_BLOCK][value] < self.thresholds[*place % N_LEAVES];
                 *place = 2 * *place + 1 + usize::from(!is_left);

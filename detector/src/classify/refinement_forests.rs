@@ -16,11 +16,11 @@ pub fn is_refined(expected_iou: f32) -> bool {
     expected_iou >= LEAST_EXPECTED_IOU
 }
 
-/// Forests that tell what intersection over union with an annotated object is to be expected of a group.
+/// Forests that predict the expected IoU of a group with an annotated object.
 ///
-/// The first sees each group by itself. Those after it also see what the one before said of the groups that it holds, and of those that
-/// hold it: whether two people are one object is easier to say of all three groups than of one. Tu 2008, *Auto-context and its application
-/// to high-level vision tasks*.
+/// The first sees each group by itself. The others also see what the forest before them predicted for the groups inside this group
+/// and for those around it: whether two people are one object is easier to decide from all three groups than from one. Tu 2008,
+/// *Auto-context and its application to high-level vision tasks*.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefinementForests {
     /// Sees each group by itself.

@@ -23,7 +23,7 @@ const VEHICLES: &str = "vehicles";
 /// Features and their classifier, with buffers for one object after another.
 ///
 /// The paper has a support vector machine for its eight values, as [`PaperModel`](super::paper_model::PaperModel) has; here are
-/// more values, and boosted trees, as they tell the vehicles of the tree of groupings.
+/// more values, and boosted trees like those that classify the vehicles of the tree of groupings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleModel {
     describer: VehicleDescriber,

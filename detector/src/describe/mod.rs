@@ -1,4 +1,4 @@
-//! What tells vehicles from other objects.
+//! The features that distinguish vehicles from other objects.
 
 // Which objects are described at all, and what stands around them.
 pub mod seen_size;

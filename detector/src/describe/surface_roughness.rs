@@ -10,7 +10,7 @@ const ROUGH_M: f32 = 0.04;
 /// Points in a square: how many, and the sum of their depths.
 type Square = (f32, f32);
 
-/// Tells how far points are from flat sides, one object after another.
+/// Measures how far points are from flat sides, one object after another.
 ///
 /// Metal and glass are smooth over a hand's breadth; the leaves of a hedge are not. Beyond the eight values of the paper.
 #[derive(Debug, Clone, Default, PartialEq)]

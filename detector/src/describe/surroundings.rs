@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_and_sides_are_told_apart() {
+    fn ends_and_sides_are_distinguished() {
         for yaw_rad in [0.0, 0.7, -1.4] {
             let it = car(yaw_rad);
             let mut raster = ObjectRaster::new(40.0);

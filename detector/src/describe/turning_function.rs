@@ -89,7 +89,7 @@ impl TurningFunction {
         self.distance_below(other, f32::INFINITY).unwrap_or(1.0)
     }
 
-    /// [`Self::distance`] if it is below `bound`. The lower the bound, the sooner this is told.
+    /// [`Self::distance`] if it is below `bound`. The lower the bound, the faster this is.
     #[inline(always)]
     pub fn distance_below(&self, other: &Self, bound: f32) -> Option<f32> {
         // Between sums of squares over the parts.

@@ -1,4 +1,4 @@
-//! The values by which a vehicle is told from background.
+//! The values that distinguish vehicles from background.
 
 use super::elevation_spread::ElevationSpread;
 use super::lengthwise_thirds::LengthwiseThirds;
@@ -17,9 +17,8 @@ pub const N_FEATURES: usize = 28;
 
 /// The names of what the classifier sees of an object, as in files.
 ///
-/// The first eight values are the paper's. It has no height among them, nor anything that tells a shell from a filled
-/// volume or leaves from metal, which side of the object is seen, how much of it, or what stands around it; the others say
-/// that.
+/// The first eight values are the paper's. The others are what these lack: height, values that distinguish a shell from a
+/// filled volume and leaves from metal, which side of the object is seen and how much of it, and what stands around it.
 ///
 /// Paper: VM section 5.
 pub const VEHICLE_FEATURES: [&str; N_FEATURES] = joined(

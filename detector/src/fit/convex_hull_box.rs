@@ -28,7 +28,7 @@ impl ConvexHullBox {
     /// The box over the rectangle, among those that enclose the hull with a side along one of its edges, to which the
     /// hull's corners are closest on average; of equally close ones the first edge's counts, as [`convex_hull`] orders them.
     ///
-    /// Length is the longer side and the yaw lies in (−π/2, π/2]: which end is the front cannot be told from here.
+    /// Length is the longer side and the yaw lies in (−π/2, π/2]: which end is the front cannot be decided from the hull.
     /// One point gives a box of no length and no width at yaw 0, points on a line one of no width. `None` without points.
     ///
     /// `outline_m` are points on the ground plan in metres that include the hull's corners; `z_range_m` becomes the

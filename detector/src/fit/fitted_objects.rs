@@ -26,15 +26,15 @@ pub struct FittedObject {
     pub bounding_box: OrientedBox,
     /// How surely it is a vehicle, once that was asked.
     pub decision: Option<f32>,
-    /// Whether it is one only if it is told a vehicle.
+    /// Whether it is kept only if a model classifies it as a vehicle.
     pub is_doubtful: bool,
     hull: Range<usize>,
     values: Option<Range<usize>>,
 }
 
 impl FittedObject {
-    /// Whether a model takes it for a vehicle.
-    pub fn is_told_vehicle(&self) -> bool {
+    /// Whether a model classifies it as a vehicle.
+    pub fn is_predicted_vehicle(&self) -> bool {
         self.decision.is_some_and(|it| it > 0.0)
     }
 

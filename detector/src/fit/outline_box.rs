@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn a_square_is_no_diamond() {
-        // Its corners all lie on the square that is turned by half a right angle: the corners of the hull tell nothing.
+        // Its corners all lie on the square that is turned by half a right angle: the corners of the hull show nothing.
         let corners_m = [[6.0, 4.0], [8.0, 4.0], [8.0, 6.0], [6.0, 6.0]];
         let sides = (0..4).flat_map(|it| line(corners_m[it], corners_m[(it + 1) % 4], 40));
         let square = fit(&sides.collect::<Vec<_>>()).unwrap();

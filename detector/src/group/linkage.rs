@@ -31,7 +31,7 @@ pub struct Links {
     pub between: [Vec<[u32; 2]>; N_LEVELS],
 }
 
-/// Tells what joins dense cells.
+/// Decides which dense cells are joined.
 pub trait Linkage: Send {
     /// The names of the stages [`Self::fill`] and [`Self::link`].
     fn stages(&self) -> [&'static str; 2];

@@ -70,10 +70,10 @@ pub struct HierarchicalParams {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroupingParams {
-    /// What an object costs: one that is expected to have a smaller intersection over union is none.
+    /// What an object costs: a group with a smaller expected IoU is no object.
     pub object_cost: f32,
-    /// What a vehicle costs: a group that is expected to have so great an intersection over union, but too small a one for an
-    /// object, is taken if it is told a vehicle.
+    /// What a vehicle costs: a group with at least this expected IoU, but too small a one for an object, is taken if it is
+    /// classified as a vehicle.
     pub vehicle_cost: f32,
     /// The least probability of a vehicle with which an object is ranked as one, by protocols that do.
     pub ranked_probability: f32,

@@ -134,7 +134,7 @@ mod tests {
     use crate::partial::point_pair_angles::AngleSigns;
 
     #[test]
-    fn the_shape_index_tells_saddles_troughs_and_bowls() {
+    fn the_shape_index_distinguishes_saddles_troughs_and_bowls() {
         assert_eq!(modified_shape_index([1.0, -1.0]), 0.0);
         assert!((modified_shape_index([1.0, 0.0]) - 0.25).abs() < 1e-12);
         assert!((modified_shape_index([0.0, -1.0]) - 0.25).abs() < 1e-12);

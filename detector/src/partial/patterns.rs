@@ -77,7 +77,7 @@ impl Pattern {
         usize::from(self.0.to_be_bytes()[1])
     }
 
-    /// The same with less told apart: first without its volume, then without its height. `None` if that has been done.
+    /// The same with fewer distinctions: first without its volume, then without its height. `None` if that has been done.
     pub fn coarser(self) -> Option<Self> {
         let [_, _, height_bin, volume_bin, ..] = self.0.to_be_bytes();
         let mut bytes = self.0.to_be_bytes();

@@ -71,7 +71,7 @@ pub enum TrainingError {
     },
 }
 
-/// Learns to tell `classes` from `clouds`, which were described with the same parameters. Clouds without keypoints are left
+/// Learns to predict `classes` from `clouds`, which were described with the same parameters. Clouds without keypoints are left
 /// out.
 ///
 /// How sure decisions are is learned from clouds of objects that were held out in turn; the labels and patterns are those of

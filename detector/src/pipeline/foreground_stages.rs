@@ -35,7 +35,7 @@ pub fn fill_grid(cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) 
     frame.grid.fill(cloud);
 }
 
-/// Tells cells from the ground by `params`.
+/// Separates cells from the ground by `params`.
 pub fn ground(params: &HierarchicalParams) -> GroundSegmentation {
     let weighting = DensityWeighting::new(&params.density_weighting);
     GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting)

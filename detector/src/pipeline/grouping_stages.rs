@@ -106,7 +106,7 @@ fn cuts(params: LeafCutsParams) -> impl Stage {
     }
 }
 
-/// Computes what tells whether a group is an object.
+/// Computes the values by which a group is judged to be an object.
 fn description(params: &HierarchicalParams) -> impl Stage + use<> {
     let GridParams { cell_size_m, xi, extent_m } = params.grid;
     let min_points = params.cluster.min_vehicle_points;

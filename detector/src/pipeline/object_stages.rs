@@ -24,7 +24,7 @@ use crate::stage_product::StageProduct;
 use crate::whole::box_model::BoxModel;
 use crate::whole::reported_boxes::ReportedBoxes;
 
-/// Classes, completion and reported boxes. Vehicles are told by `model`, or by their size if there is none; whole boxes come from
+/// Classes, completion and reported boxes. `model` classifies vehicles; without one, their size does. Whole boxes come from
 /// `box_model`, or from the model of the program if there is none.
 pub fn object_stages(
     params: &HierarchicalParams,
@@ -124,8 +124,8 @@ impl Stage for Decisions {
     }
 }
 
-/// Decides about objects by `decide`, and makes a detection of each as it is. Of what is decided to be a vehicle there are `least_points`;
-/// where nothing is decided vehicles are told by `sizes`.
+/// Classifies objects by `decide`, and makes a detection of each as it is. A vehicle needs `least_points`; objects that `decide`
+/// leaves open are classified by `sizes`.
 pub fn classification(
     sizes: SizeGateParams,
     least_points: usize,
@@ -157,14 +157,14 @@ impl CompletedObjects {
     fn drop_background(&self, fitted: &mut FittedObjects, output: &mut DetectorOutput) {
         let FittedObjects { objects, members, .. } = fitted;
         objects.retain(|it| {
-            let is_kept = !it.is_doubtful || it.is_told_vehicle();
+            let is_kept = !it.is_doubtful || it.is_predicted_vehicle();
             if !is_kept {
                 output.rank(it.detection(members, DetectedClass::Object), self.ranked_log_odds);
             }
             is_kept
         });
         objects.retain(|it| {
-            let is_kept = it.members.len() >= self.cluster.min_points || it.is_told_vehicle();
+            let is_kept = it.members.len() >= self.cluster.min_points || it.is_predicted_vehicle();
             if !is_kept {
                 output.drop_small(it.detection(members, DetectedClass::Object), self.ranked_log_odds);
             }

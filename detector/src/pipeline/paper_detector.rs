@@ -19,8 +19,8 @@ use crate::stage_product::StageProduct;
 
 /// Objects from a hierarchical grid, and vehicles by eight values, as the papers print it; for a sensor `sensor_height_m` above the road.
 ///
-/// The density curve is that of `of_sensor`, as are the sizes by which vehicles are told without a model. It has nothing that is in no
-/// paper: no size bounds, no trained judge of groups, no completion.
+/// Density curve and sizes of vehicles are those of `of_sensor`; without a model the sizes classify vehicles. The papers have no size
+/// bounds, no trained judge of groups and no completion, and so this detector has none.
 ///
 /// Paper: HG sections 3 to 4, VM sections 3 to 5.
 ///

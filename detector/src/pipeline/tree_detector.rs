@@ -27,13 +27,13 @@ use crate::whole::box_model::BoxModel;
 pub struct GroupModels {
     /// Which groups are objects, and which objects are vehicles.
     pub groups: Arc<GroupingModel>,
-    /// What tells vehicles.
+    /// What classifies vehicles.
     pub vehicles: VehiclesBy,
     /// Boxes of whole vehicles; those of the model that comes with the program if there is none.
     pub boxes: Option<Arc<BoxModel>>,
 }
 
-/// What tells which groups are vehicles.
+/// What classifies groups as vehicles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VehiclesBy {
     /// Their size.
@@ -129,7 +129,7 @@ impl Stage for BestGroups {
             self.gain_of_node[node_idx as usize] = expected_iou - cost;
         }
         self.best_cut.find(tree, |it| self.gain_of_node[it as usize], taken);
-        // The values that tell vehicles are taken from the points, which the rounds do not see.
+        // The values that distinguish vehicles are taken from the points, which the rounds do not see.
         let asks_model = self.vehicles == VehiclesBy::Model;
         let is_offered = |&(_, expected_iou): &(u32, f32)| {
             asks_model && expected_iou >= vehicle_cost && expected_iou < cost
@@ -179,7 +179,7 @@ impl Stage for GroupBoxes {
     }
 }
 
-/// The model of groups tells vehicles, by the values of groups and those of their points.
+/// The model of groups classifies vehicles, by the values of groups and those of their points.
 struct GroupDecisions {
     model: Arc<GroupingModel>,
     cluster: ClusterParams,

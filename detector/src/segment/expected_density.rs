@@ -16,7 +16,7 @@ pub struct Expected {
 /// The same at every range.
 ///
 /// The density falls with about the cube of the range, over level ground, where the sensor's rays fan out in proportion to the
-/// range: so its cube root tells how far apart neighbouring points of one surface may lie.
+/// range: so its cube root gives how far apart neighbouring points of one surface may lie.
 ///
 /// Paper: HG section 4.
 #[derive(Debug, Clone)]

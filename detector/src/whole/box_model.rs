@@ -1,4 +1,4 @@
-//! Boosted trees that tell the box of a whole vehicle.
+//! Boosted trees that predict the box of a whole vehicle.
 
 use std::sync::{Arc, LazyLock};
 
@@ -15,7 +15,7 @@ const GROWTH: [&str; 5] = ["near end", "far end", "near side", "far side", "top"
 const AWAY: &str = "away";
 const RIGHT: &str = "right";
 
-/// What is told of a whole vehicle. Those but the first see whether it is turned.
+/// The forests that predict the box of a whole vehicle. All but the first see whether it is turned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoxModel {
     /// The logarithm of the odds that it is longer along the width of what is seen of it.
@@ -24,7 +24,7 @@ pub struct BoxModel {
     pub growth_m: [Forest<N_BOX_VALUES>; 5],
     /// The logarithm of the odds that its front is the end that is farther away.
     pub away: Forest<N_BOX_VALUES>,
-    /// The logarithm of the odds that the box that the others tell overlaps with the annotated one by at least 0.7 in space.
+    /// The logarithm of the odds that the box predicted by the others has a volume IoU of at least 0.7 with the annotated box.
     pub right: Forest<N_BOX_VALUES>,
 }
 

@@ -1,4 +1,4 @@
-//! What tells the box of a whole vehicle from what is seen of it.
+//! The values from which the box of a whole vehicle is predicted.
 
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::single;

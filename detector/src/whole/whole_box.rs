@@ -117,7 +117,7 @@ fn both_log_odds(one: f32, other: f32) -> f32 {
     -ln(exp(-one) + exp(-other) + exp(-one - other)) as f32
 }
 
-/// The boxes of whole vehicles as a model tells them, with buffers for one scan after another.
+/// The boxes of whole vehicles as a model predicts them, with buffers for one scan after another.
 #[derive(Debug, Clone, Default)]
 pub struct WholeBoxes {
     turned: Vec<f32>,
@@ -155,7 +155,7 @@ impl WholeBoxes {
     }
 }
 
-/// How a vehicle with the box `whole` differs from what is seen of it: what a model is to tell.
+/// How a vehicle with the box `whole` differs from what is seen of it: what a model predicts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
     /// Whether it is longer along the width of what is seen.

@@ -1,4 +1,4 @@
-//! Objects that are drawn to be told apart: trees, poles and boxes, every one another one.
+//! Drawn objects of classes that are easy to distinguish: trees, poles and boxes, no two alike.
 
 use detector::describe::trained_file::Provenance;
 use detector::partial::partial_model::PartialModel;

@@ -22,7 +22,7 @@ fn small(mut params: PartialParams) -> PartialParams {
 }
 
 #[test]
-fn new_objects_are_told_by_either_parameters() {
+fn new_objects_are_classified_with_either_parameters() {
     // Mean bags of graphs alone know neither sizes nor what parts classes best.
     for (params, least) in [(PartialParams::shipped(), 27), (PartialParams::of_paper(), 18)] {
         let mut classifier = classifier(&params);

@@ -63,7 +63,7 @@ fn features_of(
     };
     let mut positions_m = Vec::new();
     for (from_m, to_m) in contour_m.iter().zip(contour_m.iter().cycle().skip(1)) {
-        // As many points a metre of every contour: their number tells nothing.
+        // The same number of points per metre on every contour, so that their number predicts nothing.
         let n_steps = (10.0 * (to_m[0] - from_m[0]).hypot(to_m[1] - from_m[1])).ceil();
         for step in 0..n_steps as usize {
             let share = step as f32 / n_steps;

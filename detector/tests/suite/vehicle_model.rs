@@ -22,7 +22,7 @@ fn detector_by(model: Option<PaperModel>) -> Pipeline {
 }
 
 #[test]
-fn a_car_is_told_from_a_box_of_its_size() {
+fn a_car_and_a_box_of_its_size_are_distinguished() {
     let mut found = Vec::new();
     for mut detector in [None, Some(vehicle_model())].map(detector_by) {
         let mut output = DetectorOutput::default();

@@ -152,7 +152,7 @@ fn annotation(class: AnnotationClass, [x_m, y_m]: [f32; 2]) -> Annotation {
     }
 }
 
-/// The most memory that this process ever held; 0 where the system does not tell.
+/// The most memory that this process ever held; 0 where the system does not report it.
 fn most_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|it| it.strip_prefix("VmHWM:"));

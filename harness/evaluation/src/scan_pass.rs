@@ -78,13 +78,13 @@ mod tests {
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
 
-    /// The numbers of points of scans 2 and 0 of a street, and how often a scan was told.
+    /// The numbers of points of scans 2 and 0 of a street, and how many scans were counted.
     fn seen(n_threads: usize, interrupted: bool) -> (Result<Vec<(usize, usize)>, ScanPassError>, usize) {
         let options = OpenOptions::default();
         let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
-        let n_told = AtomicUsize::new(0);
+        let n_seen = AtomicUsize::new(0);
         let on_scan = || {
-            n_told.fetch_add(1, Ordering::Relaxed);
+            n_seen.fetch_add(1, Ordering::Relaxed);
         };
         let interrupted = AtomicBool::new(interrupted);
         let pass = ScanPass {
@@ -96,23 +96,23 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         let look = |(): &mut (), it: PassedScan<'_>| (it.scan_idx, it.scan.cloud.len());
         let seen = pool.install(|| pass.over(|| (), look));
-        (seen, n_told.into_inner())
+        (seen, n_seen.into_inner())
     }
 
     #[test]
     fn scans_are_seen_in_order_whatever_the_number_of_threads() {
-        let (one, n_told) = seen(1, false);
+        let (one, n_seen) = seen(1, false);
         let one = one.unwrap();
-        assert_eq!((one[0].0, one[1].0, n_told), (2, 0, 2));
+        assert_eq!((one[0].0, one[1].0, n_seen), (2, 0, 2));
         assert_ne!(one[0].1, one[1].1);
         assert_eq!(one, seen(3, false).0.unwrap());
     }
 
     #[test]
     fn an_interruption_ends_the_pass_before_a_scan() {
-        let (error, n_told) = seen(1, true);
+        let (error, n_seen) = seen(1, true);
         let error = error.unwrap_err();
         assert!(matches!(error, ScanPassError::Interrupted { n_scans: 2, .. }), "{error}");
-        assert_eq!(n_told, 0);
+        assert_eq!(n_seen, 0);
     }
 }

@@ -46,7 +46,7 @@ class DetectorFailure(Exception):
     """What the detector did wrong."""
 
 
-class ToldFailure(DetectorFailure):
+class ReportedFailure(DetectorFailure):
     """It answered `error`, and can go on."""
 
 
@@ -266,7 +266,7 @@ class Host:
             raise DetectorFailure(f"not an object with `message`: {line[:80]!r}")
         if answer["message"] == "error":
             self._no_payload(answer)
-            raise ToldFailure(answer.get("text", ""))
+            raise ReportedFailure(answer.get("text", ""))
         if answer["message"] != expected:
             raise DetectorFailure(f"answered {answer['message']!r} instead of {expected!r}")
         return answer

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reference_host import Host, ToldFailure, columns_of
+from reference_host import Host, ReportedFailure, columns_of
 
 CPP = Path(__file__).parents[2] / "cpp"
 COMPILER = shutil.which(os.environ.get("CXX", "c++"))
@@ -99,14 +99,14 @@ def test_after_an_error_to_a_later_configure_another_is_waited_for(drawn: str) -
     ]
     with begun(drawn) as it:
         for other, text in wrong:
-            with pytest.raises(ToldFailure, match=text):
+            with pytest.raises(ReportedFailure, match=text):
                 it.configure(**other)
-            with pytest.raises(ToldFailure, match="a scan before `configure`"):
+            with pytest.raises(ReportedFailure, match="a scan before `configure`"):
                 it.scan(columns_of(points(5)))
             it.fields.clear()
             it.configure()
             assert it.scan(columns_of(points(5))).n_detections >= 1
-        with pytest.raises(ToldFailure):
+        with pytest.raises(ReportedFailure):
             it.configure(parameters={"shift": 1})
         assert it.quit() == 0
 
@@ -133,10 +133,10 @@ def test_both_and_everything(drawn: str) -> None:
         ("throws", 'out of "tea"\n\tand müsli'),
     ],
 )
-def test_what_is_wrong_is_told_and_the_next_scan_is_answered(drawn: str, how: str, text: str) -> None:
+def test_what_is_wrong_is_reported_and_the_next_scan_is_answered(drawn: str, how: str, text: str) -> None:
     with begun(drawn, how=how) as it:
         for _ in range(2):
-            with pytest.raises(ToldFailure, match=re.escape(text)):
+            with pytest.raises(ReportedFailure, match=re.escape(text)):
                 it.scan(columns_of(points()))
         assert it.quit() == 0
 
@@ -154,7 +154,7 @@ def test_what_is_wrong_is_told_and_the_next_scan_is_answered(drawn: str, how: st
 def test_wrong_parameters_are_refused(drawn: str, parameters: dict[str, Any], text: str) -> None:
     with Host([drawn], parameters) as it:
         it.hello()
-        with pytest.raises(ToldFailure, match=re.escape(text)):
+        with pytest.raises(ReportedFailure, match=re.escape(text)):
             it.configure()
 
 
@@ -184,24 +184,24 @@ def test_text_comes_through_as_it_is(drawn: str) -> None:
 def test_a_line_that_is_no_message_is_an_error_and_the_end(drawn: str, line: bytes) -> None:
     with Host([drawn]) as it:
         it.send_bytes(line)
-        with pytest.raises(ToldFailure):
+        with pytest.raises(ReportedFailure):
             it._line("hello", time.monotonic() + 10)
         assert it._wait() == 1
 
 
 def test_another_protocol_an_unknown_message_and_a_column_beyond_the_memory(drawn: str) -> None:
     with Host([drawn]) as it:
-        with pytest.raises(ToldFailure, match="protocol 2 is not known"):
+        with pytest.raises(ReportedFailure, match="protocol 2 is not known"):
             it.hello(protocol=2)
         assert it._wait() == 1
     with begun(drawn) as it:
         it.send({"message": "dance"})
-        with pytest.raises(ToldFailure, match='unknown message "dance"'):
+        with pytest.raises(ReportedFailure, match='unknown message "dance"'):
             it._line("result", time.monotonic() + 10)
         for offset in [2**40, 3]:
             column = {"name": "x_m", "type": "f32", "offset": offset}
             it.send({"message": "scan", "number": 1, "n_points": 1, "columns": [column]})
-            with pytest.raises(ToldFailure, match="a column lies beyond the shared memory"):
+            with pytest.raises(ReportedFailure, match="a column lies beyond the shared memory"):
                 it._line("result", time.monotonic() + 10)
 
 

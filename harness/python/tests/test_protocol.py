@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from reference_host import DetectorFailure, Host, Limits, Silence, ToldFailure, columns_of
+from reference_host import DetectorFailure, Host, Limits, ReportedFailure, Silence, columns_of
 
 import scanbench
 
@@ -180,14 +180,14 @@ def test_parameters_that_are_absent_have_their_defaults_again() -> None:
 def test_after_an_error_to_a_later_configure_another_is_waited_for(other: dict[str, Any], text: str) -> None:
     with begun(host("squares")) as it:
         n_detections = it.scan(columns_of(points())).n_detections
-        with pytest.raises(ToldFailure, match=re.escape(text)):
+        with pytest.raises(ReportedFailure, match=re.escape(text)):
             it.configure(**other)
-        with pytest.raises(ToldFailure, match="a scan before `configure`"):
+        with pytest.raises(ReportedFailure, match="a scan before `configure`"):
             it.scan(columns_of(points()))
         it.fields.clear()
         it.configure()
         assert it.scan(columns_of(points())).n_detections == n_detections
-        with pytest.raises(ToldFailure):
+        with pytest.raises(ReportedFailure):
             it.configure(**other)
         assert it.quit() == 0
 
@@ -220,7 +220,7 @@ def test_unknown_fields_are_ignored() -> None:
 def test_wrong_parameters_are_refused(parameters: dict[str, Any], text: str) -> None:
     with host("takes", parameters=parameters) as it:
         it.hello()
-        with pytest.raises(ToldFailure, match=re.escape(text)):
+        with pytest.raises(ReportedFailure, match=re.escape(text)):
             it.configure()
 
 
@@ -257,22 +257,22 @@ def test_numbers_are_taken_as_the_annotation_says() -> None:
         ("long line", "bytes long, more than 1 MiB"),
     ],
 )
-def test_what_is_wrong_is_told_and_the_next_scan_is_answered(how: str, text: str) -> None:
+def test_what_is_wrong_is_reported_and_the_next_scan_is_answered(how: str, text: str) -> None:
     with begun(host("wrong", parameters={"how": how})) as it:
         for _ in range(2):
-            with pytest.raises(ToldFailure, match=re.escape(text)):
+            with pytest.raises(ReportedFailure, match=re.escape(text)):
                 it.scan(columns_of(points()))
         assert it.quit() == 0
 
 
 def test_labels_below_zero_where_zero_is_none() -> None:
-    with begun(host("below_zero")) as it, pytest.raises(ToldFailure, match="label -1 is below 0"):
+    with begun(host("below_zero")) as it, pytest.raises(ReportedFailure, match="label -1 is below 0"):
         it.scan(columns_of(points()))
 
 
 def test_a_traceback_is_printed_beside() -> None:
     with begun(host("wrong", parameters={"how": "raises"})) as it:
-        with pytest.raises(ToldFailure):
+        with pytest.raises(ReportedFailure):
             it.scan(columns_of(points()))
         assert "memory" in it.last_words()
 
@@ -320,7 +320,7 @@ def test_a_closed_pipe_is_noticed() -> None:
 def test_a_detector_that_cannot_be_loaded_says_so(target: str, text: str) -> None:
     start = [sys.executable, "-m", "scanbench.serve", target]
     with Host(start, directory=HERE, environment=SOURCES) as it:
-        with pytest.raises(ToldFailure, match=re.escape(text)):
+        with pytest.raises(ReportedFailure, match=re.escape(text)):
             it.hello()
         assert it._wait() == 1
 
@@ -342,7 +342,7 @@ def test_it_ends_at_once_although_something_clings(tmp_path: Path) -> None:
 
 def test_another_protocol_is_refused() -> None:
     with host("squares") as it:
-        with pytest.raises(ToldFailure, match="protocol 2 is not known, only 1"):
+        with pytest.raises(ReportedFailure, match="protocol 2 is not known, only 1"):
             it.hello(protocol=2)
         assert it._wait() == 1
 
@@ -350,12 +350,12 @@ def test_another_protocol_is_refused() -> None:
 def test_a_scan_before_configure_and_an_unknown_message_are_errors() -> None:
     with host("squares") as it:
         it.hello()
-        with pytest.raises(ToldFailure, match="a scan before `configure`"):
+        with pytest.raises(ReportedFailure, match="a scan before `configure`"):
             it.memory_path = None
             it.send({"message": "scan", "number": 1, "n_points": 0, "columns": []})
             it._line("result", time.monotonic() + 10)
         it.send({"message": "dance"})
-        with pytest.raises(ToldFailure, match="unknown message 'dance'"):
+        with pytest.raises(ReportedFailure, match="unknown message 'dance'"):
             it._line("result", time.monotonic() + 10)
 
 
@@ -363,7 +363,7 @@ def test_a_scan_before_configure_and_an_unknown_message_are_errors() -> None:
 def test_a_line_that_is_no_message_is_an_error_and_the_end(line: bytes) -> None:
     with host("squares") as it:
         it.send_bytes(line)
-        with pytest.raises(ToldFailure, match="a line is not"):
+        with pytest.raises(ReportedFailure, match="a line is not"):
             it._line("hello", time.monotonic() + 10)
         assert it._wait() == 1
 

@@ -133,8 +133,8 @@ impl PointRegion {
     }
 }
 
-/// The part of the ground plan in which objects were labelled, as a data set tells it. Said of places, not of points: heights
-/// do not matter.
+/// The part of the ground plan in which objects were labelled, as a data set describes it. Heights do not matter: it is an
+/// area, and no set of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LabeledArea {
     /// All round the sensor.

@@ -14,7 +14,7 @@ use super::simulated_street::{StreetDrive, open_simulated_street};
 /// How a data set is opened other than the catalogue says.
 #[derive(Debug, Clone, Default)]
 pub struct OpenOptions {
-    /// The format of a data set at a path; the files tell otherwise.
+    /// The format of a data set at a path; without it, the format is recognised by the files.
     pub format: Option<DatasetFormat>,
     /// The seed of a simulation.
     pub seed: Option<u64>,

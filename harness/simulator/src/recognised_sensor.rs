@@ -1,4 +1,4 @@
-//! Which sensor took a scan, told by its beams.
+//! Which sensor took a scan, recognised by its beams.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use crate::sensor::{EMBEDDED_SENSORS, SensorModel};
 
-/// Beams are told apart in sectors of this width, in degrees.
+/// Beams are separated in sectors of this width, in degrees.
 const SECTOR_DEG: f32 = 1.0;
 const N_SECTORS: usize = (360.0 / SECTOR_DEG) as usize;
 /// Every fourth is looked into.
@@ -16,7 +16,7 @@ const SECTOR_STEP: usize = 4;
 const LEAST_STEP_DEG: f32 = 0.12;
 /// Share of the sectors that see fewer beams than are counted: others look into the sky.
 const FULL_SECTOR: f32 = 0.98;
-/// Share of the points below the lowest and above the highest elevation that are told: noise and mirror images.
+/// Share of the points below the lowest and above the highest elevation that is reported: noise and mirror images.
 const OUTSIDE: f32 = 0.002;
 /// Nearer points are of the car, in metres.
 const LEAST_RANGE_M: f32 = 1.2;

@@ -167,14 +167,14 @@ fn drop_echo(sensor: &SensorModel, rain: Rain, free_m: f32, rng: &mut ChaCha8Rng
 const LABEL_TOLERANCE_M: f32 = 0.03;
 
 /// Surfaces whose ranges differ by this much, in metres, give one echo in between if a beam straddles their edge:
-/// nearer ones cannot be told apart anyway, those farther apart give two echoes, of which one is reported.
+/// nearer ones cannot be distinguished anyway, those farther apart give two echoes, of which one is reported.
 const MIXING_M: std::ops::Range<f32> = 0.2..1.5;
 
 /// The range between this hit and the one before, if the beam straddles the edge between them.
 ///
 /// `chance` is in 0 to 1. Of the step from one firing to the next the beam covers the share its width makes.
 fn mixed_range_m(sensor: &SensorModel, previous: Option<&PulseEnd>, hit: &Hit, chance: f32) -> Option<f32> {
-    // The parts of one object are not told apart: its leaves and pales are finer than any beam.
+    // The parts of one object are not distinguished: its leaves and pales are finer than any beam.
     let previous = previous.filter(|it| it.object_idx.is_none() || it.object_idx != hit.object_idx)?;
     let previous_m = previous.range_m;
     let step_deg = 360.0 / sensor.n_firings_per_turn as f32;

@@ -425,7 +425,7 @@ mod tests {
     }
 
     #[test]
-    fn close_by_there_are_enough_objects_to_tell_apart() {
+    fn close_by_there_are_enough_objects_to_separate() {
         for kind in StreetKind::ALL {
             for seed in 0..4 {
                 let scan = scan(kind, seed, 100);

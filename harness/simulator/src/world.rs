@@ -78,7 +78,7 @@ pub struct Course {
     pub speed_m_per_s: f32,
     /// Where on the road it appears and disappears, in metres along it; after a turn, as if it had gone straight on.
     pub reach_m: [f32; 2],
-    /// Where it turns off, if it does. Its position is still told by the road that it left.
+    /// Where it turns off, if it does. Its position is still given along the road that it left.
     pub right_turn: Option<RightTurn>,
     /// Whether it leans with the ground.
     pub stance: Stance,

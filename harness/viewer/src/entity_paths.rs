@@ -210,7 +210,7 @@ pub enum GrowthPart {
     Keypoints,
     /// The graphs of the keypoints.
     Graphs,
-    /// What it is told to be, in words.
+    /// Its predicted class, in words.
     Decision,
     /// The scanner that sees it.
     Scanner,

@@ -1,6 +1,6 @@
 //! What the colours of the viewer stand for.
 //!
-//! The hues can be told apart with every kind of colour vision; the greys stay behind them on a dark background.
+//! The hues can be distinguished with every kind of colour vision; the greys stay behind them on a dark background.
 
 use detector::stage_product::LinkFate;
 use detector::surface_class::SurfaceClass;

@@ -7,7 +7,7 @@ use evaluation::partial::growth::{Growth, GrowthMoment, ScannerPlace};
 use re_sdk_types::archetypes::{BarChart, LineStrips3D, Points3D, Scalars, SeriesLines, ViewCoordinates};
 use re_sdk_types::components::Radius;
 use re_sdk_types::datatypes::Rgba32;
-use reports::rows::partial_row::{OfClasses, Told};
+use reports::rows::partial_row::{OfClasses, Predicted};
 use reports::vocabulary::partial_class::PartialClass;
 use rerun::sink::LogSink;
 use rerun::{RecordingStream, RecordingStreamBuilder};
@@ -182,19 +182,19 @@ fn label_color(label: u8) -> Rgb {
     palette::CYCLE[usize::from(label) % palette::CYCLE.len()]
 }
 
-/// What it is told to be and how surely, above it.
+/// Its predicted class and how sure that is, above it.
 fn decision(of: &Growth, moment: &GrowthMoment) -> Points3D {
     let ([x, y, z], extent_m) = bounds(of);
     let top_m = moment.cloud.z_m().iter().copied().filter(|it| it.is_finite()).fold(z, f32::max);
-    let told = moment.answer.told;
+    let predicted = moment.answer.predicted;
     let chance = moment.answer.chances.into_iter().flatten().reduce(f64::max);
-    let text = match (told, chance) {
-        (Told::NotJudged | Told::NoneOfThese, _) | (_, None) => told.name().to_owned(),
-        (_, Some(chance)) => format!("{} {:.0} %", told.name(), 100.0 * chance),
+    let text = match (predicted, chance) {
+        (Predicted::NotJudged | Predicted::NoneOfThese, _) | (_, None) => predicted.name().to_owned(),
+        (_, Some(chance)) => format!("{} {:.0} %", predicted.name(), 100.0 * chance),
     };
-    let color = match told {
-        told if told == Told::from(of.class) => palette::MATCHED,
-        Told::NotJudged => palette::GREY,
+    let color = match predicted {
+        predicted if predicted == Predicted::from(of.class) => palette::MATCHED,
+        Predicted::NotJudged => palette::GREY,
         _ => palette::FALSE,
     };
     Points3D::new([[x, y, top_m + 0.22 * extent_m]])

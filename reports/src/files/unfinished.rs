@@ -108,7 +108,7 @@ fn lock_before(deadline: Instant) -> Option<MutexGuard<'static, Vec<Entry>>> {
 }
 
 impl Entry {
-    /// Nobody is left to be told what fails.
+    /// What fails is not reported: nobody is left to read it.
     fn remove(&self) {
         match self.kind {
             Kind::File => {

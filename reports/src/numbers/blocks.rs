@@ -93,7 +93,7 @@ impl BlockKind {
 pub struct BlockCount {
     /// Number of blocks.
     pub n_blocks: u64,
-    /// One less for each data set; 0 if one of them has a single block, which cannot tell how others would differ.
+    /// One less for each data set; 0 if one of them has a single block, which cannot show how others would differ.
     pub degrees_of_freedom: u64,
     /// What they are.
     pub kind: BlockKind,
@@ -166,7 +166,7 @@ impl BlockCount {
     }
 }
 
-/// How a row of a file tells the blocks of an interval: empty columns where there is none.
+/// The blocks of an interval in a row of a file: empty columns where there is none.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct BlockColumns {
     n_blocks: Option<u64>,
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_of_several_data_sets_add_up_and_a_single_one_tells_nothing() {
+    fn blocks_of_several_data_sets_add_up_and_a_single_one_shows_nothing() {
         let of = |n| BlockCount::of_dataset(n, BlockKind::Drives);
         let three = of(10).with(of(10)).with(of(10));
         assert_eq!((three.n_blocks, three.degrees_of_freedom, three.are_too_few()), (30, 27, false));

@@ -29,7 +29,7 @@ pub struct BoxErrorLine {
     pub n_pairs: u64,
     /// Tracks that these belong to.
     pub n_tracks: u64,
-    /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs, and of boxes that do not tell it.
+    /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs, and for boxes that do not have it.
     pub fits: Vec<(&'static str, Option<NumberWithin>)>,
 }
 
@@ -66,10 +66,10 @@ named! {
 }
 
 impl BoxError {
-    /// Those that are told of every slice; of all vehicles together all are.
+    /// Those that are reported for every slice; for all vehicles together all are.
     pub const OF_SLICES: [Self; 4] = [Self::Centre, Self::Yaw, Self::Yaw10, Self::Bev70];
 
-    /// Whether it is a share, of which the mean is told, in %; otherwise an error, of which the median is.
+    /// Whether it is a share, reported as a mean in %; otherwise it is an error, reported as a median.
     pub fn is_share(self) -> bool {
         !matches!(self, Self::Centre | Self::Length | Self::Width | Self::Yaw)
     }
@@ -106,8 +106,9 @@ pub(crate) mod tests {
             let within = Some(Interval { ends: [0.9 * value, 1.2 * value], blocks });
             (name, (n_pairs > 0).then_some(NumberWithin { value, within }))
         };
-        let told = if by == "all" { &BoxError::ALL[..] } else { &BoxError::OF_SLICES };
-        told.iter()
+        let shown = if by == "all" { &BoxError::ALL[..] } else { &BoxError::OF_SLICES };
+        shown
+            .iter()
             .map(|&error| BoxErrorLine {
                 data: data.to_owned(),
                 is_simulated: data == "street",

@@ -33,7 +33,7 @@ pub struct CurvePair {
     pub title: &'static str,
     /// What the bins divide, such as `range`; `None` where they are kinds of something and not stretches in metres.
     pub bins_of: Option<&'static str>,
-    /// A stretch whose agreement is also told on its own, in metres; it begins and ends where bins do.
+    /// A stretch whose agreement is also reported separately, in metres; it begins and ends where bins do.
     pub focus_m: Option<[f64; 2]>,
     /// Unit of the values.
     pub unit: &'static str,

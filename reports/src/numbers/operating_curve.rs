@@ -21,7 +21,7 @@ row! {
 }
 
 impl OperatingRow {
-    /// The row of `threshold`, at which `n_true` of `n_vehicles` and `n_false` of `n_others` are told vehicles.
+    /// The row of `threshold`, at which `n_true` of `n_vehicles` and `n_false` of `n_others` are classified as vehicles.
     pub fn new(threshold: f32, [n_true, n_false]: [usize; 2], [n_vehicles, n_others]: [usize; 2]) -> Self {
         let share = |part: usize, whole: usize| (whole > 0).then(|| Fixed(part as f64 / whole as f64));
         Self {

@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn failures_are_told_beside_the_verdict() {
+    fn failures_are_reported_beside_the_verdict() {
         let html = page(&SampleRun { detectors: &["pca", "odd"], n_failed: 3, ..USUAL }).html;
         check_holds(
             &html,
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn recorded_and_simulated_data_sets_are_told_apart() {
+    fn recorded_and_simulated_data_sets_are_separated() {
         let page = page(&SampleRun { datasets: &["north", "kitti", "south"], ..USUAL });
         check_holds(
             &page.html,

@@ -1,4 +1,4 @@
-//! How objects are told of which only a part has been seen: curves over what is seen, and what the paper claims of them.
+//! How partly seen objects are classified: curves over the part that is seen, and the claims of the paper about them.
 
 pub mod object_draws;
 pub mod partial_curves;

@@ -1,9 +1,9 @@
-//! What would be had, had other objects been drawn.
+//! What the numbers would be if other objects had been drawn.
 
 use std::collections::BTreeMap;
 
 use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
-use crate::rows::partial_row::{PartialRow, Told};
+use crate::rows::partial_row::{PartialRow, Predicted};
 use crate::uncertainty::bootstrap::{Distribution, N_RESAMPLES, Resamples};
 use crate::vocabulary::partial_class::PartialClass;
 
@@ -12,9 +12,9 @@ use crate::vocabulary::partial_class::PartialClass;
 pub enum PartialMetric {
     /// The mean of the recalls of the learnt classes.
     MeanRecall,
-    /// The share of what is none of the learnt classes that is told to be none of these.
+    /// The share of objects of no learnt class that are classified as none of these.
     StrangersRejected,
-    /// The share of objects of the learnt classes that is told to be none of these.
+    /// The share of objects of the learnt classes that are classified as none of these.
     KnownRejected,
 }
 
@@ -54,24 +54,24 @@ impl PartialMetric {
     }
 }
 
-/// What objects were told to be at every step, by one method that saw them from one end.
+/// The predicted classes of objects at every step, by one method that saw them from one end.
 #[derive(Debug)]
 pub struct ObjectDraws<'a> {
     known: Drawn<'a>,
     strangers: Drawn<'a>,
 }
 
-/// What one object is, and what it was told to be at each step.
-type ToldAt = (PartialClass, BTreeMap<u32, Told>);
+/// The true class of one object, and its predicted class at each step.
+type PredictedAt = (PartialClass, BTreeMap<u32, Predicted>);
 
 #[derive(Debug)]
 struct Drawn<'a> {
-    objects: BTreeMap<&'a str, ToldAt>,
+    objects: BTreeMap<&'a str, PredictedAt>,
     resamples: Resamples,
 }
 
 impl<'a> ObjectDraws<'a> {
-    /// Of `rows` of one method and direction. The same objects of `data` are drawn in the same way whatever was told of them.
+    /// Of `rows` of one method and direction. The same objects of `data` are drawn in the same way whatever their predicted classes.
     pub fn of(data: &str, rows: &[&'a PartialRow]) -> Self {
         let is_known = |it: &&PartialRow| PartialClass::LEARNT.contains(&it.true_class);
         let (known, strangers): (Vec<&PartialRow>, Vec<&PartialRow>) =
@@ -80,7 +80,7 @@ impl<'a> ObjectDraws<'a> {
     }
 
     /// The objects of learnt classes, by name.
-    pub fn known(&self) -> impl Iterator<Item = &ToldAt> {
+    pub fn known(&self) -> impl Iterator<Item = &PredictedAt> {
         self.known.objects.values()
     }
 
@@ -133,17 +133,18 @@ impl<'a> ObjectDraws<'a> {
     /// For each class that the metric is a mean over: numerator and denominator for every object, in their order.
     fn terms(&self, metric: PartialMetric, step: u32) -> Vec<Vec<[f64; 2]>> {
         let objects = &self.drawn(metric).objects;
-        let of = |counts: &dyn Fn(PartialClass) -> bool, is_right: &dyn Fn(PartialClass, Told) -> bool| {
-            let term = |(class, told_at): &ToldAt| match told_at.get(&step) {
-                Some(&told) if counts(*class) => [f64::from(u8::from(is_right(*class, told))), 1.0],
+        let of = |counts: &dyn Fn(PartialClass) -> bool,
+                  is_right: &dyn Fn(PartialClass, Predicted) -> bool| {
+            let term = |(class, predicted_at): &PredictedAt| match predicted_at.get(&step) {
+                Some(&predicted) if counts(*class) => [f64::from(u8::from(is_right(*class, predicted))), 1.0],
                 _ => [0.0, 0.0],
             };
             objects.values().map(term).collect::<Vec<[f64; 2]>>()
         };
-        let is_none = |_: PartialClass, told: Told| told == Told::NoneOfThese;
+        let is_none = |_: PartialClass, predicted: Predicted| predicted == Predicted::NoneOfThese;
         let of_groups = match metric {
             PartialMetric::MeanRecall => PartialClass::LEARNT
-                .map(|class| of(&|it| it == class, &|it, told| told == Told::from(it)))
+                .map(|class| of(&|it| it == class, &|it, predicted| predicted == Predicted::from(it)))
                 .to_vec(),
             PartialMetric::StrangersRejected | PartialMetric::KnownRejected => vec![of(&|_| true, &is_none)],
         };
@@ -153,10 +154,10 @@ impl<'a> ObjectDraws<'a> {
 
 impl<'a> Drawn<'a> {
     fn of(data: &str, rows: &[&'a PartialRow]) -> Self {
-        let mut objects: BTreeMap<&str, ToldAt> = BTreeMap::new();
+        let mut objects: BTreeMap<&str, PredictedAt> = BTreeMap::new();
         for row in rows {
             let object = objects.entry(&row.object).or_insert_with(|| (row.true_class, BTreeMap::new()));
-            object.1.insert(row.step, row.told);
+            object.1.insert(row.step, row.predicted);
         }
         let blocks = BlockCount::of_dataset(objects.len() as u64, BlockKind::Tracks);
         Self { resamples: Resamples::draw(data, blocks), objects }
@@ -169,21 +170,21 @@ mod tests {
     use crate::rows::partial_row::tests::row;
     use proptest::prelude::*;
 
-    fn object(class: PartialClass, number: usize, told: Told) -> PartialRow {
-        row(class, &format!("{class}-{number}"), 1, told, [1.0; 4])
+    fn object(class: PartialClass, number: usize, predicted: Predicted) -> PartialRow {
+        row(class, &format!("{class}-{number}"), 1, predicted, [1.0; 4])
     }
 
     #[test]
-    fn shares_of_strangers_and_of_known_objects_are_told_apart() {
+    fn shares_of_strangers_and_of_known_objects_are_counted_separately() {
         use PartialClass::{Other, Pole, Tree};
         let rows = [
-            object(Tree, 1, Told::Tree),
-            object(Tree, 2, Told::NoneOfThese),
-            object(Pole, 1, Told::Pole),
-            object(Pole, 2, Told::Tree),
-            object(Other, 1, Told::NoneOfThese),
-            object(Other, 2, Told::Car),
-            object(Other, 3, Told::NoneOfThese),
+            object(Tree, 1, Predicted::Tree),
+            object(Tree, 2, Predicted::NoneOfThese),
+            object(Pole, 1, Predicted::Pole),
+            object(Pole, 2, Predicted::Tree),
+            object(Other, 1, Predicted::NoneOfThese),
+            object(Other, 2, Predicted::Car),
+            object(Other, 3, Predicted::NoneOfThese),
         ];
         let draws = ObjectDraws::of("street", &rows.iter().collect::<Vec<_>>());
         let value = |metric| draws.value(metric, 1).unwrap();
@@ -203,10 +204,13 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20))]
         #[test]
-        fn numbers_lie_in_their_intervals_and_between_0_and_1(told in prop::collection::vec(0_usize..6, 12..40)) {
+        fn numbers_lie_in_their_intervals_and_between_0_and_1(predicted in prop::collection::vec(0_usize..6, 12..40)) {
             let classes = [PartialClass::Tree, PartialClass::Other];
-            let rows: Vec<PartialRow> =
-                told.iter().enumerate().map(|(it, told)| object(classes[it % 2], it, Told::ALL[*told])).collect();
+            let rows: Vec<PartialRow> = predicted
+                .iter()
+                .enumerate()
+                .map(|(it, predicted)| object(classes[it % 2], it, Predicted::ALL[*predicted]))
+                .collect();
             let draws = ObjectDraws::of("street", &rows.iter().collect::<Vec<_>>());
             for metric in PartialMetric::ALL {
                 let value = draws.value(metric, 1).unwrap();

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
-use crate::rows::partial_row::Told;
+use crate::rows::partial_row::Predicted;
 use crate::vocabulary::partial_class::PartialClass;
 
 /// What the paper claims.
@@ -21,9 +21,9 @@ pub enum PartialClaim {
 /// What was measured of a claim.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredClaim {
-    /// Whether it holds; `None` if it cannot be told from these rows.
+    /// Whether it holds; `None` if these rows cannot decide that.
     pub holds: Option<bool>,
-    /// What that rests on.
+    /// The numbers behind that, in words.
     pub number: String,
 }
 
@@ -63,9 +63,10 @@ fn trees_are_poles_first(curve: &PartialCurve) -> (Option<bool>, String) {
             .iter()
             .filter(|it| is_asked(it.step))
             .filter_map(|it| it.classes.get(&PartialClass::Tree));
-        let pole = Told::ALL.iter().position(|it| *it == Told::Pole)?;
-        let (told, n) = trees.fold((0, 0), |(told, n), it| (told + it.told[pole], n + it.n_objects));
-        (n > 0).then(|| told as f64 / n as f64)
+        let pole = Predicted::ALL.iter().position(|it| *it == Predicted::Pole)?;
+        let (predicted, n) =
+            trees.fold((0, 0), |(predicted, n), it| (predicted + it.predicted[pole], n + it.n_objects));
+        (n > 0).then(|| predicted as f64 / n as f64)
     };
     let early = share(&|step| step <= TRUNK_ALONE);
     let late = share(&|step| step >= LATE);
@@ -144,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_told_is_not_said_and_falls_are_counted() {
+    fn what_rows_cannot_decide_is_none_and_falls_are_counted() {
         let [trees, average, better] = claims(&PartialCurve::all(&rows())[0]);
         assert_eq!((trees.holds, average.holds, better.holds), (None, None, Some(false)));
         assert!(better.number.contains("falls 1 times, by 25.0 points"), "{}", better.number);
@@ -152,10 +153,11 @@ mod tests {
 
     #[test]
     fn claims_hold_where_numbers_say_so() {
-        let tree = |step, told, own| row(PartialClass::Tree, "a", step, told, [own, 2.0, 1.0, 2.0]);
-        let rows = [tree(1, Told::Pole, 2.0), tree(5, Told::Tree, 0.5), tree(6, Told::Tree, 0.5)];
+        let tree = |step, predicted, own| row(PartialClass::Tree, "a", step, predicted, [own, 2.0, 1.0, 2.0]);
+        let rows =
+            [tree(1, Predicted::Pole, 2.0), tree(5, Predicted::Tree, 0.5), tree(6, Predicted::Tree, 0.5)];
         assert_eq!(claims(&PartialCurve::all(&rows)[0]).map(|it| it.holds), [Some(true); 3]);
-        let rows = [tree(1, Told::Tree, 0.5), tree(5, Told::Tree, 1.5)];
+        let rows = [tree(1, Predicted::Tree, 0.5), tree(5, Predicted::Tree, 1.5)];
         let found = claims(&PartialCurve::all(&rows)[0]);
         assert_eq!(found.each_ref().map(|it| it.holds), [Some(false), Some(false), Some(true)]);
         assert!(found[1].number.contains("tree at step 5"), "{}", found[1].number);

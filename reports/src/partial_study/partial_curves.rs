@@ -1,10 +1,10 @@
-//! How a method tells objects of which more and more is seen.
+//! How a method classifies objects of which more and more is seen.
 
 use std::collections::BTreeMap;
 
 use crate::numbers::blocks::Interval;
 use crate::partial_study::object_draws::{ObjectDraws, PartialMetric};
-use crate::rows::partial_row::{PartialRow, Told};
+use crate::rows::partial_row::{PartialRow, Predicted};
 use crate::vocabulary::partial_class::PartialClass;
 
 /// The objects of one class at one step.
@@ -12,8 +12,8 @@ use crate::vocabulary::partial_class::PartialClass;
 pub struct ClassAtStep {
     /// How many there are.
     pub n_objects: u64,
-    /// How many were told to be each of [`Told::ALL`].
-    pub told: [u64; 6],
+    /// How many were classified as each of [`Predicted::ALL`].
+    pub predicted: [u64; 6],
     /// Sums of the errors to each of [`PartialClass::ALL`], and of how many objects.
     errors: [(f64, u64); 5],
 }
@@ -29,7 +29,7 @@ pub struct PartialStep {
     pub mean_recall: Option<f64>,
     /// Its interval over objects.
     pub within: Option<Interval>,
-    /// Where there are objects of no learnt class: how many of them are told to be none of these, and how many of the others.
+    /// Where there are objects of no learnt class: the share of them classified as none of these, and that of the others.
     pub rejected: Option<[Share; 2]>,
 }
 
@@ -59,14 +59,14 @@ pub struct PartialCurve {
     pub right_and_kept_from: Option<f64>,
     /// The share of objects of learnt classes that are right at the last step.
     pub right_in_the_end: Option<f64>,
-    /// Ten bins of the chance of what was told: mean chance, share that was right, number.
+    /// Ten bins of the chance of the predicted class: mean chance, share that was right, number.
     pub calibration: Vec<(f64, f64, u64)>,
 }
 
 impl ClassAtStep {
-    /// The share that was told right.
+    /// The share whose predicted class is right.
     pub fn recall(&self, class: PartialClass) -> Option<f64> {
-        let n_right = self.told[place_of(Told::from(class))];
+        let n_right = self.predicted[place_of(Predicted::from(class))];
         (self.n_objects > 0).then(|| n_right as f64 / self.n_objects as f64)
     }
 
@@ -78,12 +78,12 @@ impl ClassAtStep {
 
     /// Whether every object had enough to be judged by.
     pub fn are_all_judged(&self) -> bool {
-        self.told[place_of(Told::NotJudged)] == 0
+        self.predicted[place_of(Predicted::NotJudged)] == 0
     }
 
     fn add(&mut self, row: &PartialRow) {
         self.n_objects += 1;
-        self.told[place_of(row.told)] += 1;
+        self.predicted[place_of(row.predicted)] += 1;
         for (sum, error) in self.errors.iter_mut().zip(row.errors()) {
             if let Some(error) = error {
                 *sum = (sum.0 + error, sum.1 + 1);
@@ -92,8 +92,8 @@ impl ClassAtStep {
     }
 }
 
-fn place_of(told: Told) -> usize {
-    Told::ALL.iter().position(|it| *it == told).expect("all are listed")
+fn place_of(predicted: Predicted) -> usize {
+    Predicted::ALL.iter().position(|it| *it == predicted).expect("all are listed")
 }
 
 fn class_place(class: PartialClass) -> usize {
@@ -165,10 +165,10 @@ impl PartialCurve {
 fn kept(draws: &ObjectDraws<'_>, steps: &[PartialStep]) -> (Option<f64>, Option<f64>) {
     let n_steps = steps.len() as f64;
     let (mut kept_from, mut n_objects) = (Vec::new(), 0_u64);
-    for (class, told_at) in draws.known() {
+    for (class, predicted_at) in draws.known() {
         n_objects += 1;
-        let n_kept = told_at.values().rev().take_while(|&&it| it == Told::from(*class)).count();
-        kept_from.extend((n_kept > 0).then(|| (told_at.len() - n_kept + 1) as f64 / n_steps));
+        let n_kept = predicted_at.values().rev().take_while(|&&it| it == Predicted::from(*class)).count();
+        kept_from.extend((n_kept > 0).then(|| (predicted_at.len() - n_kept + 1) as f64 / n_steps));
     }
     let mean = (!kept_from.is_empty()).then(|| kept_from.iter().sum::<f64>() / kept_from.len() as f64);
     (mean, (n_objects > 0).then(|| kept_from.len() as f64 / n_objects as f64))
@@ -177,10 +177,10 @@ fn kept(draws: &ObjectDraws<'_>, steps: &[PartialStep]) -> (Option<f64>, Option<
 /// Number of bins of chances.
 const N_BINS: usize = 10;
 
-/// How often what was told with some chance was right.
+/// How often a class predicted with some chance was right.
 fn calibration(rows: &[&PartialRow]) -> Vec<(f64, f64, u64)> {
     let mut bins = [(0.0, 0.0, 0_u64); N_BINS];
-    for row in rows.iter().filter(|it| it.told != Told::NotJudged) {
+    for row in rows.iter().filter(|it| it.predicted != Predicted::NotJudged) {
         let Some(chance) = row.chances().into_iter().flatten().reduce(f64::max) else { continue };
         let bin = &mut bins[((chance * N_BINS as f64) as usize).min(N_BINS - 1)];
         *bin = (bin.0 + chance, bin.1 + f64::from(u8::from(row.is_right())), bin.2 + 1);
@@ -197,17 +197,17 @@ pub(crate) mod tests {
     /// Two trees and a pole in three steps: one tree is taken for a pole first, the other is not judged.
     pub(crate) fn rows() -> Vec<PartialRow> {
         use PartialClass::{Pole, Tree};
-        let tree = |object, step, told, own| row(Tree, object, step, told, [own, 2.0, 1.0, 2.0]);
+        let tree = |object, step, predicted, own| row(Tree, object, step, predicted, [own, 2.0, 1.0, 2.0]);
         vec![
-            tree("a", 1, Told::Pole, 1.5),
-            tree("a", 2, Told::Tree, 0.8),
-            tree("a", 3, Told::Tree, 0.5),
-            tree("b", 1, Told::NotJudged, 1.5),
-            tree("b", 2, Told::Pole, 1.0),
-            tree("b", 3, Told::Tree, 0.5),
-            row(Pole, "c", 1, Told::Pole, [2.0, 2.0, 0.5, 2.0]),
-            row(Pole, "c", 2, Told::Pole, [2.0, 2.0, 0.5, 2.0]),
-            row(Pole, "c", 3, Told::Tree, [2.0, 2.0, 0.5, 2.0]),
+            tree("a", 1, Predicted::Pole, 1.5),
+            tree("a", 2, Predicted::Tree, 0.8),
+            tree("a", 3, Predicted::Tree, 0.5),
+            tree("b", 1, Predicted::NotJudged, 1.5),
+            tree("b", 2, Predicted::Pole, 1.0),
+            tree("b", 3, Predicted::Tree, 0.5),
+            row(Pole, "c", 1, Predicted::Pole, [2.0, 2.0, 0.5, 2.0]),
+            row(Pole, "c", 2, Predicted::Pole, [2.0, 2.0, 0.5, 2.0]),
+            row(Pole, "c", 3, Predicted::Tree, [2.0, 2.0, 0.5, 2.0]),
         ]
     }
 
@@ -218,7 +218,7 @@ pub(crate) mod tests {
         let recalls: Vec<Option<f64>> = curve.steps.iter().map(|it| it.mean_recall).collect();
         assert_eq!(recalls, [Some(0.5), Some(0.75), Some(0.5)]);
         let trees = &curve.steps[1].classes[&PartialClass::Tree];
-        assert_eq!(trees.told, [1, 0, 1, 0, 0, 0]);
+        assert_eq!(trees.predicted, [1, 0, 1, 0, 0, 0]);
         assert!((trees.mean_error(PartialClass::Tree).unwrap() - 0.9).abs() < 1e-9);
         assert_eq!(trees.mean_error(PartialClass::Other), None);
         assert_eq!(curve.first_step_all_judged(PartialClass::Tree), Some(2));
@@ -235,8 +235,8 @@ pub(crate) mod tests {
 
     #[test]
     fn the_interval_is_over_objects() {
-        let told = |it: u32| if it.is_multiple_of(4) { Told::Pole } else { Told::Tree };
-        let tree = |it: u32| row(PartialClass::Tree, &format!("tree-{it}"), 1, told(it), [1.0; 4]);
+        let predicted = |it: u32| if it.is_multiple_of(4) { Predicted::Pole } else { Predicted::Tree };
+        let tree = |it: u32| row(PartialClass::Tree, &format!("tree-{it}"), 1, predicted(it), [1.0; 4]);
         let rows: Vec<PartialRow> = (0..100).map(tree).collect();
         let [low, high] = PartialCurve::all(&rows)[0].steps[0].within.unwrap().ends;
         // Three quarters, with a standard error of √(0.75 · 0.25 / 100).

@@ -1,4 +1,4 @@
-//! What programs of others told objects to be, of which a part had been seen.
+//! The classes that programs of others predicted for partly seen objects.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::archive::ArchiveError;
 use crate::files::csv_rows::{read_rows, row};
-use crate::rows::partial_row::{Answer, PartialRow, Told};
+use crate::rows::partial_row::{Answer, PartialRow, Predicted};
 use crate::vocabulary::partial_class::PartialClass;
 
 row! {
@@ -19,7 +19,7 @@ row! {
         from: String,
         step: u32,
         n_points: usize,
-        told: String,
+        predicted: String,
     }
 }
 
@@ -30,14 +30,14 @@ pub enum PeerError {
     #[error(transparent)]
     Archive(#[from] ArchiveError),
     /// A class that nobody knows.
-    #[error("{path:?}, line {line}: {told:?} is no class")]
+    #[error("{path:?}, line {line}: {predicted:?} is no class")]
     UnknownClass {
         /// The file.
         path: PathBuf,
         /// Which line.
         line: usize,
-        /// What it says.
-        told: String,
+        /// The class in the file.
+        predicted: String,
     },
     /// A part that is not the same.
     #[error(
@@ -110,13 +110,15 @@ pub fn read_peer_rows(
             let [found, expected] = [row.n_points, part.n_points()];
             return Err(PeerError::Points { path, line: *line, object, from, step, found, expected });
         }
-        let told = match (row.told.as_str(), class_of(&row.told)) {
-            ("", _) => Told::NotJudged,
+        let predicted = match (row.predicted.as_str(), class_of(&row.predicted)) {
+            ("", _) => Predicted::NotJudged,
             (_, Some(class)) => class.into(),
-            (told, None) => return Err(PeerError::UnknownClass { path, line: *line, told: told.to_owned() }),
+            (predicted, None) => {
+                return Err(PeerError::UnknownClass { path, line: *line, predicted: predicted.to_owned() });
+            }
         };
-        let answer = Answer { told, errors: [None; 5], chances: [None; 5] };
-        rows.push(part.told_by((method, ELSEWHERE), &answer));
+        let answer = Answer { predicted, errors: [None; 5], chances: [None; 5] };
+        rows.push(part.predicted_by((method, ELSEWHERE), &answer));
     }
     Ok(rows)
 }
@@ -140,12 +142,12 @@ mod tests {
 
     /// All three objects at three steps, as the rows of the tests have them.
     fn table() -> String {
-        let mut text = "object,class,from,step,n_points,told\n".to_owned();
-        for (object, told) in
+        let mut text = "object,class,from,step,n_points,predicted\n".to_owned();
+        for (object, predicted) in
             [("tree/a.npy", "tree"), ("tree/b.npy", ""), ("c", "poles"), ("car/d.npy", "car")]
         {
             for step in 1..=3 {
-                writeln!(text, "{object},x,below,{step},9,{told}").unwrap();
+                writeln!(text, "{object},x,below,{step},9,{predicted}").unwrap();
             }
         }
         text
@@ -155,10 +157,10 @@ mod tests {
     fn rows_of_others_are_those_of_the_same_parts() {
         let found = read(&table()).unwrap();
         assert_eq!(found.len(), 9);
-        let told = |object: &str| found.iter().find(|it| it.object == object).map(|it| it.told);
+        let predicted = |object: &str| found.iter().find(|it| it.object == object).map(|it| it.predicted);
         assert_eq!(
-            [told("a"), told("b"), told("c")],
-            [Some(Told::Tree), Some(Told::NotJudged), Some(Told::Pole)]
+            [predicted("a"), predicted("b"), predicted("c")],
+            [Some(Predicted::Tree), Some(Predicted::NotJudged), Some(Predicted::Pole)]
         );
         assert!(found.iter().all(|it| it.method == "esf" && it.trained_on == ELSEWHERE));
     }

@@ -7,7 +7,7 @@ use crate::numbers::operating_curve::OperatingRow;
 /// The plot as an SVG document: the receiver operating characteristic on the left, precision over recall on the right.
 /// `title` says what was judged.
 pub fn operating_plot(rows: &[OperatingRow], title: &str) -> String {
-    // A classifier that tells nothing a vehicle has the recall 0 and makes no mistake.
+    // A classifier that classifies nothing as a vehicle has recall 0 and makes no mistake.
     let roc = std::iter::once((0.0, 0.0)).chain(rows.iter().filter_map(OperatingRow::roc_place));
     let precision_recall = rows.iter().filter_map(OperatingRow::precision_recall_place);
     let panels =
@@ -29,7 +29,7 @@ mod tests {
     #[test]
     fn both_panels_have_axes_and_the_title_says_what_was_judged() {
         let rows = [([1, 0], 0.5), ([1, 2], -0.5)]
-            .map(|(told, threshold)| OperatingRow::new(threshold, told, [1, 2]));
+            .map(|(predicted, threshold)| OperatingRow::new(threshold, predicted, [1, 2]));
         let svg = operating_plot(&rows, "Held out (simulated)");
         check_holds(&svg, &["false-positive rate", "recall", "precision", "Held out (simulated)"]);
         assert_ne!(svg, operating_plot(&[], "Held out (simulated)"));

@@ -1,4 +1,4 @@
-//! Colours that can be told apart with every kind of colour vision: Okabe and Ito's palette.
+//! Colours that can be distinguished with every kind of colour vision: Okabe and Ito's palette.
 
 /// Red, green and blue, 0 to 255.
 pub type Rgb = [u8; 3];

@@ -1,4 +1,4 @@
-//! Plots of how objects are told of which a part has been seen.
+//! Plots of how partly seen objects are classified.
 
 use super::curve_panels::{CurvePanel, Note, curve_figure};
 use super::figure::Figure;
@@ -53,7 +53,7 @@ pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> Figure {
     curve_figure(&panels.collect::<Vec<_>>(), title)
 }
 
-/// How often what was told with some chance was right; the thin line is where both are the same.
+/// How often a class predicted with some chance was right; the thin line is where both are the same.
 pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> Figure {
     let panels = curves.iter().filter(|it| !it.calibration.is_empty()).map(|curve| {
         let place = |&(chance, right, _): &(f64, f64, u64)| {
@@ -69,7 +69,7 @@ pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> Figure 
             series: vec![series],
             thread: vec![(0.0, 0.0), (100.0, 100.0)],
             y_range: Some([0.0, 100.0]),
-            ..CurvePanel::over("chance of what was told (%)", "share that was right (%)")
+            ..CurvePanel::over("chance of the predicted class (%)", "share that was right (%)")
         }
     });
     curve_figure(&panels.collect::<Vec<_>>(), title)
@@ -117,7 +117,10 @@ mod tests {
             &partial_accuracy_plot(&curves, "Accuracy").svg(),
             &["mean of recalls (%)", "street from below"],
         );
-        check(&partial_calibration_plot(&curves, "Calibration").svg(), &["chance of what was told (%)"]);
+        check(
+            &partial_calibration_plot(&curves, "Calibration").svg(),
+            &["chance of the predicted class (%)"],
+        );
     }
 
     #[test]

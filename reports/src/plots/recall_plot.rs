@@ -20,7 +20,7 @@ pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedP
     small_panel([title, &about], x, "precision (%)", &series, Points::Line)
 }
 
-/// The places that can be told apart on a panel: hundreds of detections lie on a pixel.
+/// The places that can be distinguished on a panel: hundreds of detections lie on a pixel.
 fn thinned(places: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let pixel = |(x, y): (f64, f64)| [(x * 400.0).round() as i64, (y * 400.0).round() as i64];
     let mut kept: Vec<(f64, f64)> = Vec::new();

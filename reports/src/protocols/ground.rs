@@ -19,7 +19,7 @@ const N_TERMS: usize = N_DEFINITIONS * N_TERMS_OF_ONE;
 const N_RATES: usize = 4;
 const RATES: [&str; N_RATES] = ["precision", "recall", "f1", "accuracy"];
 
-/// What was told of the points of one scan.
+/// The classified points of one scan.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct ScoredGround {
     by_definition: BTreeMap<GroundDefinition, GroundCounts>,
@@ -115,7 +115,7 @@ mod tests {
         let counts = [
             GroundCounts { n_found: 8, n_false: 2, n_missed: 0, n_others: 10 },
             GroundCounts { n_found: 1, n_false: 0, n_missed: 1, n_others: 0 },
-            // Without ground and nothing told to be: neither precision nor recall.
+            // Without ground and predicted ground: neither precision nor recall.
             GroundCounts { n_found: 0, n_false: 0, n_missed: 0, n_others: 5 },
         ];
         let (mut rows, mut names) = (BTreeMap::new(), Vec::new());

@@ -98,7 +98,7 @@ impl ScoredLabels {
 /// What one detector made of scans.
 pub(super) struct SemanticKitti {
     terms: ScanTerms<N_TERMS>,
-    tells_classes: bool,
+    has_classes: bool,
 }
 
 impl SemanticKitti {
@@ -106,7 +106,7 @@ impl SemanticKitti {
     pub(super) fn new(scans: &[ScanName], rows: &BTreeMap<ScanName, ScoredLabels>) -> Self {
         Self {
             terms: ScanTerms::new(scans, rows, ScoredLabels::terms),
-            tells_classes: rows.values().any(|it| !it.things.is_empty()),
+            has_classes: rows.values().any(|it| !it.things.is_empty()),
         }
     }
 }
@@ -165,7 +165,7 @@ impl UnderProtocol for SemanticKitti {
             })
             .collect();
         metrics.extend(OF_SCANS.map(|id| metric(ALL_CLASSES, id, "nats", LowerIsBetter, n_scans)));
-        if self.tells_classes {
+        if self.has_classes {
             let classes = ClassSums::all(&total);
             let n_of = |it: &ClassSums| it.n_matched + it.n_missed;
             let n_all = classes.iter().map(n_of).sum();
@@ -189,7 +189,7 @@ impl UnderProtocol for SemanticKitti {
             let first = N_INSTANCE_TERMS + N_THING_TERMS + place;
             values.extend(mean_and_deviation([sums[first], sums[first + 1], sums[first + 2]]));
         }
-        if self.tells_classes {
+        if self.has_classes {
             let classes = ClassSums::all(&sums);
             // Those of all scans, so that each draw has the same numbers.
             let has_any = ClassSums::all(&self.terms.total()).map(|it| it.is_present());

@@ -27,7 +27,7 @@ pub struct Seen {
     pub numbers: String,
     /// What lies between method and rival, with its 95 % interval, in words; empty where nothing does.
     pub difference: String,
-    /// Whether the claim holds so; `None` if that cannot be told from these scans.
+    /// Whether the claim holds so; `None` if these scans cannot decide that.
     pub holds: Option<bool>,
 }
 

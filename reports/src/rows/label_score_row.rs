@@ -28,11 +28,11 @@ pub struct LabelScoreRow {
 pub enum LabelScore {
     /// A labelled instance.
     Instance(InstanceScore),
-    /// The segments of a class, of a detector that tells classes.
+    /// The segments of a class, of a detector that predicts classes.
     Things(ThingClass, ThingCounts),
     /// The whole scan: how objects are torn apart and run together.
     Entropies(SegmentationEntropies),
-    /// The whole scan: which points were told to be ground.
+    /// The whole scan: which points were classified as ground.
     Ground(GroundDefinition, GroundCounts),
 }
 
@@ -75,16 +75,16 @@ pub struct SegmentationEntropies {
     pub under_nats: f64,
 }
 
-/// Points by what they are and what they were told to be.
+/// Points by their true and their predicted class.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct GroundCounts {
-    /// Ground that was told to be ground.
+    /// Ground that was classified as ground.
     pub n_found: u64,
-    /// Others that were told to be ground.
+    /// Others that were classified as ground.
     pub n_false: u64,
-    /// Ground that was not told to be ground.
+    /// Ground that was not classified as ground.
     pub n_missed: u64,
-    /// Others that were not told to be ground.
+    /// Others that were not classified as ground.
     pub n_others: u64,
 }
 

@@ -1,4 +1,4 @@
-//! `partial.csv`: what an object was told to be, of which a part had been seen.
+//! `partial.csv`: the predicted classes of partly seen objects.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,10 +6,10 @@ use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::vocabulary::partial_class::PartialClass;
 
-/// What an object was told to be.
+/// The predicted class of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Told {
+pub enum Predicted {
     /// A tree.
     Tree,
     /// A car.
@@ -20,11 +20,11 @@ pub enum Told {
     Pedestrian,
     /// None of these.
     NoneOfThese,
-    /// Too little was seen to tell.
+    /// Too little was seen to predict a class.
     NotJudged,
 }
 
-impl Told {
+impl Predicted {
     /// All, in the order in which tables list them.
     pub const ALL: [Self; 6] =
         [Self::Tree, Self::Car, Self::Pole, Self::Pedestrian, Self::NoneOfThese, Self::NotJudged];
@@ -42,8 +42,8 @@ impl Told {
     }
 }
 
-impl From<PartialClass> for Told {
-    /// What is right of an object of this class.
+impl From<PartialClass> for Predicted {
+    /// The right prediction for an object of this class.
     fn from(class: PartialClass) -> Self {
         match class {
             PartialClass::Tree => Self::Tree,
@@ -77,11 +77,11 @@ pub struct SeenPart<'a> {
 /// Values for each of [`PartialClass::ALL`]; `None` for classes that the method does not know.
 pub type OfClasses = [Option<f64>; 5];
 
-/// What a method said of a part of an object.
+/// The answer of a method for a part of an object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// What it is told to be.
-    pub told: Told,
+    /// Its predicted class.
+    pub predicted: Predicted,
     /// L1 distance to each class; all `None` for methods that have none, or nothing to judge by.
     pub errors: OfClasses,
     /// The chance of each class.
@@ -99,7 +99,7 @@ row! {
         pub(crate) method: String,
         pub(crate) trained_on: String,
         pub(crate) true_class: PartialClass,
-        pub(crate) told: Told,
+        pub(crate) predicted: Predicted,
         n_points: usize,
         share_of_points: Fixed<4>,
         error_tree: Option<Fixed<5>>,
@@ -116,7 +116,7 @@ row! {
 }
 
 impl PartialRow {
-    /// The row of what `method`, trained on `trained_on` clouds, says of `part`.
+    /// The row with the answer of `method`, trained on `trained_on` clouds, for `part`.
     pub fn new(part: &SeenPart<'_>, (method, trained_on): (&str, &str), answer: &Answer) -> Self {
         let [error_tree, error_car, error_pole, error_pedestrian, error_other] =
             answer.errors.map(|it| it.map(Fixed));
@@ -130,7 +130,7 @@ impl PartialRow {
             method: method.to_owned(),
             trained_on: trained_on.to_owned(),
             true_class: part.class,
-            told: answer.told,
+            predicted: answer.predicted,
             n_points: part.n_points,
             share_of_points: Fixed(part.share_of_points),
             error_tree,
@@ -146,8 +146,8 @@ impl PartialRow {
         }
     }
 
-    /// The row of what another method says of the same part.
-    pub fn told_by(&self, by: (&str, &str), answer: &Answer) -> Self {
+    /// The row with the answer of another method for the same part.
+    pub fn predicted_by(&self, by: (&str, &str), answer: &Answer) -> Self {
         let part = SeenPart {
             data: &self.data,
             object: &self.object,
@@ -165,7 +165,7 @@ impl PartialRow {
         &self.method
     }
 
-    /// Whether both are of one data set and told by one method that knows one thing.
+    /// Whether both are of the same data set, and from the same method trained on the same clouds.
     pub fn is_of_same_answers(&self, other: &Self) -> bool {
         (&self.data, &self.method, &self.trained_on) == (&other.data, &other.method, &other.trained_on)
     }
@@ -187,9 +187,9 @@ impl PartialRow {
             .map(|it| it.map(|it| it.0))
     }
 
-    /// Whether the object was told to be what it is.
+    /// Whether the predicted class is the true one.
     pub fn is_right(&self) -> bool {
-        self.told == Told::from(self.true_class)
+        self.predicted == Predicted::from(self.true_class)
     }
 }
 
@@ -203,7 +203,7 @@ pub(crate) mod tests {
         class: PartialClass,
         object: &str,
         step: u32,
-        told: Told,
+        predicted: Predicted,
         errors: [f64; 4],
     ) -> PartialRow {
         let part = SeenPart {
@@ -217,12 +217,16 @@ pub(crate) mod tests {
         };
         let [a, b, c, d] = errors.map(Some);
         let chances = [Some(0.7), Some(0.1), Some(0.1), Some(0.1), None];
-        PartialRow::new(&part, ("graphs", "parts"), &Answer { told, errors: [a, b, c, d, None], chances })
+        PartialRow::new(
+            &part,
+            ("graphs", "parts"),
+            &Answer { predicted, errors: [a, b, c, d, None], chances },
+        )
     }
 
     #[test]
     fn a_row_comes_back_from_its_file() {
-        let rows = [row(PartialClass::Tree, "tree-1", 3, Told::NotJudged, [0.5, 1.0, 1.25, 2.0])];
+        let rows = [row(PartialClass::Tree, "tree-1", 3, Predicted::NotJudged, [0.5, 1.0, 1.25, 2.0])];
         let text = String::from_utf8(to_csv_bytes(&rows).unwrap()).unwrap();
         let expected = "street,tree-1,below,3,graphs,parts,tree,not-judged,9,0.5000,\
                         0.50000,1.00000,1.25000,2.00000,,0.70000,0.10000,0.10000,0.10000,\n";
@@ -233,7 +237,7 @@ pub(crate) mod tests {
 
     #[test]
     fn what_is_none_of_these_is_right_for_others_alone() {
-        assert!(row(PartialClass::Other, "fence", 1, Told::NoneOfThese, [1.0; 4]).is_right());
-        assert!(!row(PartialClass::Car, "car", 1, Told::NoneOfThese, [1.0; 4]).is_right());
+        assert!(row(PartialClass::Other, "fence", 1, Predicted::NoneOfThese, [1.0; 4]).is_right());
+        assert!(!row(PartialClass::Car, "car", 1, Predicted::NoneOfThese, [1.0; 4]).is_right());
     }
 }

@@ -275,7 +275,7 @@ pub struct ForeignEntry {
     /// How many threads it should use at most.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threads: Option<u32>,
-    /// What tells vehicles among its objects where it does not: their size, or our model.
+    /// What classifies vehicles among its objects where it does not: their size, or our model.
     pub vehicles: String,
 }
 

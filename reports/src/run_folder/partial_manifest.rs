@@ -9,7 +9,7 @@ use crate::files::archive::{ArchiveError, read_json};
 use crate::run_folder::manifest::GitState;
 use crate::run_folder::shard_record::ShardRecord;
 
-/// How objects were told of which a part has been seen.
+/// How partly seen objects were classified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartialManifest {
@@ -125,9 +125,9 @@ impl PartialManifest {
             match (&it.learned_from, &it.model) {
                 (Some(learned_from), _) => format!("{judged}, learned from {}{half}", learned_from.named()),
                 (None, Some(model)) if model.name == SHIPPED => {
-                    format!("{judged}, told by the shipped model")
+                    format!("{judged}, classified by the shipped model")
                 }
-                (None, Some(model)) => format!("{judged}, told by the model {}", model.name),
+                (None, Some(model)) => format!("{judged}, classified by the model {}", model.name),
                 (None, None) => judged,
             }
         };
@@ -143,7 +143,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::files::archive::SCHEMA;
 
-    /// Of the rows that tests have, told by the shipped model.
+    /// Of the rows that tests have, classified by the shipped model.
     pub(crate) fn manifest() -> PartialManifest {
         let judged = ObjectSetEntry {
             id: "street".to_owned(),
@@ -174,7 +174,7 @@ pub(crate) mod tests {
         let mut manifest = manifest();
         std::fs::write(&path, manifest.to_json()).unwrap();
         assert_eq!(PartialManifest::read(&path).unwrap(), manifest);
-        assert_eq!(manifest.title(), "Partial clouds: street (simulated), told by the shipped model.");
+        assert_eq!(manifest.title(), "Partial clouds: street (simulated), classified by the shipped model.");
         let set = &mut manifest.sets[0];
         set.learned_from = Some(ObjectSetEntry { simulated: false, ..set.judged.clone() });
         (set.halves, set.model) = (true, None);

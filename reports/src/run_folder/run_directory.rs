@@ -74,10 +74,10 @@ pub const SWEPT_SCANS_JSONL: &str = "swept_scans.jsonl";
 /// The scans that a shard of a sweep has timed, a line each.
 pub const TIMED_SCANS_JSONL: &str = "timed_scans.jsonl";
 
-/// What objects were told to be of which a part has been seen: one row for every object, step and method.
+/// The predicted classes of partly seen objects: one row for every object, step and method.
 pub const PARTIAL_CSV: &str = "partial.csv";
 
-/// How objects were seen and told, for Rerun.
+/// How objects were seen and classified, for Rerun.
 pub const PARTIAL_RRD: &str = "partial.rrd";
 
 /// A run directory in the making.

@@ -14,7 +14,7 @@ pub const MANIFEST_JSON: &str = "manifest.json";
 /// Points at the newest run beside it.
 pub const LATEST: &str = "latest";
 
-/// Runs of one name that are told apart by a number.
+/// Runs of one name that are distinguished by a number.
 const MOST_OF_ONE_NAME: usize = 1000;
 
 /// What to do when the target is there already. An empty folder is always taken.

@@ -121,7 +121,7 @@ impl Tabular for ErrorTable<'_> {
             "n: missed objects, or false detections.",
             "gain: points that the F-rate would gain if this reason alone were repaired: if these objects were found, or these \
              detections were not there. Gains of several reasons do not add up.",
-            "A false detection has no class of its own, so it is told by range only. NO: annotations that count. ND: detections \
+            "A false detection has no class of its own, so it is counted by range only. NO: annotations that count. ND: detections \
              that count.",
         ];
         let part = |title: &str, grid| Part { title: Some(title.to_owned()), grid };

@@ -147,7 +147,7 @@ impl<'a> ProtocolTable<'a> {
         let about_gaps = has_gaps.then(|| "–: no annotation that it could be of, or not known.".to_owned());
         let about_scores = match self.protocol.family() {
             ProtocolFamily::KittiObjects | ProtocolFamily::RankedBoxes => {
-                "Detections without a score have 1; vehicles whose class nobody tells are cars."
+                "Detections without a score have 1; vehicles without a predicted class are cars."
             }
             ProtocolFamily::Instances => {
                 "All points count, whatever their range, and objects of a single point. The entropies are sums over a scan."
@@ -231,7 +231,7 @@ mod tests {
 
         all: the mean over all classes, as the makers have it; classes without annotations count as not
           found. present: over classes with annotations, and errors that are known.
-        Detections without a score have 1; vehicles whose class nobody tells are cars.
+        Detections without a score have 1; vehicles without a predicted class are cars.
         –: no annotation that it could be of, or not known.
         95 % interval: cluster bootstrap, 1000 resamples; each second of driving is one block, because there
           are fewer than 10 drives: the intervals cover other scans of the same drives, but not other

@@ -104,7 +104,7 @@ impl Resamples {
     }
 }
 
-/// Tells names apart (FNV-1a).
+/// Distinguishes names (FNV-1a).
 fn fingerprint(name: &str) -> u64 {
     let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     name.bytes().fold(0xcbf2_9ce4_8422_2325, step)
@@ -134,7 +134,7 @@ pub struct Distribution {
 impl Distribution {
     /// Of `values`, one for each resample, drawn from `blocks`.
     ///
-    /// `None` if a data set has only one block, which cannot tell how different others would be, or if more than one in
+    /// `None` if a data set has only one block, which cannot show how different others would be, or if more than one in
     /// twenty values is undefined.
     pub fn new(values: impl Iterator<Item = Option<f64>>, blocks: BlockCount) -> Option<Self> {
         let (mut sorted, mut n) = (Vec::new(), 0_usize);
@@ -166,7 +166,7 @@ impl Distribution {
         widening(self.blocks) * variance.sqrt()
     }
 
-    /// The least effect that data like these would show: a true difference of this size is told from none at the 5 %
+    /// The least effect that data like these would show: a true difference of this size is significant at the 5 %
     /// level, either way, in four of five data sets of this size. The quantiles of Student's distribution at 97.5 and at
     /// 80 %, times the standard error: 2.8 standard errors where there are many blocks, 3.1 for ten.
     pub fn least_effect(&self) -> f64 {
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn one_block_and_nothing_defined_tell_nothing() {
+    fn one_block_and_nothing_defined_show_nothing() {
         assert!(distribution(&blocks(&[3], 4)).is_none());
         assert!(distribution(&blocks(&[0; 5], 0)).is_none());
         assert!(distribution(&[]).is_none());

@@ -62,7 +62,7 @@ enum Fate<'a> {
     Missed { reason: MissReason },
 }
 
-/// A detection that matched nothing, told from others by where it is: its number changes with those of others.
+/// A detection that matched nothing, identified by where it is: its number changes with those of others.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct UnmatchedKey {
     center_mm: [i64; 3],

@@ -76,7 +76,7 @@ impl LeastLosses {
                 vec![format!("No loss will be sure: {} to show one.", blocks.shortfall().unwrap_or_default())]
             }
             Self::Above(losses) => {
-                let head = "With these scans a smaller loss than about this cannot be sure; `least` in a verdict tells it of a change:";
+                let head = "These scans cannot show a loss smaller than about this; `least` in a verdict is the same for a change:";
                 let line = |it: &LeastLoss| {
                     let name = if it.metric == Metric::FRate { "F-rate" } else { "recall" };
                     let points = fixed_decimals(100.0 * it.loss, 1);

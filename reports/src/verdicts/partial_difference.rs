@@ -1,10 +1,10 @@
-//! What lies between two results of `scanbench partial`, or two methods of one.
+//! The difference of two results of `scanbench partial`, or of two methods of one result.
 
 use std::collections::BTreeMap;
 
 use crate::numbers::blocks::Interval;
 use crate::partial_study::object_draws::{ObjectDraws, PartialMetric};
-use crate::rows::partial_row::{PartialRow, Told};
+use crate::rows::partial_row::{PartialRow, Predicted};
 use crate::run_folder::partial_archive::PartialArchive;
 use crate::uncertainty::bootstrap::Distribution;
 use crate::verdicts::comparability::NotComparable;
@@ -39,19 +39,19 @@ pub struct CurveName {
     pub trained_on: String,
 }
 
-/// An object that is told to be something else than before.
+/// An object whose predicted class changed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ToldOtherwise {
-    /// Who told.
+pub struct ChangedPrediction {
+    /// The method that predicted both.
     pub curve: CurveName,
     /// The object.
     pub object: String,
     /// The step.
     pub step: u32,
-    /// What it was told to be before.
-    pub before: Told,
-    /// What it is told to be.
-    pub after: Told,
+    /// The class predicted before.
+    pub before: Predicted,
+    /// The class predicted now.
+    pub after: Predicted,
 }
 
 impl CurveName {
@@ -95,7 +95,7 @@ pub fn rows_of_curves(archive: &PartialArchive) -> RowsOfCurves<'_> {
     curves
 }
 
-/// What lies between the rows of two curves of the same parts: every metric at every step.
+/// The differences of two curves of the same parts: every metric at every step.
 pub fn differences(
     curve: &CurveName,
     before: &[&PartialRow],
@@ -185,21 +185,27 @@ pub fn check_comparable_results(
     if reasons.is_empty() { Ok(()) } else { Err(NotComparable { reasons }) }
 }
 
-/// The objects of which curves of both results tell something else.
-pub fn told_otherwise(before: &PartialArchive, after: &PartialArchive) -> Vec<ToldOtherwise> {
+/// The objects whose predicted class differs between curves of the two results.
+pub fn changed_predictions(before: &PartialArchive, after: &PartialArchive) -> Vec<ChangedPrediction> {
     let later = rows_of_curves(after);
     let mut changed = Vec::new();
     for (curve, rows) in rows_of_curves(before) {
-        let told: BTreeMap<(&str, u32), Told> = later
+        let predicted: BTreeMap<(&str, u32), Predicted> = later
             .get(&curve)
             .into_iter()
             .flatten()
-            .map(|it| ((it.object.as_str(), it.step), it.told))
+            .map(|it| ((it.object.as_str(), it.step), it.predicted))
             .collect();
         changed.extend(rows.iter().filter_map(|row| {
-            let after = *told.get(&(row.object.as_str(), row.step))?;
+            let after = *predicted.get(&(row.object.as_str(), row.step))?;
             let (curve, object, step) = (curve.clone(), row.object.clone(), row.step);
-            (after != row.told).then_some(ToldOtherwise { curve, object, step, before: row.told, after })
+            (after != row.predicted).then_some(ChangedPrediction {
+                curve,
+                object,
+                step,
+                before: row.predicted,
+                after,
+            })
         }));
     }
     changed
@@ -214,11 +220,11 @@ pub(crate) mod tests {
 
     /// Forty trees and forty poles at one step; of each class the first `n_right` are right.
     pub(crate) fn archive(n_right: usize) -> PartialArchive {
-        let classes = [(PartialClass::Tree, Told::Pole), (PartialClass::Pole, Told::Tree)];
+        let classes = [(PartialClass::Tree, Predicted::Pole), (PartialClass::Pole, Predicted::Tree)];
         let rows = classes.into_iter().flat_map(|(class, wrong)| {
             (0..40).map(move |it| {
-                let told = if it < n_right { class.into() } else { wrong };
-                row(class, &format!("{class}-{it:02}"), 1, told, [1.0; 4])
+                let predicted = if it < n_right { class.into() } else { wrong };
+                row(class, &format!("{class}-{it:02}"), 1, predicted, [1.0; 4])
             })
         });
         PartialArchive { manifest: manifest(), rows: rows.collect() }
@@ -247,12 +253,15 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn every_object_that_is_told_otherwise_is_named() {
-        let changed = told_otherwise(&archive(40), &archive(39));
+    fn every_object_whose_predicted_class_changed_is_named() {
+        let changed = changed_predictions(&archive(40), &archive(39));
         let names: Vec<&str> = changed.iter().map(|it| it.object.as_str()).collect();
         assert_eq!(names, ["tree-39", "pole-39"]);
-        assert_eq!((changed[0].before, changed[0].after, changed[0].step), (Told::Tree, Told::Pole, 1));
-        assert!(told_otherwise(&archive(3), &archive(3)).is_empty());
+        assert_eq!(
+            (changed[0].before, changed[0].after, changed[0].step),
+            (Predicted::Tree, Predicted::Pole, 1)
+        );
+        assert!(changed_predictions(&archive(3), &archive(3)).is_empty());
     }
 
     #[test]

@@ -9,7 +9,8 @@ use crate::run_folder::partial_archive::PartialArchive;
 use crate::verdicts::comparability::NotComparable;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::partial_difference::{
-    PartialDifference, ToldOtherwise, check_comparable_results, differences, rows_of_curves, told_otherwise,
+    ChangedPrediction, PartialDifference, changed_predictions, check_comparable_results, differences,
+    rows_of_curves,
 };
 use crate::verdicts::tolerances::DriftRule;
 use crate::verdicts::verdict::Conclusion;
@@ -109,8 +110,8 @@ pub struct PartialVerdict {
     pub title: String,
     /// Every number, with what its difference means.
     pub findings: Vec<(PartialDifference, Finding)>,
-    /// Objects that are told to be something else.
-    pub drift: Vec<ToldOtherwise>,
+    /// Objects whose predicted class changed.
+    pub drift: Vec<ChangedPrediction>,
     /// What it was judged by.
     pub tolerances: PartialTolerances,
 }
@@ -162,7 +163,7 @@ pub fn judge_partial(
     Ok(PartialVerdict {
         title: after.manifest.title(),
         findings: found.map(finding).collect(),
-        drift: told_otherwise(before, after),
+        drift: changed_predictions(before, after),
         tolerances: tolerances.clone(),
     })
 }

@@ -52,7 +52,7 @@ impl ReasonTally {
         for dataset in tally.datasets().iter().map(String::as_str).chain(several) {
             for &task in tally.tasks() {
                 for detector in tally.detectors() {
-                    let slices = tally.slices(task, detector).into_iter().filter(is_told);
+                    let slices = tally.slices(task, detector).into_iter().filter(is_shown);
                     for slice in slices {
                         let question = Question { dataset, task, detector, slice };
                         if let Some(sample) = tally.sample(&question, &draws) {
@@ -93,10 +93,10 @@ impl ReasonTally {
 }
 
 fn with_all(slices: Vec<Slice>) -> impl Iterator<Item = Slice> {
-    [Slice::All].into_iter().chain(slices).filter(is_told)
+    [Slice::All].into_iter().chain(slices).filter(is_shown)
 }
 
-fn is_told(slice: &Slice) -> bool {
+fn is_shown(slice: &Slice) -> bool {
     matches!(slice, Slice::All | Slice::Class(_) | Slice::Range(_))
 }
 

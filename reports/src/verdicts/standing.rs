@@ -265,7 +265,7 @@ impl Place {
     }
 }
 
-/// Less than this is no factor that one digit behind the point could tell.
+/// A smaller factor would be rounded to 1.0 with one decimal.
 const ABOUT_AS_FAST: f64 = 1.05;
 
 impl Speeds {
@@ -431,7 +431,7 @@ mod tests {
     }
 
     #[test]
-    fn speeds_are_told_against_the_fastest() {
+    fn speeds_are_compared_with_the_fastest() {
         let speeds = |medians: &[(&str, f64)]| {
             let medians_ms = medians.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
             Speeds { on: None, medians_ms }.sentence()

@@ -30,7 +30,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slip_is_told_from_another_name() {
+    fn a_slip_and_another_name_are_distinguished() {
         check("al", "; did you mean \"all\"?");
         check("range/0-20", "; did you mean \"range/0-15\"?");
         check("clas/car", "; did you mean \"class/car\"?");

@@ -38,7 +38,7 @@ named! {
     pub enum DriftRule {
         /// It fails: somebody has to look at it, and accept it.
         Fail = "fail",
-        /// It passes, and what changed is told.
+        /// It passes, and what changed is reported.
         Warn = "warn",
     }
 }

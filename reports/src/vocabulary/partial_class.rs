@@ -1,4 +1,4 @@
-//! What an object is told to be while only a part of it has been seen.
+//! The classes that a partly seen object can have.
 
 use serde::{Deserialize, Serialize};
 

@@ -102,7 +102,7 @@ impl Slice {
         }
     }
 
-    /// Whether it can be told of a false detection if it belongs here, so that precision and F-rate mean something.
+    /// Whether it is known of a false detection if it belongs here, so that precision and F-rate mean something.
     pub fn has_false_detections(&self) -> bool {
         matches!(self, Self::All | Self::Range(_) | Self::Points(_))
     }

@@ -1,4 +1,4 @@
-//! The classes of SemanticKITTI whose objects are told from one another.
+//! The classes of SemanticKITTI whose objects are separated from one another.
 
 use crate::vocabulary::named::named;
 

@@ -140,7 +140,7 @@ fn pairs_by_centre(scan: &LabeledScan, detections: &Detections, max_distance_m: 
     for (annotation_idx, annotation) in scan.annotations.iter().enumerate() {
         let Some(at_m) = annotation.center_m(&scan.cloud).map(plan_m) else { continue };
         for (detection_idx, center_m) in centers_m.iter().enumerate() {
-            // Most are far away, which is told without a root. A little farther, so that rounding never loses a pair.
+            // Most are far away, which is decided without a root. A little farther, so that rounding never loses a pair.
             if is_apart(at_m, *center_m, 1.001 * max_distance_m) {
                 continue;
             }

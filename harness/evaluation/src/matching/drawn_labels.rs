@@ -30,7 +30,7 @@ pub(crate) fn annotation(
     Annotation { class, bounding_box, point_indices, track: None, occlusion: None, truncation: None }
 }
 
-/// A scan whose labels tell of everything.
+/// A scan in which everything is labelled.
 pub(crate) fn labeled(
     positions_m: impl IntoIterator<Item = [f32; 3]>,
     annotations: impl IntoIterator<Item = Annotation>,

@@ -358,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_box_points_tell() {
+    fn without_a_box_points_decide() {
         level().column(Pole, 10.0, [-1.6, 1.3]).check(3.0);
         level().column(Pole, 10.0, [0.0, 1.3]).check(3.0);
         level().column(StreetFurniture, 10.0, [-2.0, 1.0]).check(3.0);
@@ -382,12 +382,12 @@ mod tests {
         level().with(far_wall()).column(Pole, 10.0, [-1.7, 0.1]).check(1.8);
         level().with(far_wall()).column(StreetFurniture, 10.0, [-1.7, 0.34]).check(2.04);
         level().with(far_wall()).boxed([-1.7, 0.34]).check(2.04);
-        // Nineteen far points do not tell where the edge is.
+        // Nineteen far points are too few to show where the edge is.
         level().with(far_wall().take(19)).column(Pole, 10.0, [-1.7, 0.34]).check(2.04);
     }
 
     #[test]
-    fn each_is_told_by_itself() {
+    fn each_is_decided_by_itself() {
         let three = level().boxed([-1.7, 1.3]).column(Pole, 12.0, [-1.7, 0.3]);
         let three =
             Drawing { annotations: [three.annotations, vec![annotation(Tree, None, [])]].concat(), ..three };

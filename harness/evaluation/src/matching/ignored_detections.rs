@@ -100,7 +100,7 @@ fn is_within(bounding_box: &OrientedBox, [x_m, y_m, _]: [f32; 3]) -> bool {
     let [box_x_m, box_y_m, box_z_m] = bounding_box.center_m;
     let [length_m, width_m, _] = bounding_box.length_width_height_m;
     let [dx_m, dy_m] = [x_m - box_x_m, y_m - box_y_m];
-    // Twice the square of half the diagonal: most boxes are far away, which is told without an angle.
+    // Twice the square of half the diagonal: most boxes are far away, which is decided without an angle.
     dx_m * dx_m + dy_m * dy_m <= 0.5 * (length_m * length_m + width_m * width_m)
         && bounding_box.contains([x_m, y_m, box_z_m])
 }

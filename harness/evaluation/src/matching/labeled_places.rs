@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3x4, Vector4};
 use scans::annotation::{LabeledArea, LabeledScan, PointRegion};
 
-/// Number of directions that are told apart where only points say what was labelled: one for each degree.
+/// Number of directions that are distinguished where only points show what was labelled: one for each degree.
 const N_DIRECTIONS: usize = 360;
 
 /// Least share of the points in a direction that say something, where places in it count as labelled. Not a half: a camera
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn points_tell_by_direction() {
+    fn points_decide_by_direction() {
         check(LabeledArea::AsPoints, [7.0, 0.1], false);
         check(LabeledArea::AsPoints, [10.0, 8.0], false);
         check(LabeledArea::AsPoints, [10.0, 9.0], true);

@@ -33,7 +33,7 @@ pub enum MistakeKind {
     False,
 }
 
-/// What tells why a detector is wrong on a scan.
+/// What explains why a detector is wrong on a scan.
 pub struct Evidence<'a> {
     scan: &'a LabeledScan,
     detections: &'a Detections,
@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn splits_classes_and_empty_places_are_told() {
+    fn splits_classes_and_empty_places_are_explained() {
         check(
             &[(Car, 0..60)],
             &[(Object, 0..25), (Object, 25..50)],

@@ -39,7 +39,7 @@ pub enum FalseDetections {
 }
 
 impl FalseDetections {
-    /// What `annotated` tells about `task`.
+    /// What `annotated` says about `task`.
     pub fn of(annotated: &AnnotatedClasses, task: Task) -> Self {
         if annotated.covers(task) { Self::Known } else { Self::Unknowable }
     }

@@ -1,4 +1,4 @@
-//! Whether two objects next to each other were told apart.
+//! Whether two objects next to each other were separated.
 
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::outcome::AnnotationOutcome;

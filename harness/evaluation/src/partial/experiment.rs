@@ -276,7 +276,7 @@ mod tests {
     use simulator::object_clouds::simulated_objects::{ObjectPart as Purpose, open_simulated_objects};
 
     #[test]
-    fn simulated_objects_are_told_apart_and_the_same_rows_come_out_with_any_number_of_threads() {
+    fn simulated_objects_are_classified_and_the_same_rows_come_out_with_any_number_of_threads() {
         let n_per_class = 6;
         let [training, judged] = [Purpose::Training, Purpose::Development]
             .map(|part| open_simulated_objects("objects-around", part, n_per_class).unwrap());

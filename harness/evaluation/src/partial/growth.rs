@@ -32,7 +32,7 @@ pub struct Growth {
     pub moments: Vec<GrowthMoment>,
 }
 
-/// What had been seen at one moment, and what that is.
+/// What had been seen at one moment, and its predicted class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrowthMoment {
     /// The step from 1 to 10, or the centimetres that have been driven since anything was seen.
@@ -45,7 +45,7 @@ pub struct GrowthMoment {
     pub graphs_m: Vec<Vec<[f32; 3]>>,
     /// How often the patterns occur that are most frequent in the end.
     pub bag: Vec<f32>,
-    /// What it is told to be.
+    /// Its predicted class.
     pub answer: Answer,
     /// Where the scanner is that sees it, if it is driven toward.
     pub scanner: Option<ScannerPlace>,
@@ -76,7 +76,7 @@ pub fn growths(
 ) -> Result<Vec<Growth>, DatasetError> {
     let growing = set.read(object_idx)?;
     let mut classifier = PartialClassifier::with_choice(Arc::clone(&model.model), choice);
-    let mut told = |at: i64, cloud: PointCloud, scanner: Option<ScannerPlace>| {
+    let mut classified = |at: i64, cloud: PointCloud, scanner: Option<ScannerPlace>| {
         let answer = model.method.of_graphs(&mut classifier, &cloud);
         GrowthMoment {
             at,
@@ -98,20 +98,21 @@ pub fn growths(
     if seen == PartsSeen::Driven {
         let moments = growing.moments.iter().map(|moment| {
             let scanner = drive.and_then(|it| scanner_at(&it, moment));
-            told(driven_cm(&growing, moment), growing.seen_at(moment), scanner)
+            classified(driven_cm(&growing, moment), growing.seen_at(moment), scanner)
         });
         let moments = moments.collect();
         return Ok(vec![of_end(DRIVE, moments)]);
     }
     let parts = parts_of(object_idx, &growing, seen);
     let ends = parts.chunk_by(|a, b| a.direction == b.direction).map(|of_same| {
-        let moments = of_same.iter().map(|it| told(i64::from(it.step), it.cloud.clone(), None)).collect();
+        let moments =
+            of_same.iter().map(|it| classified(i64::from(it.step), it.cloud.clone(), None)).collect();
         of_end(of_same[0].direction, moments)
     });
     Ok(ends.collect())
 }
 
-/// A bag of graphs that tells what growing objects are.
+/// A bag of graphs that classifies growing objects.
 #[derive(Debug, Clone)]
 pub struct GrowthModel {
     model: Arc<PartialModel>,
@@ -165,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn a_growing_object_is_told_from_both_ends() {
+    fn a_growing_object_is_classified_from_both_ends() {
         let set = open_simulated_objects("objects-around", ObjectPart::Development, 1).unwrap();
         let by = (&model(), Choice::OfClasses);
         let found = growths(&set, 0, (PartsSeen::Uncovered, None), by).unwrap();

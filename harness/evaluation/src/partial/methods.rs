@@ -1,4 +1,4 @@
-//! Who tells what objects are: the bag of graphs in several forms, and its rivals.
+//! The methods that classify objects: the bag of graphs in several forms, and its rivals.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use detector::partial::partial_params::PartialParams;
 use detector::partial::patterns::PatternKind;
 use detector::partial::training::{TrainingCloud, TrainingError, train};
 use rayon::prelude::*;
-use reports::rows::partial_row::{Answer, OfClasses, Told};
+use reports::rows::partial_row::{Answer, OfClasses, Predicted};
 use reports::vocabulary::partial_class::PartialClass;
 
 use super::object_parts::ObjectPart;
@@ -242,16 +242,16 @@ impl TrainedMethod {
     /// What a bag of graphs says of a cloud.
     pub fn of_graphs(&self, classifier: &mut PartialClassifier, cloud: &PointCloud) -> Answer {
         let judgement = classifier.classify(cloud.positions_m());
-        let told = match judgement.verdict {
-            Verdict::TooLittleSeen => Told::NotJudged,
-            Verdict::NoneOfThese => Told::NoneOfThese,
+        let predicted = match judgement.verdict {
+            Verdict::TooLittleSeen => Predicted::NotJudged,
+            Verdict::NoneOfThese => Predicted::NoneOfThese,
             Verdict::Class(class_idx) => self.classes[class_idx].into(),
         };
-        if told == Told::NotJudged {
-            return Answer { told, errors: [None; 5], chances: [None; 5] };
+        if predicted == Predicted::NotJudged {
+            return Answer { predicted, errors: [None; 5], chances: [None; 5] };
         }
         Answer {
-            told,
+            predicted,
             errors: self.of_classes(&judgement.distances),
             chances: self.of_classes(&judgement.probabilities),
         }
@@ -259,10 +259,14 @@ impl TrainedMethod {
 
     fn of_svm<const D: usize>(&self, svm: &PairwiseSvm<D>, vector: Option<[f32; D]>) -> Answer {
         let Some(vector) = vector else {
-            return Answer { told: Told::NotJudged, errors: [None; 5], chances: [None; 5] };
+            return Answer { predicted: Predicted::NotJudged, errors: [None; 5], chances: [None; 5] };
         };
         let (class_idx, chances) = svm.judge(&vector);
-        Answer { told: self.classes[class_idx].into(), errors: [None; 5], chances: self.of_classes(&chances) }
+        Answer {
+            predicted: self.classes[class_idx].into(),
+            errors: [None; 5],
+            chances: self.of_classes(&chances),
+        }
     }
 
     fn of_classes(&self, values: &[f32]) -> OfClasses {

@@ -1,5 +1,4 @@
-//! What objects are told to be of which only a part has been seen: the ten-step experiment, its rivals, and what each part of
-//! the method is worth.
+//! How partly seen objects are classified: the ten-step experiment, the rivals, and what each part of the method contributes.
 
 pub mod object_parts;
 pub mod model_training;

@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn three_clouds_of_points_are_told_apart_and_middles_are_less_sure() {
+    fn three_clouds_of_points_are_distinguished_and_middles_are_less_sure() {
         let middles = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]];
         let around = |it: usize| [(it * 7 % 10) as f32 / 10.0, (it * 3 % 10) as f32 / 10.0];
         let vectors: Vec<[f32; 2]> =
@@ -114,8 +114,8 @@ mod tests {
         let groups: Vec<usize> = (0..60).map(|it| it / 3).collect();
         let svm = PairwiseSvm::learned(&vectors, &classes, &groups, 3).unwrap();
         for (class, middle) in middles.into_iter().enumerate() {
-            let (told, chances) = svm.judge(&middle.map(|it| it + 0.45));
-            assert!(told == class && chances[class] > 0.9, "{chances:?}");
+            let (predicted, chances) = svm.judge(&middle.map(|it| it + 0.45));
+            assert!(predicted == class && chances[class] > 0.9, "{chances:?}");
         }
         assert!(PairwiseSvm::learned(&vectors[..1], &classes[..1], &groups[..1], 3).is_err());
     }

@@ -26,7 +26,7 @@ pub struct Found {
     pub boxes: Vec<OrientedBox>,
     /// Of every detection.
     pub scores: Option<Vec<f32>>,
-    /// Of every detection; `None` where the detector does not tell.
+    /// Of every detection; `None` where the detector predicts none.
     pub classes: Vec<Option<AnnotationClass>>,
     /// Stages and their times in milliseconds, as reported.
     pub stages: Vec<(String, f64)>,
@@ -34,7 +34,7 @@ pub struct Found {
     pub products: Vec<(String, Vec<u8>)>,
 }
 
-/// How long the payload of a result is as far as it can be told from the line.
+/// How long the payload of a result is, as far as the line says it.
 struct Parts {
     ids: usize,
     boxes: usize,

@@ -19,7 +19,7 @@ pub const FIRST_SCAN_LIMIT: Duration = Duration::from_mins(1);
 /// Room for this many points at least, so that few scans need more.
 const LEAST_ROOM: usize = 1 << 17;
 
-/// A detector that has been told what it is to work with.
+/// A detector that has its configuration.
 pub struct Conversation {
     program: Program,
     shared: SharedCloud,
@@ -40,7 +40,7 @@ pub struct Answered {
     pub found: Found,
     /// From before `scan` was sent until the last byte of the answer was there.
     pub wall: Duration,
-    /// Time on processors meanwhile, where the system tells.
+    /// Time on processors meanwhile, where the system reports it.
     pub cpu: Option<Duration>,
 }
 
@@ -48,7 +48,7 @@ pub struct Answered {
 pub type Goodbye = (DetectorProblem, Vec<String>);
 
 impl Conversation {
-    /// Starts a detector and tells it `configuration`, with room for a scan of `n_points`.
+    /// Starts a detector and sends it `configuration`, with room for a scan of `n_points`.
     ///
     /// # Errors
     ///
@@ -89,13 +89,13 @@ impl Conversation {
         &self.introduction
     }
 
-    /// Whether it was told `configuration`, wherever the scans may be.
+    /// Whether it has `configuration`, wherever the scans may be.
     pub fn has(&self, configuration: &Configuration) -> bool {
         let Configuration { max_points, shared_memory, .. } = self.configuration.clone();
         self.configuration == Configuration { max_points, shared_memory, ..configuration.clone() }
     }
 
-    /// Tells it `configuration` instead of what it was told before.
+    /// Sends it `configuration`, which replaces the one before.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Processes and what they have started, as the system tells it.
+//! Processes and their child processes, as the system reports them.
 
 use std::time::Duration;
 
@@ -26,8 +26,8 @@ pub fn children(pid: u32) -> Vec<u32> {
         .collect()
 }
 
-/// Time on processors, user and system, of these processes: of what runs to the nanosecond, of children that have ended and
-/// been waited for to the tick of the system. `None` if the system does not tell.
+/// Time on processors, user and system, of these processes. It is exact to the nanosecond for processes that run, and to the tick of
+/// the system for children that have ended and been waited for. `None` if the system does not report it.
 pub fn cpu_time_of(pids: &[u32]) -> Option<Duration> {
     let ticks_per_s = sysconf(SysconfVar::CLK_TCK).ok()??;
     let mut sum = Duration::ZERO;

@@ -17,9 +17,9 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use super::processes::children;
 
-/// The word that lines of a supervisor begin with on its standard error, told to it alone.
+/// The word that lines of a supervisor begin with on its standard error. Only the supervisor gets it.
 pub const TOKEN: &str = "SCANBENCH_SUPERVISOR_TOKEN";
-/// The descriptors of the pipes are told in these.
+/// The variables with the descriptors of the pipes.
 pub const READ_FD: &str = "SCANBENCH_READ_FD";
 /// See [`READ_FD`].
 pub const WRITE_FD: &str = "SCANBENCH_WRITE_FD";
@@ -28,8 +28,8 @@ pub const WRITE_FD: &str = "SCANBENCH_WRITE_FD";
 const LONGEST_DEATH: Duration = Duration::from_secs(2);
 
 /// Starts `words`, a program and its arguments, and waits for its end. Its messages come in on our standard input and go out on our
-/// standard output; what it prints goes to our standard error. What became of it is told there, too, in lines that begin
-/// with the [token](TOKEN).
+/// standard output; what it prints goes to our standard error. How it ended is reported there, too, in lines that
+/// begin with the [token](TOKEN).
 pub fn supervise(words: &[String]) {
     let token = std::env::var(TOKEN).unwrap_or_default();
     let says = match start_and_wait(words, &token) {
@@ -59,9 +59,9 @@ fn say(token: &str, words: &str) {
 fn start_and_wait(words: &[String], token: &str) -> io::Result<ExitStatus> {
     // What the detector leaves behind becomes ours, and not that of the first process of the machine.
     rustix::process::set_child_subreaper(Some(rustix::process::getpid()))?;
-    let (told, asked_to_end) = UnixStream::pair()?;
+    let (signalled, asked_to_end) = UnixStream::pair()?;
     for signal in [SIGTERM, SIGINT, SIGHUP] {
-        signal_hook::low_level::pipe::register(signal, told.try_clone()?)?;
+        signal_hook::low_level::pipe::register(signal, signalled.try_clone()?)?;
     }
     let mut child = start(words)?;
     let pid = Pid::from_child(&child);
@@ -105,7 +105,7 @@ fn wait_for_any(ends: &[BorrowedFd<'_>]) {
     let stderr = io::stderr();
     loop {
         let mut all: Vec<PollFd<'_>> = ends.iter().map(|it| PollFd::new(it, PollFlags::IN)).collect();
-        // Errors are told of whether or not they are asked for.
+        // Errors are reported whether or not they are asked for.
         all.push(PollFd::new(&stderr, PollFlags::empty()));
         match poll(&mut all, None) {
             Err(Errno::INTR) => {}

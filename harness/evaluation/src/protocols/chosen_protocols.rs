@@ -69,7 +69,7 @@ impl ChosenProtocols {
         (!protocols.is_empty()).then_some(chosen)
     }
 
-    /// Makes sure that `dataset` has what can be told of it without reading a scan.
+    /// Makes sure that `dataset` has what the protocols need, as far as that is known without reading a scan.
     ///
     /// # Errors
     ///
@@ -114,7 +114,8 @@ impl ChosenProtocols {
 }
 
 impl ScanUnderProtocols<'_> {
-    /// The rows of what `detector`, called `name`, has just found in the scan: `output`. Of ground there are none if it does not tell.
+    /// The rows of what `detector`, called `name`, has just found in the scan: `output`. Without predicted ground
+    /// there are no rows of ground.
     pub fn rows(
         &self,
         (name, detector): (&str, &dyn RunningDetector),
@@ -187,8 +188,8 @@ impl ScanUnderProtocols<'_> {
     }
 }
 
-/// Whether any of `rows` is of ground: a detector that does not tell ground has none.
-pub fn tell_ground(rows: &OfficialRows) -> bool {
+/// Whether any of `rows` is of ground: a detector that does not predict ground has none.
+pub fn have_ground(rows: &OfficialRows) -> bool {
     rows.labels.iter().any(|it| it.score.protocol() == Protocol::Ground)
 }
 

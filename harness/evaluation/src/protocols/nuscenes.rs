@@ -91,7 +91,7 @@ impl RankedRules for Nuscenes {
         // Front and back of a barrier are the same.
         let period_rad = if class == "barrier" { PI } else { 2.0 * PI };
         let velocity = annotation.velocity_m_per_s.map(|labelled| {
-            // A detector that does not tell a velocity says that things stand still.
+            // A detector without velocities says that everything stands still.
             let found = detection.velocity_m_per_s.unwrap_or_default();
             (found[0] - labelled[0]).hypot(found[1] - labelled[1])
         });

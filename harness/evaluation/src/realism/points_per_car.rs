@@ -42,7 +42,7 @@ pub struct SeenCar {
 }
 
 impl CarsInScan {
-    /// The cars of `scan`. Points are counted inside the box, however the data set tells which are the car's.
+    /// The cars of `scan`. Points are counted inside the box, whichever points the data set assigns to the car.
     pub fn of(scan: &LabeledScan) -> Self {
         let boxed_cars = scan.annotations.iter().filter(|it| it.class == AnnotationClass::Car);
         let cars = boxed_cars.filter_map(|annotation| {

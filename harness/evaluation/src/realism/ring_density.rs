@@ -3,7 +3,7 @@
 use detector::grid::ring_density::{FIRST_RING_M, N_RINGS, RingCounts, ring_area_m2};
 use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
-/// Nearer the car's own roof matters, farther single walls: the agreement in between is told on its own.
+/// The agreement between these ranges is reported separately: nearer the car's own roof matters, farther single walls.
 const FOCUS_M: [f64; 2] = [5.0, 50.0];
 /// Fewest points of a ring on the right: its density is then known to a tenth.
 const LEAST_POINTS: u64 = 100;

@@ -62,7 +62,8 @@ pub struct BoxPair {
     pub framed: [FramedCluster; FRAMES.len()],
 }
 
-/// The boxes in whose frames points are shown. The hull box does not tell its front: it is the end that is nearer to the annotated one.
+/// The boxes in whose frames points are shown. The hull box has no front of its own: it gets the end that is nearer to the annotated
+/// front.
 pub const FRAMES: [&str; 3] = ["annotated box", "hull box", "reported box"];
 
 /// The points of a cluster in the frame of a box.
@@ -224,8 +225,8 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
                 fits: (0..).zip(FITS).map(|(idx, fit)| (fit, number(idx))).collect(),
             }
         };
-        let told = if *by == "all" { &BoxError::ALL[..] } else { &BoxError::OF_SLICES };
-        told.iter().map(|it| line(*it)).collect()
+        let shown = if *by == "all" { &BoxError::ALL[..] } else { &BoxError::OF_SLICES };
+        shown.iter().map(|it| line(*it)).collect()
     };
     slices.par_iter().flat_map_iter(lines_of).collect()
 }

@@ -151,7 +151,7 @@ pub const DEFAULT_DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "paper
 pub enum ChosenDetector {
     /// One of [`DETECTORS`].
     BuiltIn(ListedDetector),
-    /// One that the configuration tells of.
+    /// One that the configuration defines.
     Foreign(ForeignDetector),
 }
 
@@ -189,10 +189,9 @@ fn or_was_meant(name: &str, known: &[&'static str]) -> String {
 
 fn of_file(file: Option<&Path>) -> String {
     match file {
-        Some(path) => format!("{} tells of no other", path.display()),
-        None => {
-            "no scanbench.toml tells of others: it is looked for in this folder and those above it".to_owned()
-        }
+        Some(path) => format!("{} defines no other", path.display()),
+        None => "no scanbench.toml defines others: it is searched for in this folder and those above it"
+            .to_owned(),
     }
 }
 
@@ -217,7 +216,7 @@ impl ChosenDetector {
         }
     }
 
-    /// The model that tells its vehicles with the parameters of `config`; `None` if their size does.
+    /// The model that classifies its vehicles with the parameters of `config`; `None` if their size does.
     pub fn vehicle_model(&self, config: &RunConfig) -> Option<TrainedModel> {
         config.vehicle_models.as_ref()?;
         match self {
@@ -267,7 +266,7 @@ impl From<ListedDetector> for ChosenDetector {
     }
 }
 
-/// The detectors with these names, in this order: built-in ones and those that `config` tells of.
+/// The detectors with these names, in this order: built-in ones and those that `config` defines.
 ///
 /// # Errors
 ///

@@ -164,7 +164,7 @@ impl ForeignDetector {
         }
     }
 
-    /// What its program is told.
+    /// What its program gets as configuration.
     fn configuration(
         &self,
         process: &ForeignProcess,

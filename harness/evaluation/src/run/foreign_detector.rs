@@ -1,4 +1,4 @@
-//! A detector that somebody else wrote, as a configuration file tells of it.
+//! A detector that somebody else wrote, as a configuration file defines it.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -12,11 +12,11 @@ use crate::process::message::Introduction;
 pub struct ForeignDetector {
     /// Its name in tables and files.
     pub name: &'static str,
-    /// Where the file lies that tells of it.
+    /// The folder of the file that defines it.
     pub folder: PathBuf,
     /// How it comes to its detections.
     pub work: ForeignWork,
-    /// What tells vehicles among its objects, where it does not.
+    /// What classifies vehicles among its objects, where it does not.
     pub vehicles: VehicleRule,
 }
 
@@ -46,7 +46,7 @@ pub struct ForeignProcess {
     pub introduction: Arc<OnceLock<Introduction>>,
 }
 
-/// What tells vehicles.
+/// What classifies vehicles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum VehicleRule {
     /// Their size.

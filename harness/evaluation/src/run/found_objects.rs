@@ -18,14 +18,14 @@ use scans::foreign::points_in_boxes::PointsAlongX;
 
 use crate::matching::eligibility::counts_as_vehicle;
 
-/// An object as a foreign detector tells it.
+/// An object as a foreign detector reports it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FoundObject {
     /// Its points, as indices into the scan, ascending; `None` for those in its box.
     pub point_indices: Option<Vec<u32>>,
     /// Its box in the frame of the scan; `None` for the one that we fit to its points.
     pub bounding_box: Option<OrientedBox>,
-    /// What it is, if the detector tells.
+    /// Its predicted class, if the detector predicts one.
     pub class: Option<AnnotationClass>,
     /// How sure the detector is of it.
     pub score: Option<f32>,
@@ -49,7 +49,7 @@ pub fn members_of(clusters: &[u32]) -> BTreeMap<u32, Vec<u32>> {
     members
 }
 
-/// Tells vehicles among objects whose detector does not, and fits boxes to those that come without.
+/// Classifies objects whose detector predicts no class, and fits boxes to objects that come without.
 pub struct ForeignVehicles {
     size: SizeGateParams,
     hull_fit: ConvexHullBox,
@@ -144,9 +144,9 @@ impl ForeignVehicles {
         if prepared.iter().any(|it| it.is_fitted || it.class.is_none() && self.by_model.is_some()) {
             self.foreground.detect(cloud, &mut DetectorOutput::default());
         }
-        let told = self.classes_of(&prepared, cloud);
+        let predicted = self.classes_of(&prepared, cloud);
         self.fitted.clear();
-        let detections = prepared.iter().zip(&told).map(|(it, &(class, score))| {
+        let detections = prepared.iter().zip(&predicted).map(|(it, &(class, score))| {
             let PreparedObject { points, bounding_box, is_fitted, .. } = it;
             (is_fitted, Detection::new(points, *bounding_box, class, score))
         });
@@ -167,7 +167,7 @@ impl ForeignVehicles {
         Ok(())
     }
 
-    /// The class of each object, and how surely it is a vehicle: as its detector tells, else by the model, else by size.
+    /// The class of each object, and how surely it is a vehicle: as its detector predicts, else by the model, else by size.
     fn classes_of(
         &mut self,
         objects: &[PreparedObject],
@@ -176,11 +176,11 @@ impl ForeignVehicles {
         let by_model = self.classes_by_model(objects, cloud);
         let class_of = |(object_idx, object): (usize, &PreparedObject)| {
             let PreparedObject { points, bounding_box, class, score, .. } = object;
-            let told = class
+            let predicted = class
                 .map(|it| if counts_as_vehicle(it) { DetectedClass::Vehicle } else { DetectedClass::Object });
             let by_model = by_model.as_ref().and_then(|it| it.get(object_idx).copied());
-            let (class, decision) = match (told, by_model) {
-                (Some(told), _) => (told, None),
+            let (class, decision) = match (predicted, by_model) {
+                (Some(predicted), _) => (predicted, None),
                 (None, Some(by_model)) => by_model,
                 (None, None) => (size_gate(points.len(), bounding_box, &self.size), None),
             };
@@ -197,7 +197,7 @@ impl ForeignVehicles {
         self.hull_fit.fit(positions_m.map(|[x_m, y_m, _]| [x_m, y_m]), z_range_m)
     }
 
-    /// What the model takes each object for, and how surely; `None` without a model, or where every class is told.
+    /// The class that the model predicts for each object, and how surely; `None` without a model, or if the detector predicted all.
     fn classes_by_model(
         &mut self,
         objects: &[PreparedObject],
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn the_class_is_the_detectors_if_it_tells() {
+    fn the_class_is_the_detectors_if_it_predicts_one() {
         let with = |class| FoundObject { bounding_box: Some(CAR), class, ..FoundObject::default() };
         let classes = [Some(AnnotationClass::Bus), Some(AnnotationClass::Misc), None].map(with);
         let output = found(classes.to_vec(), &cloud()).unwrap();
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn the_model_tells_cars_among_annotated_points() {
+    fn the_model_classifies_cars_among_annotated_points() {
         let options = OpenOptions { n_simulated_scans: Some(2), ..OpenOptions::default() };
         let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
         let scan = street.read_scan(0).unwrap();
@@ -309,8 +309,8 @@ mod tests {
         });
         let mut output = DetectorOutput::default();
         vehicles.detections_of(objects.collect(), &scan.cloud, &mut output).unwrap();
-        let told = output.detections.iter().zip(&large);
-        let n_right = told.filter(|(it, annotation)| {
+        let predicted = output.detections.iter().zip(&large);
+        let n_right = predicted.filter(|(it, annotation)| {
             (it.class == DetectedClass::Vehicle) == counts_as_vehicle(annotation.class)
         });
         let n_right = n_right.count();
@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn clusters_get_the_boxes_of_our_detectors_by_the_class_that_is_told_and_boxes_stay() {
+    fn clusters_get_the_boxes_of_our_detectors_by_their_predicted_class_and_boxes_stay() {
         let options = OpenOptions { n_simulated_scans: Some(1), ..OpenOptions::default() };
         let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
         let (scan, description) = (street.read_scan(0).unwrap(), street.description());

@@ -1,4 +1,4 @@
-//! Pairs of objects with growing gaps, and which detectors tell them apart.
+//! Pairs of objects with growing gaps, and which detectors separate them.
 //!
 //! Paper: HG section 3.2 and Fig. 7, separation of nearby objects.
 
@@ -134,7 +134,7 @@ impl Dataset for StagedPairs {
 /// Place of the detector, kind, layout, place of the range, gap.
 type Key = (usize, PairKind, PairLayout, usize, u16);
 
-/// Counts which pairs are told apart.
+/// Counts which pairs are separated.
 #[derive(Debug, Clone)]
 pub struct PairTally<'a> {
     stagings: &'a [Staging],

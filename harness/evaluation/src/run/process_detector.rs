@@ -44,7 +44,7 @@ pub struct ProcessDetector {
     clusters: Vec<Option<u32>>,
     products: Vec<(String, Vec<u8>)>,
     // Of any scan so far.
-    tells_ground: bool,
+    reports_ground: bool,
 }
 
 /// A program that answers nothing.
@@ -82,7 +82,7 @@ impl ProcessDetector {
             probe: OverheadProbe::NotStarted,
             clusters: Vec::new(),
             products: Vec::new(),
-            tells_ground: false,
+            reports_ground: false,
         }
     }
 
@@ -132,7 +132,7 @@ impl ProcessDetector {
         DetectorFailure { detector: self.name.to_owned(), scan: None, problem, last_words, is_final: true }
     }
 
-    /// Tells of `problem`; unless it was reported by the detector itself, that is gone then.
+    /// The failure that `problem` causes. The detector is ended, unless it reported the problem itself.
     fn failure(&mut self, scan: Option<&LabeledScan>, problem: DetectorProblem) -> DetectorFailure {
         let (problem, last_words) = match (self.conversation.take(), problem) {
             (Some(conversation), problem @ DetectorProblem::Reported(_)) => {
@@ -181,7 +181,7 @@ impl ProcessDetector {
         });
         output.stage_times.extend(stage_times);
         let objects = objects_of(&found);
-        self.tells_ground |= found.products.iter().any(|(name, _)| name == GROUND_PRODUCT);
+        self.reports_ground |= found.products.iter().any(|(name, _)| name == GROUND_PRODUCT);
         self.products = found.products;
         self.vehicles.detections_of(objects, cloud, output).map_err(DetectorProblem::WrongAnswer)?;
         self.clusters = clusters_of_points(&output.detections, cloud.len());
@@ -228,8 +228,8 @@ impl RunningDetector for ProcessDetector {
     fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
         match self.products.iter().find(|(name, _)| name == GROUND_PRODUCT) {
             Some((_, values)) => Some(values.iter().map(|it| *it != 0).collect()),
-            // Where it gives no answer, it has told of no point that it is ground.
-            None => self.tells_ground.then(|| vec![false; cloud.len()]),
+            // Where it gives no answer, it has classified no point as ground.
+            None => self.reports_ground.then(|| vec![false; cloud.len()]),
         }
     }
 

@@ -60,7 +60,7 @@ impl ResultsDetector {
 
 impl ResultsDetector {
     /// Whether its results are labels of points.
-    fn tells_labels(&self) -> bool {
+    fn has_labels(&self) -> bool {
         self.results.as_ref().is_some_and(|it| it.format() == ResultFormat::SemanticLabels)
     }
 }
@@ -111,7 +111,7 @@ impl RunningDetector for ResultsDetector {
 
     fn point_labels(&self, scan: &LabeledScan) -> Option<Vec<u32>> {
         let read = self.latest.as_ref().filter(|it| it.id == scan.id);
-        let of_nothing = || self.tells_labels().then(|| vec![0; scan.cloud.len()]);
+        let of_nothing = || self.has_labels().then(|| vec![0; scan.cloud.len()]);
         read.and_then(|it| it.point_labels.clone()).or_else(of_nothing)
     }
 

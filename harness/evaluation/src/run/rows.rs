@@ -166,12 +166,12 @@ fn match_rows(
             AnnotationOutcome::Missed(reason) => MatchOutcome::Missed { annotation: annotation(idx), reason },
         })
     });
-    let mut is_told = vec![false; assignment.detections.len()];
+    let mut is_listed = vec![false; assignment.detections.len()];
     for found in &assignment.found_tall {
-        is_told[found.detection_idx] = true;
+        is_listed[found.detection_idx] = true;
     }
-    let untold = assignment.detections.iter().enumerate().filter(|(idx, _)| !is_told[*idx]);
-    let of_detections = untold.filter_map(|(idx, outcome)| {
+    let remaining = assignment.detections.iter().enumerate().filter(|(idx, _)| !is_listed[*idx]);
+    let of_detections = remaining.filter_map(|(idx, outcome)| {
         Some(match *outcome {
             DetectionOutcome::NotAsked | DetectionOutcome::Matched { .. } => return None,
             DetectionOutcome::Ignored(reason) => {

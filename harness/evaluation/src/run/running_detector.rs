@@ -16,7 +16,7 @@ use crate::run::cpu_time::own_cpu_time;
 pub struct DetectionTime {
     /// Time that passed; `None` if nothing was detected here, but read.
     pub wall: Option<Duration>,
-    /// Time on processors, on all threads and in all processes of the detector; `None` where the system does not tell.
+    /// Time on processors, on all threads and in all processes of the detector; `None` where the system does not report it.
     pub cpu: Option<Duration>,
     /// What the way to the detector and back takes, measured beside; `None` where there is none.
     pub overhead: Option<Duration>,
@@ -67,8 +67,8 @@ pub trait RunningDetector: Send {
         None
     }
 
-    /// The label of every point of `scan`, which it was asked for last, class and instance, where it tells them in SemanticKITTI's format. Of a
-    /// scan that it found nothing in they are unlabelled.
+    /// The label of every point of `scan`, the latest that it was asked for: class and instance, if it predicts labels in SemanticKITTI's
+    /// format. In a scan in which it found nothing, all points are unlabelled.
     fn point_labels(&self, _scan: &LabeledScan) -> Option<Vec<u32>> {
         None
     }

@@ -1,4 +1,4 @@
-//! What records a run scan by scan, and what it is told of each scan.
+//! What records a run scan by scan, and what it gets of each scan.
 
 use std::fmt;
 

@@ -76,7 +76,7 @@ pub struct DetectionTimes {
     pub first: Option<Duration>,
     /// The shortest of all repetitions.
     pub least: Option<Duration>,
-    /// Time on processors in the first repetition; `None` where the system does not tell.
+    /// Time on processors in the first repetition; `None` where the system does not report it.
     pub cpu: Option<Duration>,
     /// The shortest way to the detector and back; `None` of built-in ones.
     pub overhead: Option<Duration>,

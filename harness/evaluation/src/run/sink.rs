@@ -125,7 +125,7 @@ impl<'a> JudgedScan<'a> {
     }
 }
 
-/// Runs `detectors` on one data set and tells all `sinks`: that it begins, of every scan in order, and that it has ended.
+/// Runs `detectors` on one data set, and reports to all `sinks`: the beginning, every scan in order, and the end.
 ///
 /// # Errors
 ///
@@ -194,7 +194,7 @@ mod tests {
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
 
-    /// Writes down what it is told.
+    /// Writes down what is reported to it.
     struct Diary<'a>(&'a mut Vec<String>);
 
     impl RunSink<RunError> for Diary<'_> {
@@ -246,7 +246,7 @@ mod tests {
             },
             n_warmup: 1,
             n_repeats: NonZeroUsize::MIN,
-            // Scans that are read at once are still told of in order.
+            // Scans that are read at once are still reported in order.
             n_jobs: 2,
             on_failure: OnDetectorFailure::Stop,
             interrupted: &AtomicBool::new(false),

@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn one_second_and_nothing_tell_nothing() {
+    fn one_second_and_nothing_give_no_interval() {
         assert_eq!(interval_of(0..10, |_| [1.0, 1.0]), None);
         assert_eq!(interval_of((0..10).map(|it| 10 * it), |_| [1.0, 0.0]), None);
         assert_eq!(ratio_interval(&[]), None);

@@ -27,7 +27,7 @@ pub struct SweptDataset<'a> {
     pub part: Range<usize>,
 }
 
-/// What is run, and what is told of it.
+/// What is run, and where it is reported.
 #[derive(Clone, Copy)]
 pub struct SweepPass<'a> {
     /// The points and detectors.

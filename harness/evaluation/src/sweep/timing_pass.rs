@@ -70,8 +70,8 @@ impl SweepPass<'_> {
                 let program = programs.take(description, entrant.name);
                 let begun = entrant.begin_with(description, program);
                 let mut detector = begun.map_err(|it| self.plan.at_point(point_idx, it))?;
-                let told = |it| self.plan.at_point(point_idx, it);
-                detector.detect(&scan, 0.0, &mut output).map_err(told)?;
+                let at_point = |it| self.plan.at_point(point_idx, it);
+                detector.detect(&scan, 0.0, &mut output).map_err(at_point)?;
                 let mut detect = |_| {
                     let taken = detector.detect(&scan, 0.0, &mut output)?;
                     Ok(nanoseconds(taken.wall.unwrap_or_default()))

@@ -25,7 +25,7 @@ pub struct BoostingParams {
     pub drawn_share: f32,
 }
 
-/// What a forest is to tell.
+/// What a forest predicts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// A number, with the least squared error.
@@ -37,7 +37,7 @@ pub enum Target {
 /// Seed of the draws of examples and values.
 const SEED: u64 = 0;
 
-/// A forest that tells `targets` from `examples`, one of the other. The same bytes whatever the number of threads.
+/// A forest that predicts `targets` from `examples`, of which there is one for each target. The same bytes whatever the number of threads.
 ///
 /// # Errors
 ///
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_forest_tells_what_it_was_taught() {
+    fn a_forest_predicts_what_it_was_taught() {
         let examples = examples();
         let seen: Vec<&[f32; 2]> = examples.iter().collect();
         let truth = |[x, y]: [f32; 2]| if x > 1.95 { f64::from(y > 1.95) } else { 0.25 };

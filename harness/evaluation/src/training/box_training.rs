@@ -118,7 +118,7 @@ fn example(
 /// Why no trees can be trained.
 #[derive(Debug, thiserror::Error)]
 pub enum BoxTrainingError {
-    /// There is nothing to be told.
+    /// There is nothing to predict.
     #[error("no two of the {n} vehicles differ in {what}")]
     Alike {
         /// How many there are to learn it from.
@@ -137,8 +137,9 @@ pub enum BoxTrainingError {
     Boosting(#[from] ForustError),
 }
 
-/// Trains all forests with those of `examples` whose box of what is seen is turned by at most 12 degrees against the annotated one, and
-/// says how many these are. What tells right boxes learns from all, each with the box that forests of other drives give it.
+/// Trains all forests, and says how many of `examples` they learned from: those whose box of what is seen is turned by at most 12
+/// degrees against the annotated one. The forest that predicts whether a box is right learns from all, each with the box that forests
+/// of other drives give it.
 ///
 /// `on_forest` is called after each of [`N_BOX_FORESTS`].
 ///
@@ -176,7 +177,7 @@ pub fn train_boxes(
     Ok((BoxModel { right, ..model }, n_taught))
 }
 
-/// The forest that tells where `targets` are 1 and not 0.
+/// The forest that predicts whether a target is 1; the others are 0.
 fn decision(
     values: &[[f32; N_BOX_VALUES]],
     targets: &[f64],
@@ -188,7 +189,7 @@ fn decision(
     Ok(boost(&values.iter().collect::<Vec<_>>(), targets, Target::Yes, &DECISIONS)?)
 }
 
-/// All forests but the one that tells right boxes, which calls none right.
+/// All forests but the one that predicts whether a box is right; that one calls none right.
 fn train_growth(
     examples: &[&VehicleExample],
     on_forest: &dyn Fn(),
@@ -203,7 +204,7 @@ fn train_growth(
         turned.push(values);
         differences.push(difference);
     }
-    let told = |values: &[_], what: &'static str, is_so: fn(&Difference) -> bool| {
+    let trained = |values: &[_], what: &'static str, is_so: fn(&Difference) -> bool| {
         let targets: Vec<f64> = differences.iter().map(|it| f64::from(u8::from(is_so(it)))).collect();
         let forest = decision(values, &targets, what)?;
         on_forest();
@@ -216,9 +217,9 @@ fn train_growth(
         Ok(forest)
     };
     let model = BoxModel {
-        turned: told(&unturned, "whether they are longer across what is seen", |it| it.is_turned)?,
+        turned: trained(&unturned, "whether they are longer across what is seen", |it| it.is_turned)?,
         growth_m: [growth(0)?, growth(1)?, growth(2)?, growth(3)?, growth(4)?],
-        away: told(&turned, "which end is the front", |it| it.is_away)?,
+        away: trained(&turned, "which end is the front", |it| it.is_away)?,
         right: Forest::new(Vec::new(), f32::MIN).expect("a sum alone is a forest"),
     };
     Ok((model, differences.len()))
@@ -322,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_always_the_same_cannot_be_told() {
+    fn what_is_always_the_same_cannot_be_learned() {
         let refused = |examples: &[VehicleExample]| train_boxes(examples, &|| ()).unwrap_err().to_string();
         assert!(refused(&[]).contains("no two of the 0 vehicles"));
         // Too far off to learn from.
@@ -335,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn of_one_drive_nobody_can_tell_what_is_right() {
+    fn from_one_drive_nobody_can_learn_what_is_right() {
         let turned = std::f32::consts::FRAC_PI_2;
         let examples = [vehicle(0.1, 4.0), vehicle(0.1 + turned, 4.4), vehicle(0.1 + 2.0 * turned, 4.2)];
         let error = train_boxes(&examples, &|| ()).unwrap_err();

@@ -34,7 +34,7 @@ impl CandidateKind {
         }
     }
 
-    /// Whether it is to be told a vehicle.
+    /// Whether it should be classified as a vehicle.
     pub fn is_vehicle(&self) -> bool {
         matches!(self, Self::Vehicle { .. })
     }

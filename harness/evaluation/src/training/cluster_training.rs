@@ -1,4 +1,4 @@
-//! The trees that tell vehicles among clusters, trained.
+//! Training of the trees that classify vehicles among clusters.
 
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::seen_size::may_be_vehicle;

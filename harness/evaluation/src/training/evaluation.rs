@@ -11,20 +11,20 @@ use rand_chacha::ChaCha8Rng;
 use super::described_object::DescribedObject;
 use super::operating_curves::OperatingCurves;
 
-/// How many objects of a kind are told a vehicle, and how many are not.
+/// How many objects of a kind are classified as vehicles, and how many are not.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct ToldAs {
-    /// Told a vehicle.
+pub struct PredictedAs {
+    /// Classified as vehicles.
     pub n_vehicle: usize,
-    /// Told background.
+    /// Classified as background.
     pub n_background: usize,
 }
 
 /// What a model does on held-out objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation<const D: usize> {
-    /// What each kind of object is told, vehicles and others.
-    pub told: BTreeMap<(bool, &'static str), ToldAs>,
+    /// The predictions for each kind of object, vehicles and others.
+    pub predicted: BTreeMap<(bool, &'static str), PredictedAs>,
     /// What happens at other thresholds.
     pub curves: OperatingCurves,
     /// For each value, what the ROC area loses when that value is mixed up between objects.
@@ -39,10 +39,10 @@ pub fn evaluate<const D: usize>(
 ) -> Evaluation<D> {
     let svm = NuSvm::new(model);
     let decisions: Vec<f32> = objects.iter().map(|it| svm.decision(&it.features)).collect();
-    let mut told: BTreeMap<_, ToldAs> = BTreeMap::new();
+    let mut predicted: BTreeMap<_, PredictedAs> = BTreeMap::new();
     for (object, &decision) in objects.iter().zip(&decisions) {
         // Vehicles first.
-        let counts = told.entry((!object.is_vehicle, object.kind)).or_default();
+        let counts = predicted.entry((!object.is_vehicle, object.kind)).or_default();
         *if decision > 0.0 { &mut counts.n_vehicle } else { &mut counts.n_background } += 1;
     }
     let labels = || objects.iter().map(|it| it.is_vehicle);
@@ -61,5 +61,5 @@ pub fn evaluate<const D: usize>(
         let loss = curves.roc_area().zip(area).map(|(with, without)| with - without);
         (model.features[feature_idx], loss)
     });
-    Evaluation { told, curves, importance }
+    Evaluation { predicted, curves, importance }
 }

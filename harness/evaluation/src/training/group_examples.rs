@@ -35,9 +35,9 @@ pub struct ScanGroups {
 pub struct GroupExample {
     /// Its number in the tree.
     pub node_idx: u32,
-    /// What tells objects.
+    /// The values that distinguish objects.
     pub node_values: [f32; N_NODE_VALUES],
-    /// What tells vehicles.
+    /// The values that distinguish vehicles.
     pub vehicle_values: [f32; N_VEHICLE_VALUES],
     /// `None` if the labels say nothing about half of its points.
     pub labels: Option<GroupLabels>,

@@ -42,9 +42,9 @@ pub fn train_on_groups(
     let (mut values, mut are_vehicles) = (Vec::new(), Vec::new());
     for (scan, expected_ious) in scans.iter().zip(expected_ious) {
         for (expected_iou, it) in expected_ious.into_iter().zip(&scan.groups) {
-            let told =
+            let label =
                 it.labels.and_then(|it| it.is_vehicle).filter(|_| expected_iou >= LEAST_IOU_OF_VEHICLES);
-            if let Some(is_vehicle) = told {
+            if let Some(is_vehicle) = label {
                 values.push(&it.vehicle_values);
                 are_vehicles.push(f64::from(u8::from(is_vehicle)));
             }

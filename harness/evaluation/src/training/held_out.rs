@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn drives_are_counted_and_told_by_their_ends() {
+    fn drives_are_counted_and_named_by_their_ends() {
         let drive = |dataset: &str, sequence: &str| (dataset.to_owned(), sequence.to_owned());
         let drives = [drive("b", "0007"), drive("a", "n-3"), drive("a", "n-1"), drive("a", "n-2")].into();
         assert_eq!(HeldOut::summary(&drives), "a: 3 from n-1 to n-3; b: 0007");

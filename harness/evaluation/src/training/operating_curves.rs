@@ -1,13 +1,13 @@
 //! What a classifier gains and loses as its threshold falls.
 
-/// Counts of what is told a vehicle down to one decision value.
+/// Counts of objects classified as vehicles, down to one decision value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OperatingPoint {
-    /// The least decision value that is told a vehicle.
+    /// The least decision value that makes a vehicle.
     pub threshold: f32,
-    /// Vehicles among those told.
+    /// Vehicles among the objects classified as vehicles.
     pub n_true: usize,
-    /// Others among those told.
+    /// Others among the objects classified as vehicles.
     pub n_false: usize,
 }
 

@@ -142,7 +142,7 @@ mod tests {
     use detector::classify::refinement_forests::RefinementBuffers;
     use detector::group::node_values::N_NODE_VALUES;
 
-    /// A whole of two parts, which is the object or of which each part is one: nothing that a group has by itself tells which, but that
+    /// A whole of two parts, which is the object or of which each part is one: nothing that a group has by itself shows which. But
     /// the first part is longer if both are objects.
     fn scan(sequence: &str, are_parts: bool, noise: f32) -> ScanGroups {
         let group = |node_idx, value: f32, iou| {
@@ -182,7 +182,7 @@ mod tests {
     };
 
     #[test]
-    fn later_looks_tell_by_what_the_first_says_of_others() {
+    fn later_rounds_use_what_the_first_predicts_for_others() {
         let scans: Vec<ScanGroups> =
             (0..60).map(|it| scan(&format!("{}", it % 5), it % 2 == 0, (it / 2 % 3) as f32)).collect();
         let n_forests = AtomicUsize::new(0);

@@ -34,7 +34,7 @@ impl<'a> VehicleLabels<'a> {
         Self { scan, is_on_vehicle }
     }
 
-    /// What these points show. `None` if the labels do not tell.
+    /// What these points show. `None` if the labels do not say it.
     pub fn kind_of(&self, point_indices: &[u32]) -> Option<CandidateKind> {
         let n_points = point_indices.len();
         if !self.is_labeled(point_indices) {

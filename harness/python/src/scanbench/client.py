@@ -126,7 +126,7 @@ class Session:
                     raise ProtocolError(f"unknown message {unknown!r}")
         except KeyboardInterrupt:
             raise
-        except BaseException as error:  # Whatever the detector raises, SystemExit too, is told and not fatal.
+        except BaseException as error:  # Whatever the detector raises, SystemExit too, is reported and not fatal.
             traceback.print_exc()
             return {"message": "error", "text": last_line(error)}, []
 

@@ -57,7 +57,7 @@ class Boxes:
     scores: ArrayLike | None = None
     """A number for each box; more is surer."""
     classes: Sequence[str | None] | None = None
-    """A class for each box, or None where it is not told."""
+    """A class for each box, or None where the detector predicts none."""
 
     def __post_init__(self) -> None:
         rows = np.asarray(self.rows, dtype="<f4")

@@ -54,7 +54,7 @@ class Detector:
         return self.target(*args, **parameters)
 
     def using(self, name: str | None = None, **parameters: Any) -> Detector:
-        """The same detector with other parameters; `name` tells the two apart."""
+        """The same detector with other parameters; `name` distinguishes the two."""
         self.check(parameters)
         other = copy.copy(self)
         other.overrides = {**self.overrides, **parameters}

@@ -68,7 +68,7 @@ def main(arguments: list[str] | None = None) -> int:
         detector = load(parsed.target)
     except KeyboardInterrupt:
         return 130
-    except BaseException as error:  # SystemExit of a module, too: the program is told why.
+    except BaseException as error:  # SystemExit of a module, too: the program gets the reason.
         traceback.print_exc()
         return refuse(pipe, last_line(error))
     return serve_pipe(detector, pipe)

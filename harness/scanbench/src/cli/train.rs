@@ -147,8 +147,8 @@ Examples:
 
 const GROUPINGS_DETAILS: &str = "\
 Trains on all groups of every scan: how well each fits an annotated object, and whether it
-shows a vehicle. Three looks tell how well: the second and the third also see what the one
-before said of the groups around. Writes groupings.model, calibration.csv and manifest.json.
+shows a vehicle. Three rounds predict the fit; the second and third use what the round before
+predicted for the groups around. Writes groupings.model, calibration.csv and manifest.json.
 A run refuses a model that none of its detectors reads. The same scans and options write
 the same bytes, except the date in the manifest.";
 
@@ -162,7 +162,7 @@ Trains as train groupings does, on the same values, but on components over a kd-
 kd_tree_trained.model keeps or drops components at one tolerance, which is chosen for each
 sensor: of 0.3 to 1.2 m that at which most annotated objects are a component.
 kd_tree_tree.model takes the best cut of components within components, at all ten
-tolerances. clusters.model tells the vehicles among the clusters of kd-tree,
+tolerances. clusters.model classifies the vehicles among the clusters of kd-tree,
 kd-tree-same-walls, simple-grid and detectors of your own. Writes manifest.json, too.";
 
 const PAPER_EXAMPLES: &str = "\

@@ -40,8 +40,8 @@ const NOTES: [&str; 2] = [
     "centre, length, width, yaw: medians of absolute errors; the others are shares. pairs: clusters of the \
      hierarchical detector that match an annotated car, van, truck or bus; all boxes are fitted to the same points. \
      centre: distance seen from above; yaw: modulo 180 degrees, so at most 90; front right: within 90 degrees of the annotated heading. \
-     reported box: that of the detector, whole where it takes the cluster for a vehicle; the others are of what is seen, \
-     and which end is the front they do not tell. front sure: of the reported boxes that are whole.",
+     reported box: that of the detector, whole where it classifies the cluster as a vehicle; the other boxes are of what is seen, \
+     and have no front. front sure: of the reported boxes that are whole.",
     "Annotated boxes contain the whole vehicle, also the sides that the sensor does not see. A box around the visible \
      points is therefore shorter or narrower, even if it is right.",
 ];

@@ -15,7 +15,7 @@ use crate::cli::{ConfigArgs, CriterionName, MatchingArgs, NamedResults};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
-/// The file that tells of detectors and parameters, in the working directory or one above it.
+/// The file that defines detectors and parameters, in the working directory or one above it.
 pub const CONFIGURATION_FILE: &str = "scanbench.toml";
 
 /// The detectors with these names, and the parameters that ship, overridden by the file and then by the options of `arguments`, whose

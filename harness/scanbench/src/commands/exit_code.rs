@@ -9,7 +9,7 @@ use crate::commands::standard_streams::print_error;
 /// Exit code after a panic, which is a bug; left alone it would end the program with 101, which means something else.
 const PANICKED: u8 = 1;
 
-/// Does `work` and returns the exit code, having told stderr why if it is not 0.
+/// Does `work` and returns the exit code; if it is not 0, stderr has the reason.
 pub fn exit_code_of(work: impl FnOnce() -> Result<(), Failure>) -> u8 {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => 0,

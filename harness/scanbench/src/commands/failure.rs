@@ -35,7 +35,7 @@ use reports::verdicts::verdict::{Conclusion, JudgeError};
 use scans::conversion::ConversionError;
 use scans::dataset::DatasetError;
 
-/// What is told about a failure: an error with all that caused it.
+/// The reason of a failure: an error with all that caused it.
 pub type Reason = Box<dyn Error + Send + Sync>;
 
 /// Expected endings, with their documented exit codes.
@@ -137,7 +137,7 @@ impl Failure {
         }
     }
 
-    /// What is told about it.
+    /// The reason that is reported.
     pub fn reason(&self) -> &(dyn Error + 'static) {
         match self {
             Self::Internal(reason)

@@ -65,14 +65,14 @@ fn look_at_scans(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset
         let seen = take_simulated_density(description, config, &clouds);
         return OpenedDataset { first_look: FirstLook { seen, ..FirstLook::default() }, ..opened };
     }
-    // Why nothing can be read is told by the run itself.
+    // The run itself reports why nothing can be read.
     if scans.is_empty() {
         return opened;
     }
     let mut look = Look::new(description, opened.stated, &clouds);
     look.take(config, &clouds);
     look.doubt_labels(&opened, &scans);
-    let (mounting, first_look) = look.told();
+    let (mounting, first_look) = look.reported();
     OpenedDataset { dataset: mounting.of(opened.dataset), first_look, ..opened }
 }
 
@@ -93,7 +93,7 @@ pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunCon
     }
     let mut look = Look::new(&opened.description, stated, &clouds);
     look.take(config, &clouds);
-    let (mounting, _) = look.told();
+    let (mounting, _) = look.reported();
     mounting.describe(&mut opened.description);
     mounting.move_scan(&mut opened.scan);
 }
@@ -161,7 +161,7 @@ fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
     Cow::Owned(cloud.positions_m().step_by(step).collect())
 }
 
-/// Some scans from first to last. What cannot be read is told by the run itself, and names of classes that nobody knows before all else.
+/// Some scans from first to last. The run itself reports what cannot be read, and before all else unknown names of classes.
 fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
     let places = places_looked_at(opened.dataset.scan_ids().len());
     let read: Vec<_> = places.map(|it| opened.dataset.read_scan(it)).collect();
@@ -312,8 +312,8 @@ impl Look {
         self.doubts.extend(are_empty.then_some(FrameDoubt::EmptyBoxes(boxes)));
     }
 
-    /// What is gone by and what was seen, once both are said.
-    fn told(self) -> (Mounting, FirstLook) {
+    /// Prints what is used and what was seen, and returns both.
+    fn reported(self) -> (Mounting, FirstLook) {
         let sentence = format!("{}: {}", self.id, self.sentence());
         if self.seen.taken.is_empty() && self.doubts.is_empty() {
             print_detail(sentence);
@@ -331,7 +331,7 @@ impl Look {
     fn sentence(&self) -> String {
         let seen = &self.seen;
         let beams = seen.n_beams.zip(seen.elevations_deg).map_or_else(
-            || "too few points to tell beams".to_owned(),
+            || "too few points to count beams".to_owned(),
             |(n, [low, high])| {
                 let sensor = seen.sensor.as_deref().map_or_else(String::new, |it| format!(" as {it} has"));
                 format!("{n} beams from {low:.1} to {high:.1} degrees{sensor}")

@@ -34,7 +34,7 @@ const TEMPLATE: [(&str, &str); 6] = [
 /// Where the scans go. The workflow of the template makes the same ones again.
 const DATA: &str = "data/street";
 const STREET: &str = "street-narrow";
-/// Few enough beams that twenty scans are small, enough for objects to be told.
+/// Few enough beams that twenty scans are small, and enough to classify objects.
 const SENSOR: &str = "hdl-32e";
 
 /// Writes a folder with a detector to begin with, scans and labels to judge it by, and what a gate needs.

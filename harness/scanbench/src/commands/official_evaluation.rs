@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use evaluation::protocols::chosen_protocols::{ChosenProtocols, tell_ground};
+use evaluation::protocols::chosen_protocols::{ChosenProtocols, have_ground};
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::rows::official_rows::OfficialRows;
 use reports::vocabulary::protocol::Protocol;
@@ -13,19 +13,19 @@ use crate::commands::standard_streams::print_diagnostic;
 /// Evaluates scans under some protocols.
 pub struct OfficialEvaluation {
     chosen: ChosenProtocols,
-    // Those that did not tell ground in some scan of the data set.
-    tell_no_ground: BTreeSet<&'static str>,
+    // Those that did not predict ground in some scan of the data set.
+    without_ground: BTreeSet<&'static str>,
 }
 
 impl OfficialEvaluation {
     /// By `protocols`; `None` if there are none.
     pub fn of(protocols: &[Protocol]) -> Option<Self> {
-        Some(Self { chosen: ChosenProtocols::of(protocols)?, tell_no_ground: BTreeSet::new() })
+        Some(Self { chosen: ChosenProtocols::of(protocols)?, without_ground: BTreeSet::new() })
     }
 
     /// Begins a data set.
     pub fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), Failure> {
-        self.tell_no_ground.clear();
+        self.without_ground.clear();
         Ok(self.chosen.check(watched.dataset)?)
     }
 
@@ -36,17 +36,17 @@ impl OfficialEvaluation {
         let mut rows = OfficialRows::default();
         for (result, detector) in results.results.iter().zip(results.detectors) {
             let of_detector = scan.rows((result.detector, &**detector), &result.output);
-            if self.chosen.ask_for_ground() && !tell_ground(&of_detector) {
-                self.tell_no_ground.insert(result.detector);
+            if self.chosen.ask_for_ground() && !have_ground(&of_detector) {
+                self.without_ground.insert(result.detector);
             }
             rows.append(of_detector);
         }
         Ok(rows)
     }
 
-    /// Says which detectors did not tell what a protocol asks for.
+    /// Says which detectors did not predict what a protocol asks for.
     pub fn end_dataset(&self) {
-        for name in &self.tell_no_ground {
+        for name in &self.without_ground {
             print_diagnostic(warning_of_no_ground(name));
         }
     }
@@ -55,6 +55,6 @@ impl OfficialEvaluation {
 /// That a detector has no numbers of ground.
 pub fn warning_of_no_ground(detector: &str) -> String {
     format!(
-        "warning: {detector:?} does not tell which points are ground: it has no numbers under the protocol ground"
+        "warning: {detector:?} does not predict which points are ground: it has no numbers under the protocol ground"
     )
 }

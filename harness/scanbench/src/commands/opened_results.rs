@@ -37,7 +37,7 @@ impl OpenedResults {
             for it in datasets {
                 let dataset = &*it.dataset;
                 let id = &dataset.description().id;
-                // A scan that cannot be read is told of when it is its turn.
+                // A scan that cannot be read is reported when it is its turn.
                 let is_asked = |scan_idx: &usize| {
                     damage == DamagePolicy::Refuse || dataset.foreign_frame(*scan_idx).is_ok()
                 };

@@ -16,12 +16,12 @@ pub fn git_state() -> Option<GitState> {
         .then(|| GitState { commit: commit.to_owned(), dirty: env!("SCANBENCH_GIT_DIRTY") == "true" })
 }
 
-/// SHA-256 of the program's own bytes: a version, or a commit with changes on top, would not tell two builds apart.
+/// SHA-256 of the program's own bytes: a version, or a commit with changes on top, would not distinguish two builds.
 pub fn program_checksum() -> String {
     sha256(std::env::current_exe().and_then(std::fs::read).unwrap_or_default())
 }
 
-/// When the program's file was written, and how large it is: tells builds on one machine apart without reading it.
+/// When the program's file was written, and how large it is: distinguishes builds on one machine without reading it.
 pub fn program_stamp() -> String {
     let metadata = std::env::current_exe().and_then(std::fs::metadata);
     let written = metadata.and_then(|it| Ok((it.modified()?, it.len())));
@@ -49,7 +49,7 @@ pub fn machine() -> Machine {
     }
 }
 
-/// The processor's own name where the system tells it, else its architecture.
+/// The processor's own name where the system reports it, else its architecture.
 fn cpu_model() -> String {
     let cpu_info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu_info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));

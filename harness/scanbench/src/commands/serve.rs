@@ -164,7 +164,8 @@ impl Server {
     }
 }
 
-/// What was found, as an answer has it. Points that detections share, and detections without a point, cannot be told: an error.
+/// What was found, as an answer has it. It is an error if detections share points or have none: an answer with clusters cannot
+/// express that.
 fn result_of(output: &DetectorOutput, n_points: usize) -> Result<(ResultLine, Vec<u8>), String> {
     let detections = &output.detections;
     let mut ids = vec![0_u32; n_points];
@@ -173,11 +174,13 @@ fn result_of(output: &DetectorOutput, n_points: usize) -> Result<(ResultLine, Ve
     let mut classes = Vec::new();
     for (detection, id) in detections.iter().zip(1..) {
         if detection.point_indices.is_empty() {
-            return Err("a detection has no point, which an answer with clusters cannot tell".to_owned());
+            return Err("a detection has no point, which an answer with clusters cannot express".to_owned());
         }
         for &point_idx in detection.point_indices {
             if std::mem::replace(&mut ids[point_idx as usize], id) != 0 {
-                return Err("detections share a point, which an answer with clusters cannot tell".to_owned());
+                return Err(
+                    "detections share a point, which an answer with clusters cannot express".to_owned()
+                );
             }
         }
         let [x_m, y_m, z_m] = detection.bounding_box.center_m;

@@ -59,7 +59,7 @@ impl<'a> WatchedRun<'a> {
         }
     }
 
-    /// Runs, and tells all `sinks` of every scan.
+    /// Runs, and reports every scan to all `sinks`.
     pub fn run(&self, mut sinks: Sinks<'_, Failure>) -> Result<(), Failure> {
         let mut n_before = 0;
         for opened in self.datasets {
@@ -124,9 +124,14 @@ impl<'a> WatchedRun<'a> {
     }
 }
 
-/// Says that nothing is to be found in the scans of a data set: a warning without any labels, and an error with some, of which none
-/// counts.
-pub fn tell_of_nothing(id: &str, has_labels: bool, n_scans: u64, doubts: &[String]) -> Result<(), Failure> {
+/// Reports that nothing is to be found in the scans of a data set: a warning if there are no labels, and an error if there are
+/// some but none counts.
+pub fn report_nothing_to_find(
+    id: &str,
+    has_labels: bool,
+    n_scans: u64,
+    doubts: &[String],
+) -> Result<(), Failure> {
     if !has_labels {
         print_diagnostic(format_args!(
             "warning: {id:?} has no labels: nothing is scored, and detectors are compared with one another"

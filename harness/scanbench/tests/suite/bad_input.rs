@@ -44,7 +44,7 @@ fn check_once(ended: &Ended, parts: &[&str]) {
 /// What is done to a sound drive, and parts of the message of a run over it.
 type Damage = (fn(&DrawnDataset), &'static [&'static str]);
 
-/// Every kind of damage, in every layout, is told in the tests of `scans`; here it ends a run.
+/// The tests of `scans` have every kind of damage, in every layout; here damage ends a run.
 #[test]
 fn a_damaged_drive_is_refused() {
     let cases: [Damage; 4] = [
@@ -165,7 +165,7 @@ fn a_run_that_cannot_be() {
             "street -d pca,kdtree -o out",
             &[
                 "there is no detector \"kdtree\" (did you mean \"kd-tree\"?)",
-                "no scanbench.toml tells of others",
+                "no scanbench.toml defines others",
                 "detectors are hierarchical, kd-tree-trained, kd-tree-tree, paper, kd-tree-same-walls, kd-tree, pca",
             ],
         ),
@@ -227,7 +227,7 @@ fn a_catalogued_data_set_or_split_that_is_not_there() {
     it.check("data list --catalogue mine.toml", 2, &["mine.toml, line 2: unknown field `lidar`"]);
 }
 
-/// Each mistake is told in the tests of the configuration and of `-P`; here it ends a run.
+/// The tests of the configuration and of `-P` have every mistake; here a mistake ends a run.
 #[test]
 fn a_parameter_of_another_name_type_or_range() {
     let it = Spoilt::drive();

@@ -73,7 +73,7 @@ fn write_mapping(dataset: &DrawnDataset) {
 }
 
 #[test]
-fn the_mapping_of_the_development_kit_tells_drives_and_times() {
+fn the_mapping_of_the_development_kit_has_drives_and_times() {
     let (workplace, dataset) = objects();
     workplace.succeed(&(RUN, "-o unmapped"));
     write_mapping(&dataset);

@@ -147,7 +147,7 @@ fn parameters_and_sensor_height_change_what_is_found() {
     workplace
         .write("mine.toml", "hierarchical.cluster = { min_points = 100000, min_vehicle_points = 100000 }");
     assert_eq!(n_found(&["-c", "mine.toml"]), 0);
-    // A car that the model tells counts from fewer points on than another object.
+    // An object that the model classifies as a vehicle counts from fewer points on than another object.
     let of_street = |min_vehicle_points: &str| {
         let points = format!("cluster.min_vehicle_points={min_vehicle_points}");
         let street = "street-narrow --scan narrow-803595/000000 --boxes - -c mine.toml -P";

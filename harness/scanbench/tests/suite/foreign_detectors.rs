@@ -67,8 +67,8 @@ fn check_misbehaviour(behaviour: &str, expected: &str) {
     assert_eq!(skipped.stdout, "out\n");
     let said = "odd gave no answer to 1 of 11 scans, which count as nothing found.";
     assert!(place.read("out/table_objects.md").contains(said), "{behaviour}");
-    let told = "odd failed at 1 of 11 scans. They count as nothing found. The first was street";
-    assert!(place.read("out/report.html").contains(told), "{behaviour}");
+    let reported = "odd failed at 1 of 11 scans. They count as nothing found. The first was street";
+    assert!(place.read("out/report.html").contains(reported), "{behaviour}");
     // Nothing of a failed scan is a mistake about its objects.
     let matches = place.read("out/matches.csv");
     let with_reason = matches.lines().filter(|it| it.contains(",detector failed,"));
@@ -78,7 +78,7 @@ fn check_misbehaviour(behaviour: &str, expected: &str) {
 }
 
 #[test]
-fn crashes_and_errors_are_told_and_counted() {
+fn crashes_and_errors_are_reported_and_counted() {
     for (behaviour, expected) in [
         ("exit", "it ended with exit code 3"),
         ("abort", "it was ended by signal 6"),
@@ -118,7 +118,7 @@ fn answers_that_break_the_protocol_are_refused() {
 }
 
 #[test]
-fn what_ends_a_run_is_told_and_nobody_waits_for_orphans() {
+fn what_ends_a_run_is_reported_and_nobody_waits_for_orphans() {
     let skip = "--on-detector-failure skip";
     for (behaviour, more, options, expected) in [
         // What cannot begin ends it whatever the rule.

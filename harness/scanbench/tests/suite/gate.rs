@@ -217,7 +217,7 @@ fn a_first_baseline_gates_the_run_that_it_was_made_of() {
     // It names the run that was written, and says what its scans can show.
     ended.check_stdout(&[
         "scanbench gate first --baseline 'a b/ci' ",
-        "a smaller loss than about this cannot be sure",
+        "These scans cannot show a loss smaller than about this",
         "\n  hierarchical, objects: ",
     ]);
     let names: Vec<String> = ["run/manifest.json", "SCORES.md", "tolerances.toml", "scanbench.yml"]
@@ -393,7 +393,7 @@ fn tolerances_that_name_nothing_never_let_a_loss_pass() {
         format!("[[quality]]\nmetrics = [{metrics}]\nslices = [{slices}]\n{sizes}{more}\n")
     };
     let all = "\"all\"";
-    // Each mistake is told in the tests of `reports`; here it keeps the gate closed.
+    // The tests of `reports` have every mistake; here a mistake fails the gate.
     for (tolerances, expected) in [
         (rule("\"f_rate\"", all, "slice = 1"), "unknown field `slice`"),
         (rule("\"f_rate\"", "\"al\"", ""), "there is no slice \"al\" in either run; did you mean \"all\"?"),
@@ -566,13 +566,14 @@ fn what_cannot_be_made_again_or_compared_is_not_accepted() {
 }
 
 #[test]
-fn what_changed_in_a_detector_of_others_is_told() {
+fn what_changed_in_a_detector_of_others_is_reported() {
     let workplace = Workplace::new();
     let served = env!("CARGO_BIN_EXE_scanbench");
     let run = |script: &str, vehicles: &str, name: &str| {
         workplace.write("mine.sh", script);
-        let told = format!("[detector.mine]\ncommand = [\"sh\", \"mine.sh\"]\nvehicles = {vehicles:?}\n");
-        workplace.write("scanbench.toml", &told);
+        let configuration =
+            format!("[detector.mine]\ncommand = [\"sh\", \"mine.sh\"]\nvehicles = {vehicles:?}\n");
+        workplace.write("scanbench.toml", &configuration);
         run(&workplace, name, "-d mine");
     };
     let script = format!("exec {served:?} serve kd-tree\n");

@@ -21,11 +21,11 @@ fn check_files(workplace: &Workplace, names: &[&str]) {
 }
 
 #[test]
-fn the_shipped_model_tells_objects_and_the_same_comes_out_again() {
+fn the_shipped_model_classifies_objects_and_the_same_comes_out_again() {
     let workplace = Workplace::new();
     let arguments = ["partial", "objects-vlp-16", "--per-class", "4", "--others", "-o"];
     let ended = workplace.succeed(&[&arguments[..], &["out"]].concat());
-    let title = "Partial clouds: objects-vlp-16 (simulated), told by the shipped model";
+    let title = "Partial clouds: objects-vlp-16 (simulated), classified by the shipped model";
     assert!(ended.stdout.starts_with(title), "{ended:#?}");
     for part in ["claims of the paper", "None of these", "strangers"] {
         assert!(ended.stdout.contains(part), "no {part} in {ended:#?}");
@@ -140,7 +140,7 @@ fn what_needs_training_or_a_drive_is_refused_without() {
 }
 
 #[test]
-fn a_model_is_trained_to_the_byte_with_any_number_of_threads_and_tells_objects() {
+fn a_model_is_trained_to_the_byte_with_any_number_of_threads_and_classifies_objects() {
     let train = ["train", "partial", "--objects", "objects-vlp-16,objects-approach", "--per-class", "3"];
     let [one, three] = ["1", "3"].map(|n_threads| {
         let workplace = Workplace::new();
@@ -165,7 +165,7 @@ fn a_model_is_trained_to_the_byte_with_any_number_of_threads_and_tells_objects()
         "out",
     ];
     let ended = one.succeed(&judge);
-    assert!(ended.stdout.contains("told by the model model/partial.model"), "{ended:#?}");
+    assert!(ended.stdout.contains("classified by the model model/partial.model"), "{ended:#?}");
 }
 
 #[test]
@@ -175,7 +175,7 @@ fn results_are_compared_and_gated_object_by_object() {
     workplace.succeed(&[&judge[..], &["before"]].concat());
     let same = workplace.succeed(&["gate", "before", "--baseline", "before"]);
     assert!(same.stdout.contains("PASSED"), "{same:#?}");
-    // What were trees and poles from step 3 on are all told to be cars.
+    // All trees and poles are classified as cars from step 3 on.
     let changed = |is_changed: &dyn Fn(&str) -> bool, name: &str| {
         let text = workplace.read("before/partial.csv");
         let lines = text.lines().map(|line| {
@@ -263,7 +263,7 @@ fn results_of_others_stand_beside_ours_if_they_are_of_the_same_parts() {
     let workplace = Workplace::new();
     let judge = ["partial", "objects-vlp-16", "--per-class", "3", "--no-rrd"];
     workplace.succeed(&[&judge[..], &["-o", "ours"]].concat());
-    let mut table = "object,class,from,step,n_points,told\n".to_owned();
+    let mut table = "object,class,from,step,n_points,predicted\n".to_owned();
     for row in rows(&workplace, "ours/partial.csv") {
         writeln!(table, "{}/{}.npy,{},{},{},{},tree", row[6], row[1], row[6], row[2], row[3], row[8])
             .unwrap();

@@ -40,7 +40,7 @@ fn labels_of_results_are_scored_and_the_truth_is_perfect() {
     let run =
         ["run", "drive", "-d", "hierarchical,pca", "--detections", "truth=drive", "--no-rrd", "-o", "run"];
     let ended = workplace.succeed(&(&run, "--protocol semantic-kitti,ground"));
-    ended.check_stderr(&["\"pca\" does not tell which points are ground"]);
+    ended.check_stderr(&["\"pca\" does not predict which points are ground"]);
     ended.check_stdout(&["s_assoc_over_50_points"]);
     let report = numbers_of(&workplace.path("run"));
     for (class, id) in
@@ -70,7 +70,7 @@ fn without_labels_of_points_there_is_nothing_to_score() {
 }
 
 /// What the makers' programs say of the shared scans where whatever stands higher than 1.5 m below the sensor is found in columns of 2 m, and
-/// all below is told to be ground; versions as in `docs/protocols.md`.
+/// all below is classified as ground; versions as in `docs/protocols.md`.
 #[test]
 #[ignore = "needs data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn real_scans_have_the_numbers_of_the_makers() {
@@ -97,10 +97,10 @@ fn real_scans_have_the_numbers_of_the_makers() {
         let objects = same_label_clusters(&scan.cloud, &labels);
         let entropies = segmentation_entropies(&objects, &found);
         nats.push((entropies.n_objects, entropies.over_nats, entropies.under_nats));
-        let told: Vec<bool> = found.iter().map(|it| *it == 0).collect();
+        let predicted: Vec<bool> = found.iter().map(|it| *it == 0).collect();
         for (sums, definition) in ground.iter_mut().zip(GroundDefinition::ALL) {
             let GroundCounts { n_found, n_false, n_missed, n_others } =
-                ground_counts(definition, &labels, scan.cloud.z_m(), &told);
+                ground_counts(definition, &labels, scan.cloud.z_m(), &predicted);
             sums.iter_mut().zip([n_found, n_false, n_missed, n_others]).for_each(|(sum, it)| *sum += it);
         }
     }

@@ -90,7 +90,7 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
 }
 
 #[test]
-fn what_cannot_be_written_is_told_before_the_first_scan_is_read() {
+fn what_cannot_be_written_is_reported_before_the_first_scan_is_read() {
     let workplace = Workplace::with_drive(2);
     workplace.write("street/training/velodyne/0000/000000.bin", "damaged");
     let run = |format: &str| {

@@ -56,7 +56,7 @@ fn a_run_leaves_its_files_and_nothing_else() {
 }
 
 #[test]
-fn recorded_and_simulated_data_sets_are_told_apart_and_published_rows_stand_beside_the_papers_method() {
+fn recorded_and_simulated_data_sets_are_separated_and_published_rows_stand_beside_the_papers_method() {
     let workplace = Workplace::with_drive(3);
     let run = |detectors: &str, output: &str| {
         let data = ["run", "street", "street-narrow", "--scans", "0..3", "--no-rrd"];

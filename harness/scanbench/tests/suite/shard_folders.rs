@@ -139,7 +139,7 @@ pub fn check_same_but_times(workplace: &Workplace, whole: &str, merged: &str) {
     assert_eq!(files_of(workplace, whole), files_of(workplace, merged));
     for name in ["matches.csv", "precision_recall.csv", "worst_points.json"] {
         let [one, other] = [whole, merged].map(|it| workplace.read(&format!("{it}/{name}")));
-        // Where nothing is told a vehicle there is no row.
+        // Where nothing is classified as a vehicle there is no row.
         let n_least = if name == "precision_recall.csv" { 1 } else { 3 };
         assert!(one == other && one.lines().count() >= n_least, "{name} of {merged}: {one}\n{other}");
     }

@@ -291,7 +291,7 @@ fn shards_of_an_ablation_and_of_a_run_are_kept_apart() {
 const PARTIAL: [&str; 6] = ["partial", "objects-vlp-16", "--per-class", "4", "--no-rrd", "-q"];
 
 #[test]
-fn objects_in_shards_are_told_as_in_one_piece() {
+fn objects_in_shards_are_classified_as_in_one_piece() {
     check_in_shards(&[&PARTIAL[..], &["--others"]].concat(), &[1, 7], nothing_is_timed);
     // More shards than objects of the second set, which methods learn about anew.
     let sets = ["objects-around", "--train", "objects-around", "--trained-on", "whole"];

@@ -21,7 +21,7 @@ use crate::dataset::scan_folder::label_cloud::{LabelCloudFile, LabelCloudObject}
 use crate::dataset::scan_folder::listed_box::ListedBox;
 use crate::dataset::scan_folder::sustech_points::SustechObject;
 
-/// What a vehicle is called: detectors do not tell cars from vans.
+/// What a vehicle is called: detectors do not distinguish cars from vans.
 const CLASS: &str = "Car";
 
 /// A vehicle that a detector proposes.

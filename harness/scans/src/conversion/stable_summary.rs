@@ -15,7 +15,7 @@ const N_HEAD_BYTES: usize = 9;
 const N_FOOTER_BYTES: usize = N_HEAD_BYTES + 20;
 const N_MARK_BYTES: usize = 8;
 
-/// Passes on what is written to it, and keeps what comes once it is told that the end begins.
+/// Passes on what is written to it, until its [`Ending`] says that the end begins; from then on it keeps what is written.
 pub struct StableSummary<W> {
     inner: W,
     n_passed_on: u64,
@@ -23,7 +23,7 @@ pub struct StableSummary<W> {
     end: Vec<u8>,
 }
 
-/// Tells a [`StableSummary`] that somebody else owns.
+/// Says to a [`StableSummary`] with another owner that the end begins.
 #[derive(Clone)]
 pub struct Ending(Arc<AtomicBool>);
 

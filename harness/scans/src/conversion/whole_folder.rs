@@ -47,7 +47,7 @@ impl WholeFolder {
 
     /// Writes the file `name`, with its folders.
     ///
-    /// A file of that name that is there already is an error: two names may be one where upper and lower case are not told apart.
+    /// It is an error if a file of that name exists: two names may be one where file names do not distinguish upper and lower case.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<(), ConversionError> {
         use std::io::Write as _;
         let path = self.partial.path().join(name);

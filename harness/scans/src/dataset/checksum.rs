@@ -1,4 +1,4 @@
-//! Checksums that tell whether data changed, and are cheap enough to be taken at every run.
+//! Checksums that show whether data changed, and are cheap enough for every run.
 //!
 //! That of a data set is taken when it is opened; that of each scan as it is read is [`checksum_as_read`]. The former is the SHA-256 of sorted lines, each ended by a newline:
 //!
@@ -74,7 +74,7 @@ impl ContentChecksum {
 /// CRC-32 of all of a scan that numbers are made of, as it was read: points, annotations, and what the labels say nothing about.
 ///
 /// [`DatasetChecksum`] is of the files of a data set before any of them is read, so it takes large ones by their size. This one also
-/// tells labels that changed and kept their size, another transform, and other names of classes.
+/// changes with labels that kept their size, with another transform, and with other names of classes.
 pub fn checksum_as_read(scan: &LabeledScan) -> u32 {
     let LabeledScan { id: _, cloud, annotations, point_regions, labeled_area, points_left_out } = scan;
     let mut checksum = crc32fast::Hasher::new();

@@ -64,7 +64,7 @@ pub fn class_named(name: &str) -> Option<AnnotationClass> {
 }
 
 /// Words in names that say what it is, in the spelling of [`plain_name`], and what that makes likely.
-const TELLING_WORDS: &[(&str, AnnotationClass)] = &[
+const CLASS_WORDS: &[(&str, AnnotationClass)] = &[
     ("trailer", AnnotationClass::Trailer),
     ("tram", AnnotationClass::Tram),
     ("rail", AnnotationClass::Tram),
@@ -109,7 +109,7 @@ const TELLING_WORDS: &[(&str, AnnotationClass)] = &[
     ("vehicles", AnnotationClass::Car),
 ];
 
-/// The class that `name`, which stands for nothing known, most likely means, by the words in it; *misc* if none tells.
+/// The class that the unknown `name` most likely means, by the words in it; *misc* if no word has a class.
 pub fn likeliest_class(name: &str) -> AnnotationClass {
     let spaced: String = name
         .chars()
@@ -123,14 +123,14 @@ pub fn likeliest_class(name: &str) -> AnnotationClass {
     let words: Vec<&str> =
         plain.split('-').map(|it| it.trim_end_matches(|it: char| it.is_ascii_digit())).collect();
     // *vehicle* and *object* say less than what stands beside them.
-    let telling = |word: &&str| {
+    let class_of_word = |word: &&str| {
         let singular = word.strip_suffix('s').unwrap_or(word);
-        let of_word = |it: &str| TELLING_WORDS.iter().find(|(word, _)| *word == it).map(|(_, class)| *class);
+        let of_word = |it: &str| CLASS_WORDS.iter().find(|(word, _)| *word == it).map(|(_, class)| *class);
         [*word, singular].into_iter().find_map(|it| of_word(it).or_else(|| class_named(it)))
     };
     let is_general = |it: &&&str| matches!(**it, "vehicle" | "vehicles" | "human" | "misc");
-    let special = words.iter().rev().filter(|it| !is_general(it)).find_map(telling);
-    let general = || words.iter().filter(is_general).find_map(telling);
+    let special = words.iter().rev().filter(|it| !is_general(it)).find_map(class_of_word);
+    let general = || words.iter().filter(is_general).find_map(class_of_word);
     special.or_else(general).unwrap_or(AnnotationClass::Misc)
 }
 

@@ -155,7 +155,7 @@ impl DatasetError {
         Self::Unsound(format!("the catalogue names {path:?}, which does not exist"))
     }
 
-    /// Several scans or drives cannot be told apart.
+    /// Several scans or drives have the same name.
     pub fn same_name(kind: &str, name: &str, paths: &[&Path]) -> Self {
         let paths = paths.iter().map(|it| format!("{it:?}")).collect::<Vec<_>>().join(", ");
         Self::Unsound(format!("several {kind} are called {name:?}: {paths}"))

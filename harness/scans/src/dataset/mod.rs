@@ -92,7 +92,7 @@ pub trait Dataset: Send + Sync {
         self.inner()?.scan_time_ns(scan_idx)
     }
 
-    /// What tells which scans are near one another.
+    /// How to find which scans are near one another.
     fn nearness(&self) -> Nearness {
         self.inner().map_or(Nearness::Times, Dataset::nearness)
     }
@@ -149,7 +149,7 @@ pub trait Dataset: Send + Sync {
     }
 }
 
-/// What tells which scans of a data set are near one another, and so show the same objects.
+/// How to find which scans of a data set are near one another, and so show the same objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Nearness {
     /// Time stamps; without them numbers, which count a tenth of a second each.

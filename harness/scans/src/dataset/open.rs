@@ -20,9 +20,9 @@ use super::{Dataset, DatasetError};
 /// How a data set is opened other than the catalogue says.
 #[derive(Debug, Clone, Default)]
 pub struct ReadOptions {
-    /// The format of a data set at a path; the files tell otherwise.
+    /// The format of a data set at a path; without it, the format is recognised by the files.
     pub format: Option<DatasetFormat>,
-    /// The topics of a recording; the catalogue's or the only ones are taken else.
+    /// The topics of a recording; without them, those of the catalogue, or the only ones.
     pub topics: TopicChoice,
     /// What becomes of damaged parts that others do not depend on.
     pub damage: DamagePolicy,
@@ -56,7 +56,7 @@ pub fn open_recorded<S>(
     Ok(options.mounting.clone().of(dataset))
 }
 
-/// Makes sure that scans can be told apart, and that the names of data set and drives can be shown.
+/// Makes sure that no two scans have the same name, and that the names of data set and drives can be shown.
 fn check_names(dataset: &dyn Dataset) -> Result<(), DatasetError> {
     let description = dataset.description();
     let path = || description.root.clone().unwrap_or_default();

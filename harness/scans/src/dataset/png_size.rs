@@ -49,7 +49,7 @@ mod tests {
     }
 
     #[test]
-    fn the_header_tells_the_size() {
+    fn the_header_has_the_size() {
         check(&[header(1224, 370), b"and all the rest of the image".to_vec()].concat(), Some([1224, 370]));
     }
 

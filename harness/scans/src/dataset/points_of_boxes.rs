@@ -4,7 +4,7 @@ use detector::{OrientedBox, PointCloud};
 
 use crate::annotation::Annotation;
 
-/// Gives every annotation that has a box the points in it, as [`points_of_boxes`] tells them; others keep theirs.
+/// Gives every annotation that has a box the points in it, as [`points_of_boxes`] finds them; others keep theirs.
 pub fn assign_points_in_boxes(cloud: &PointCloud, annotations: &mut [Annotation]) {
     let mut boxed: Vec<&mut Annotation> =
         annotations.iter_mut().filter(|it| it.bounding_box.is_some()).collect();
@@ -22,7 +22,7 @@ pub fn assign_points_in_boxes(cloud: &PointCloud, annotations: &mut [Annotation]
 pub fn points_of_boxes(cloud: &PointCloud, boxes: &[OrientedBox]) -> Vec<Vec<u32>> {
     let mut point_indices = vec![Vec::new(); boxes.len()];
     let squares = squares_by_volume(boxes);
-    // Most points are near no box, and one comparison with the square around all of them tells.
+    // Most points are near no box; one comparison with the square around all boxes rules them out.
     let Some(around_all) = squares.iter().map(|(_, square)| *square).reduce(Square::join) else {
         return point_indices;
     };

@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn none_and_none_with_a_position_are_told_apart() {
+    fn none_and_none_with_a_position_are_distinguished() {
         let message = |x_m: &[f64]| {
             points(x_m).unwrap().not_empty(Path::new("a.bin")).expect_err("nothing to look at").to_string()
         };

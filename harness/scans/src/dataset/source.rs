@@ -1,4 +1,4 @@
-//! What a reader is told about the data set it is to open.
+//! What a reader knows about the data set that it opens.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;

@@ -11,7 +11,7 @@ const N_BYTES_PER_POINT: usize = 16;
 
 /// Reads the scan at `path`.
 ///
-/// The file has no header, so that one that was cut between two points cannot be told from a shorter scan.
+/// The file has no header, so that a file cut between two points cannot be distinguished from a shorter scan.
 pub fn read_velodyne_bin(path: &Path) -> Result<PositionedPoints, DatasetError> {
     parse_velodyne_bin(path, &bytes_of(path)?)
 }

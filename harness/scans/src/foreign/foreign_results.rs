@@ -72,7 +72,7 @@ pub struct ForeignResults {
     n_empty_boxes: usize,
 }
 
-/// Opens the results at `path`, a file or folder whose format is told by what is in it; `recording.mcap:/topic` names a topic, too.
+/// Opens the results at `path`, a file or folder whose format is recognised by its content; `recording.mcap:/topic` names a topic, too.
 pub fn open_results(
     path: &Path,
     dataset: &dyn Dataset,
@@ -153,8 +153,8 @@ impl ForeignResults {
         self.format
     }
 
-    /// Tells whether other results lie there: as that of a data set, with the content of all files but recordings, of which it has
-    /// the size. Where each scan has files of its own, only those of the scans that are asked for are in it.
+    /// Changes when other results lie there. Like the checksum of a data set it has the content of all files; of recordings it has
+    /// the size. Where each scan has files of its own, it has only those of the scans that are asked for.
     pub fn checksum(&self) -> &str {
         &self.checksum
     }

@@ -1,7 +1,7 @@
 //! What other programs found in the scans of a data set, read from their files.
 //!
 //! A format is a file here with a type that implements [`ResultReader`](result_reader::ResultReader);
-//! [`open_results`](foreign_results::open_results) tells the formats apart and checks what they give.
+//! [`open_results`](foreign_results::open_results) recognises the format and checks what it gives.
 
 pub mod detections;
 pub mod points_in_boxes;

@@ -1,4 +1,4 @@
-//! In which format results are, told by what lies at their path.
+//! The format of results, recognised by what lies at their path.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

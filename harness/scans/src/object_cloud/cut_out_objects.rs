@@ -1,8 +1,8 @@
 //! The annotated objects of a data set, each from one scan or registered over all that show it.
 //!
-//! What can be had: KITTI, nuScenes and Argoverse 2 have boxes, and so cars, vans and pedestrians, but trees and poles only where somebody
-//! has labelled them. The point labels of SemanticKITTI have instances of cars and people; poles are what hangs together; trunks
-//! and plants are not told apart, so that there are no trees, fences or hedges. The simulated streets have all classes.
+//! KITTI, nuScenes and Argoverse 2 have boxes, and so cars, vans and pedestrians; trees and poles only where somebody has
+//! labelled them. The point labels of SemanticKITTI have instances of cars and people; connected points are a pole. Trunks
+//! and plants have no instances, so that there are no trees, fences or hedges. The simulated streets have all classes.
 
 use detector::PointCloud;
 use nalgebra::Isometry3;

@@ -346,7 +346,7 @@ fn a_missing_root_says_what_to_set_and_where_the_data_are() {
 }
 
 #[test]
-fn a_checksum_tells_when_the_data_changed() {
+fn a_checksum_changes_with_the_data() {
     let disk = Disk::with_objects();
     let checksum = disk.open().unwrap().description().checksum.clone().unwrap();
     let line = format!("checksum = {checksum:?}");

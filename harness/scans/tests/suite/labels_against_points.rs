@@ -178,7 +178,7 @@ fn labels_of_streets_are_silent_and_their_damage_is_named() {
 fn real_labels_are_silent_and_their_damage_is_named() {
     for looked in recorded() {
         assert_eq!(looked.doubts(|it| *it), [], "{}", looked.name);
-        // One scan with 16 vehicles does not tell all.
+        // One scan with 16 vehicles does not show every kind of damage.
         if looked.scans.len() > 1 { check_all(&looked) } else { check_places(&looked) }
     }
     let kitti = Looked::recorded("data/kitti_tracking");

@@ -48,7 +48,7 @@ pub struct StreamEnding {
 
 /// An open recording.
 ///
-/// [`Self::finish`] tells whether everything was written; a stream that is only dropped may leave a file without its end.
+/// [`Self::finish`] reports whether everything was written; a stream that is only dropped may leave a file without its end.
 #[must_use = "a recording that is not finished may be incomplete without anyone knowing"]
 pub struct Stream {
     recording: RecordingStream,

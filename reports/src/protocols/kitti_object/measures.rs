@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_tell_all_numbers_of_a_class_apart() {
+    fn names_distinguish_all_numbers_of_a_class() {
         let of_cars = Question::all().into_iter().filter(|it| it.class.name() == "car");
         let ids: Vec<String> = of_cars.flat_map(Measure::of).map(|it| it.id()).collect();
         let distinct: std::collections::BTreeSet<&String> = ids.iter().collect();

@@ -91,7 +91,7 @@ fn order(scan: &KittiScan, a: &Candidate, b: &Candidate) -> Ordering {
         .then_with(|| by_content(scan, a, b))
 }
 
-/// Tells pairs of like scores and overlaps apart by what they are, not by where they stand in files.
+/// Orders pairs of equal scores and overlaps by their content, not by their position in files.
 fn by_content(scan: &KittiScan, a: &Candidate, b: &Candidate) -> Ordering {
     let boxes =
         |it: &Candidate| [&scan.annotations()[it.annotation].object, &scan.detections()[it.detection].object];

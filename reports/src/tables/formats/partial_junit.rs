@@ -1,4 +1,4 @@
-//! A verdict on partial clouds as `JUnit` XML: one test case a number, and one an object that is told to be something else.
+//! A verdict on partial clouds as `JUnit` XML: one test case for each number, and one for each object whose predicted class changed.
 
 use quick_junit::{Report, TestCase, TestCaseStatus, TestSuite};
 
@@ -6,7 +6,7 @@ use crate::files::fixed_decimals::fixed_decimals;
 use crate::tables::formats::format::Format;
 use crate::tables::formats::junit::{JUnit, case, failed, skipped, status};
 use crate::verdicts::finding::Finding;
-use crate::verdicts::partial_difference::{CurveName, PartialDifference, ToldOtherwise};
+use crate::verdicts::partial_difference::{ChangedPrediction, CurveName, PartialDifference};
 use crate::verdicts::partial_verdict::PartialVerdict;
 use crate::verdicts::tolerances::DriftRule;
 
@@ -52,16 +52,17 @@ fn of_number(verdict: &PartialVerdict, it: &PartialDifference, finding: Finding)
 /// One for each object of a curve, with all its steps.
 fn drift_cases(verdict: &PartialVerdict) -> Vec<TestCase> {
     if verdict.drift.is_empty() {
-        let name = "every object is told to be what it was told to be before";
+        let name = "no prediction changed";
         return vec![case("scanbench.partial.drift", name, TestCaseStatus::success())];
     }
-    let is_of_same = |a: &ToldOtherwise, b: &ToldOtherwise| a.curve == b.curve && a.object == b.object;
-    let of_object = |steps: &[ToldOtherwise]| {
-        let step = |it: &ToldOtherwise| {
+    let is_of_same =
+        |a: &ChangedPrediction, b: &ChangedPrediction| a.curve == b.curve && a.object == b.object;
+    let of_object = |steps: &[ChangedPrediction]| {
+        let step = |it: &ChangedPrediction| {
             format!("step {}: {}, and now {}", it.step, it.before.name(), it.after.name())
         };
         let details: Vec<String> = steps.iter().map(step).collect();
-        let message = format!("told to be something else at {} steps", steps.len());
+        let message = format!("predicted class changed at {} steps", steps.len());
         let status = match verdict.tolerances.drift {
             DriftRule::Fail => failed("drift", &message, &details.join("\n")),
             DriftRule::Warn => skipped(&format!("allowed: {message}")),
@@ -97,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loss_and_every_object_that_is_told_otherwise_are_cases() {
+    fn a_loss_and_every_object_whose_predicted_class_changed_are_cases() {
         let [regression, drift] = ["type=\"regression\"", "type=\"drift\""];
         let (allowed, number) =
             ("<skipped message=\"allowed: ", "mean_recall at step 1 of street from below");

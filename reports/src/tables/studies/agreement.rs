@@ -119,7 +119,7 @@ mod tests {
     use crate::tables::formats::terminal::Terminal;
 
     #[test]
-    fn bins_of_too_little_are_told() {
+    fn bins_of_too_little_are_reported() {
         let mut tracks = pair(&[(120.0, 100.0), (3.0, 1.0), (5.0, 4.0)]);
         tracks.statistic = "points_per_track";
         tracks.counted = "tracks";

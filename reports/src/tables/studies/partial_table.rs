@@ -4,7 +4,7 @@ use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::Interval;
 use crate::partial_study::partial_claims::{MeasuredClaim, PartialClaim};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
-use crate::rows::partial_row::Told;
+use crate::rows::partial_row::Predicted;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
 use crate::uncertainty::bootstrap::N_RESAMPLES;
@@ -141,9 +141,9 @@ fn percent(share: Option<f64>) -> Cell {
 
 fn confusion(step: &PartialStep) -> Grid {
     let columns = [Column::left("is"), Column::number("objects")];
-    let columns = columns.into_iter().chain(Told::ALL.map(|it| Column::number(it.name())));
+    let columns = columns.into_iter().chain(Predicted::ALL.map(|it| Column::number(it.name())));
     let line = |(class, at_step): (&PartialClass, &crate::partial_study::partial_curves::ClassAtStep)| {
-        let counts = [at_step.n_objects].into_iter().chain(at_step.told);
+        let counts = [at_step.n_objects].into_iter().chain(at_step.predicted);
         let cells = counts.map(|it| Cell::new(it.to_string()));
         Line { kind: LineKind::Dataset, cells: [Cell::new(class.name())].into_iter().chain(cells).collect() }
     };
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn what_is_rejected_of_whom_stands_with_its_interval() {
         let strangers = (0..20).map(|it| {
-            let told = if it < 15 { Told::NoneOfThese } else { Told::Tree };
+            let told = if it < 15 { Predicted::NoneOfThese } else { Predicted::Tree };
             row(PartialClass::Other, &format!("fence-{it}"), 3, told, [1.0; 4])
         });
         let rows: Vec<_> = rows().into_iter().chain(strangers).collect();

@@ -104,15 +104,16 @@ struct Change {
     text: String,
 }
 
-/// All that changed. Times are others in every run: only those that changed by more than is tolerated. What has no number is told elsewhere.
+/// All numbers that changed. Times change in every run: only those beyond their tolerance are listed. What has no number is reported
+/// elsewhere.
 fn changes(verdict: &Verdict) -> Vec<Change> {
     let of_number = |gated: &GatedMetric| {
         let it = gated.difference.as_ref().ok()?;
         let (difference, is_time) = (it.difference(), gated.metric.is_time());
-        let is_told = if is_time { difference.abs() > gated.tolerance } else { difference != 0.0 };
+        let is_change = if is_time { difference.abs() > gated.tolerance } else { difference != 0.0 };
         let text = if is_time { text_of_time(gated, it) } else { text_of_metric(gated, it) };
         let size = in_tolerances(difference, gated.tolerance);
-        is_told.then_some(Change { finding: gated.finding, is_loss: it.worsening() >= 0.0, size, text })
+        is_change.then_some(Change { finding: gated.finding, is_loss: it.worsening() >= 0.0, size, text })
     };
     verdict.numbers().filter_map(of_number).collect()
 }

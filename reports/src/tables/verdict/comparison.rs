@@ -148,7 +148,7 @@ fn together(tally: &Tally) -> &'static str {
     if judged(tally).len() > 1 { "recorded and simulated data sets apart" } else { "all data sets together" }
 }
 
-/// Numbers of single classes are told where slices are.
+/// Numbers of single classes are shown where slices are.
 fn of_protocol(
     protocol: &str,
     detector: &str,
@@ -156,13 +156,13 @@ fn of_protocol(
     slices: ComparedSlices,
 ) -> Vec<NamedDifference> {
     let has_summary = pairs.iter().any(|it| it.class == ALL_CLASSES);
-    let is_told =
+    let is_shown =
         |it: &ProtocolPair| slices == ComparedSlices::Each || !has_summary || it.class == ALL_CLASSES;
     let named = |it: ProtocolPair| {
         let (task, detector) = (protocol.to_owned(), detector.to_owned());
         Some(NamedDifference { task, detector, slice: it.class, difference: it.difference? })
     };
-    pairs.into_iter().filter(is_told).filter_map(named).collect()
+    pairs.into_iter().filter(is_shown).filter_map(named).collect()
 }
 
 impl Tabular for Comparison {

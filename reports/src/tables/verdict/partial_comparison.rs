@@ -11,8 +11,8 @@ use crate::uncertainty::bootstrap::N_RESAMPLES;
 use crate::verdicts::comparability::NotComparable;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::partial_difference::{
-    CurveName, PartialDifference, ToldOtherwise, check_comparable_results, check_same_parts, differences,
-    rows_of_curves, told_otherwise,
+    ChangedPrediction, CurveName, PartialDifference, changed_predictions, check_comparable_results,
+    check_same_parts, differences, rows_of_curves,
 };
 use crate::verdicts::partial_verdict::PartialVerdict;
 
@@ -23,8 +23,8 @@ pub struct PartialComparison {
     pub title: String,
     /// Curve by curve, metric by metric, step by step.
     pub differences: Vec<PartialDifference>,
-    /// How often an object is told to be something else; `None` where two methods are compared, of which that is expected.
-    pub n_told_otherwise: Option<usize>,
+    /// How often the predicted class of an object changed; `None` where two methods are compared, whose classes are expected to differ.
+    pub n_changed_predictions: Option<usize>,
 }
 
 impl PartialComparison {
@@ -41,7 +41,7 @@ impl PartialComparison {
         Ok(Self {
             title: format!("Two results on the same objects. {}", after.manifest.title()),
             differences: found.collect(),
-            n_told_otherwise: Some(told_otherwise(before, after).len()),
+            n_changed_predictions: Some(changed_predictions(before, after).len()),
         })
     }
 
@@ -84,7 +84,7 @@ impl PartialComparison {
             "A: {first}, B: {second}, difference B − A, on the same objects. {}",
             archive.manifest.title()
         );
-        Ok(Self { title, differences: found, n_told_otherwise: None })
+        Ok(Self { title, differences: found, n_changed_predictions: None })
     }
 }
 
@@ -92,15 +92,13 @@ impl Tabular for PartialComparison {
     fn sheet(&self) -> Sheet {
         let lines: Vec<(&PartialDifference, Option<Finding>)> =
             self.differences.iter().map(|it| (it, None)).collect();
-        let about = self.n_told_otherwise.map(|n| match n {
-            0 => "Every object is told to be what it was told to be before.".to_owned(),
-            n => format!(
-                "Objects are told to be something else {n} times (counted per object, step and method)."
-            ),
+        let about = self.n_changed_predictions.map(|n| match n {
+            0 => "No prediction changed.".to_owned(),
+            n => format!("Predictions changed {n} times (counted per object, step and method)."),
         });
         let sentences = [about_numbers()].into_iter().chain(about).collect();
         // Two results come one after the other, two methods do not.
-        let sides = if self.n_told_otherwise.is_some() { RESULTS } else { ["A", "B"] };
+        let sides = if self.n_changed_predictions.is_some() { RESULTS } else { ["A", "B"] };
         Sheet::of(format!("{} Rates in %.", self.title), grid(&lines, sides), sentences)
             .labelled("comparison")
     }
@@ -150,7 +148,7 @@ fn signed_percent(share: f64) -> String {
     if text.starts_with('-') { text.replacen('-', "−", 1) } else { format!("+{text}") }
 }
 
-/// A verdict, with all of its numbers or those of which something is to be said.
+/// A verdict, with all of its numbers or only those beyond their tolerance.
 #[derive(Debug, Clone, Copy)]
 pub struct PartialSummary<'a> {
     /// The verdict.
@@ -162,9 +160,9 @@ pub struct PartialSummary<'a> {
 /// How much of a verdict is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SummaryExtent {
-    /// Numbers beyond their tolerance, and the first objects that are told otherwise.
+    /// Numbers beyond their tolerance, and the first objects whose predicted class changed.
     Brief,
-    /// The same without what it comes to: of a result that is to be accepted, that it changed is why.
+    /// The same without the conclusion: a result is accepted because it changed.
     Accept,
     /// Everything.
     Full,
@@ -191,7 +189,7 @@ impl Tabular for PartialSummary<'_> {
                 }
             },
             format!(
-                "{} numbers: {} worse, {} inconclusive, {} passed. Told otherwise: {}.",
+                "{} numbers: {} worse, {} inconclusive, {} passed. Predictions changed: {}.",
                 findings.len(),
                 n_of(Finding::Regression),
                 n_of(Finding::Inconclusive),
@@ -216,7 +214,7 @@ fn name_of(CurveName { data, direction, method, trained_on }: &CurveName) -> Str
     format!("{method} trained on {trained_on}, {data} from {direction}")
 }
 
-fn change_text(it: &ToldOtherwise) -> String {
+fn change_text(it: &ChangedPrediction) -> String {
     format!("{} at step {}: {}, and now {}", it.object, it.step, it.before.name(), it.after.name())
 }
 
@@ -327,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_verdict_names_what_is_worse_and_what_is_told_otherwise() {
+    fn a_verdict_names_what_is_worse_and_which_predictions_changed() {
         let verdict = judge_partial(&archive(40), &archive(30), &PartialTolerances::built_in()).unwrap();
         let brief = Markdown.text(&PartialSummary { verdict: &verdict, extent: SummaryExtent::Brief });
         for part in ["FAILED: worse", "1 worse", "tree-30 at step 1: tree, and now pole", "−25.0"] {

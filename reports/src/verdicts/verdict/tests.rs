@@ -308,7 +308,7 @@ fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
 }
 
 #[test]
-fn a_changed_configuration_is_told_with_both_values() {
+fn a_changed_configuration_is_reported_with_both_values() {
     let with = |it: &str| with_foreign(ForeignEntry { vehicles: it.to_owned(), ..ForeignEntry::default() });
     let (before, after) = (with("size"), with("model"));
     let verdict = judge(&before, &after, &tolerances()).unwrap();
@@ -583,10 +583,10 @@ fn built_in_tolerances_leave_out_what_cannot_be_known() {
     assert_eq!(judge(&unknown, &unknown, &tolerances).unwrap().conclusion(), Conclusion::Same);
 }
 
-/// What the file has, what there is not in the runs, and what has no effect are told together; a rule that is wrong in one way is
-/// not said to have no effect as well.
+/// Unknown entries of the file, names missing in the runs, and rules without effect are reported together. A rule that is wrong in
+/// one way is not reported to have no effect as well.
 #[test]
-fn problems_of_the_file_and_of_the_runs_are_told_together() {
+fn problems_of_the_file_and_of_the_runs_are_reported_together() {
     let tolerances = read_back(
         r#"
 [[quality]]

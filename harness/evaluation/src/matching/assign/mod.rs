@@ -25,7 +25,7 @@ pub struct MatchingParams {
 
 /// Matches `detections` with the annotations of `scan` for `task`, and says of each what became of it and why.
 ///
-/// `annotated` tells whether a detection that matches nothing is known to be false. Every point of a detection must
+/// By `annotated`, a detection that matches nothing is known to be false or not. Every point of a detection must
 /// be a point of the scan; it may be one of several detections. The order of the detections does not matter: where pairs
 /// are as good, `detection_ranks` decide. What is left over may find tall annotations, by the same criterion; both are
 /// ignored then.

@@ -107,7 +107,7 @@ fn rates(assignment: &Assignment) -> [Option<f64>; 3] {
     [scored.f_rate(), scored.precision(), scored.recall()]
 }
 
-/// A detection as far as nobody can tell it from another, and what became of it.
+/// What identifies a drawn detection: two of the same identity cannot be distinguished.
 fn identity(drawn: &Drawn) -> String {
     format!("{drawn:?}")
 }

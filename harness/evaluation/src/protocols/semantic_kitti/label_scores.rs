@@ -33,15 +33,15 @@ pub struct LabeledPoints<'a> {
 pub struct FoundPoints<'a> {
     /// What it detected.
     pub detections: &'a Detections,
-    /// The label of every point, where it tells labels: these then are its segments, and say their classes.
+    /// The label of every point, where it predicts labels: these then are its segments, and say their classes.
     pub labels: Option<&'a [u32]>,
-    /// Whether each point is ground, where it tells by itself.
+    /// Whether each point is ground, where it predicts ground itself.
     pub ground: Option<Vec<bool>>,
 }
 
 impl FoundPoints<'_> {
-    /// Whether each point is ground, by itself or by its label; `None` where neither is told.
-    pub fn told_ground(&self) -> Option<Cow<'_, [bool]>> {
+    /// Whether each point is predicted to be ground, directly or by its label; `None` without both predictions.
+    pub fn predicted_ground(&self) -> Option<Cow<'_, [bool]>> {
         let of_labels = |it: &[u32]| it.iter().map(|label| is_surface(class_number(*label))).collect();
         self.ground.as_deref().map(Cow::Borrowed).or_else(|| self.labels.map(of_labels).map(Cow::Owned))
     }
@@ -55,11 +55,14 @@ impl<'a> LabeledPoints<'a> {
         Self { cloud, labels, objects }
     }
 
-    /// The scores of `found` under `protocol`: none of one that does not score labels, or of ground that is not told.
+    /// The scores of `found` under `protocol`: none under a protocol that does not score labels, and none of ground that is
+    /// not predicted.
     pub fn scores(&self, protocol: Protocol, found: &FoundPoints<'_>) -> Vec<LabelScore> {
         match protocol.family() {
             ProtocolFamily::Instances => self.of_segments(found),
-            ProtocolFamily::Ground => found.told_ground().map_or_else(Vec::new, |told| self.of_ground(&told)),
+            ProtocolFamily::Ground => {
+                found.predicted_ground().map_or_else(Vec::new, |predicted| self.of_ground(&predicted))
+            }
             ProtocolFamily::KittiObjects | ProtocolFamily::RankedBoxes => Vec::new(),
         }
     }
@@ -84,8 +87,8 @@ impl<'a> LabeledPoints<'a> {
                     let is_ground = |(label, z_m): (&u32, &f32)| {
                         is_ground(definition, class_number(*label), *z_m) == Some(true)
                     };
-                    let told: Vec<bool> = points().map(is_ground).collect();
-                    let counts = ground_counts(definition, &self.labels, self.cloud.z_m(), &told);
+                    let predicted: Vec<bool> = points().map(is_ground).collect();
+                    let counts = ground_counts(definition, &self.labels, self.cloud.z_m(), &predicted);
                     LabelScore::Ground(definition, counts)
                 };
                 GroundDefinition::ALL.map(of).to_vec()
@@ -109,9 +112,9 @@ impl<'a> LabeledPoints<'a> {
             .collect()
     }
 
-    fn of_ground(&self, told: &[bool]) -> Vec<LabelScore> {
+    fn of_ground(&self, predicted: &[bool]) -> Vec<LabelScore> {
         let of = |definition| {
-            let counts = ground_counts(definition, &self.labels, self.cloud.z_m(), told);
+            let counts = ground_counts(definition, &self.labels, self.cloud.z_m(), predicted);
             LabelScore::Ground(definition, counts)
         };
         GroundDefinition::ALL.map(of).to_vec()
@@ -151,16 +154,16 @@ mod tests {
     }
 
     #[test]
-    fn ground_is_scored_where_it_is_told() {
+    fn ground_is_scored_where_it_is_predicted() {
         let nothing = Detections::default();
-        let told = |ground| FoundPoints { detections: &nothing, labels: None, ground };
-        assert_eq!(scores(Protocol::Ground, &told(None)), []);
-        let found = scores(Protocol::Ground, &told(Some(vec![false, true, true, true])));
+        let predicted = |ground| FoundPoints { detections: &nothing, labels: None, ground };
+        assert_eq!(scores(Protocol::Ground, &predicted(None)), []);
+        let found = scores(Protocol::Ground, &predicted(Some(vec![false, true, true, true])));
         assert_eq!(found.len(), 3);
         let LabelScore::Ground(definition, counts) = found[0] else { panic!("{found:?}") };
         assert_eq!(definition, GroundDefinition::Patchwork);
         assert_eq!((counts.n_found, counts.n_false, counts.n_missed, counts.n_others), (1, 1, 0, 1));
-        let of_labels = FoundPoints { labels: Some(&[0, 40, 40, 40]), ..told(None) };
+        let of_labels = FoundPoints { labels: Some(&[0, 40, 40, 40]), ..predicted(None) };
         assert_eq!(scores(Protocol::Ground, &of_labels), found);
     }
 }

@@ -123,8 +123,8 @@ fn objects_and_entropies_are_those_of_the_makers() {
 fn ground_is_counted_as_the_makers_count_it() {
     for scan in made_up_scans() {
         let z_m: Vec<f32> = scan.positions_m.iter().map(|it| it[2]).collect();
-        let told: Vec<bool> = scan.ground.iter().map(|it| *it != 0).collect();
-        let counts = |definition| ground_counts(definition, &scan.labels, &z_m, &told);
+        let predicted: Vec<bool> = scan.ground.iter().map(|it| *it != 0).collect();
+        let counts = |definition| ground_counts(definition, &scan.labels, &z_m, &predicted);
         let of = |it: GroundCounts| [it.n_found, it.n_false, it.n_missed, it.n_others];
         let ours = of(counts(GroundDefinition::ContinuousClustering));
         assert_eq!(ours, scan.continuous_clustering_ground, "{}", scan.name);

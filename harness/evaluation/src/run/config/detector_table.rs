@@ -38,8 +38,8 @@ const LONGEST_LIMIT_S: f64 = 3600.0;
 /// Most threads.
 const MOST_THREADS: i64 = 1024;
 
-/// The detectors that the file at `path` tells of in its table `written`, and the parameters of those that have any; `place_of`
-/// says where in it keys stand.
+/// The detectors that the file at `path` defines in its table `written`, and the parameters of those that have any; `place_of`
+/// gives the position of a key in the file.
 pub(super) fn foreign_detectors(
     path: &Path,
     place_of: &dyn Fn(&[String]) -> ConfigPlace,
@@ -210,7 +210,7 @@ pub fn check_name(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Where a detector works that a file tells of.
+/// The working folder of a detector that a file defines.
 fn folder_of(file: &Path) -> PathBuf {
     let folder = file.parent().filter(|it| !it.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned())
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told_with_their_line() {
+    fn mistakes_are_reported_with_their_line() {
         for (text, expected) in [
             ("[detector.dbscan]\nthreads = 2", "line 1: detector.dbscan says no command"),
             (

@@ -36,11 +36,11 @@ pub struct RunConfig {
     pub baselines: BaselineParams,
     /// How detections are judged.
     pub matching: MatchingParams,
-    /// What tells vehicles; their size if there is nothing.
+    /// What classifies vehicles; their size if there is nothing.
     pub vehicle_models: Option<VehicleModels>,
     /// What names of classes in labels stand for, as the file says.
     pub classes: ClassTable,
-    /// Detectors that are not built in, as the file tells of them.
+    /// Detectors that are not built in, as the file defines them.
     pub foreign: Vec<ForeignDetector>,
     /// The file; `None` if there is none.
     pub file: Option<PathBuf>,
@@ -52,7 +52,7 @@ pub struct RunConfig {
     pub resolved: Table,
 }
 
-/// The table that says what tells vehicles.
+/// The table that says what classifies vehicles.
 const VEHICLE_MODEL: &str = "vehicle_model";
 
 /// All parameters there are, with the values they have unless overridden.
@@ -83,8 +83,8 @@ impl RunConfig {
         Ok(Self { file: Some(path.to_owned()), ..Self::resolve(&text, path)? })
     }
 
-    /// The shipped parameters with vehicles told by their size; no model is looked at, so that those that come with the
-    /// program may be of another time.
+    /// The shipped parameters, with vehicles classified by their size. No model is read, so that the models of the program may be
+    /// outdated.
     ///
     /// # Errors
     ///

@@ -30,7 +30,7 @@ boxes_directory = ""
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct VehicleModelTable {
-    /// Otherwise all detectors tell vehicles by their size.
+    /// Otherwise all detectors classify vehicles by their size.
     enabled: bool,
     /// What `scanbench train groupings` wrote; the model that comes with the program if empty.
     groupings_directory: String,
@@ -55,7 +55,7 @@ pub enum TrainedModel {
     Components,
     /// The trees of the detector kd-tree-tree.
     NestedComponents,
-    /// The trees that tell the vehicles of the kd-trees, of the simple grid, and of detectors that are not built in.
+    /// The trees that classify the vehicles of the kd-trees, of the simple grid, and of detectors that are not built in.
     Clusters,
     /// The SVM of the detector paper.
     Paper,
@@ -207,7 +207,7 @@ impl VehicleModels {
         }
     }
 
-    /// What tells these models from others of the same program: a checksum for each, in the order of [`TrainedModel::ALL`].
+    /// What distinguishes these models from others of the same program: a checksum for each, in the order of [`TrainedModel::ALL`].
     pub fn identity(&self) -> [&str; 7] {
         let Self { groupings, components, nested_components, clusters, paper, pca, boxes } = self;
         [

@@ -116,7 +116,7 @@ fn detection_files(
         return Ok(None);
     };
     for OpenedDataset { dataset, scan_indices, .. } in datasets {
-        // Whether a scan is damaged is told when it is its turn.
+        // A damaged scan is reported when it is its turn.
         let frames = scan_indices.iter().filter_map(|it| Some((*it, dataset.foreign_frame(*it).ok()?)));
         if let Some((scan_idx, frame)) = { frames }.next() {
             format.output().check(&dataset.scan_ids()[scan_idx], &frame)?;

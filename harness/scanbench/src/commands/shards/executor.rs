@@ -130,7 +130,7 @@ pub fn execute<W: SharedWork>(work: &mut W, mut place: Place) -> Result<Option<M
     let (ids, extent) = (work.ids(), work.extent());
     let unfinished = UnfinishedWork::open(place, &ids, (&identity, extent), |it| work.add_done(it))?;
     if let Some(done) = work.done() {
-        unfinished.tell_of_continuing(&done);
+        unfinished.report_continuing(&done);
     }
     if let Err(failure) = work.go_on(&unfinished, part) {
         return Err(match part {

@@ -34,13 +34,13 @@ pub struct ShardJournal<'a> {
 }
 
 impl<'a> ShardJournal<'a> {
-    /// Writes what happens in `datasets`, also under `protocols` of others, and tells `end` the number behind that of the last scan.
+    /// Writes what happens in `datasets`, also under `protocols` of others, and sets `end` to the number after that of the last scan.
     pub fn new(
         journal: &'a Journal,
         (datasets, protocols): (&'a [OpenedDataset], &[Protocol]),
         end: &'a Cell<Option<u64>>,
     ) -> Self {
-        // What opening a data set left out is told by opening it again.
+        // What opening a data set left out is reported again when it is opened again.
         let n_skipped = datasets.iter().map(|it| it.skipped.borrow().len()).collect();
         Self {
             journal,

@@ -121,7 +121,7 @@ impl UnfinishedWork {
     }
 
     /// Says how much was done before, such as `7 of 60 scans`.
-    pub fn tell_of_continuing(&self, done: &str) {
+    pub fn report_continuing(&self, done: &str) {
         print_diagnostic(format_args!("Continuing with {done} from {}", self.folder.display()));
     }
 

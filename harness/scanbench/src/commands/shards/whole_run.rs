@@ -22,7 +22,7 @@ use crate::commands::run_agreement::write_agreement;
 use crate::commands::run_numbers::{RunNumbers, write_numbers};
 use crate::commands::run_protocols::write_protocols;
 use crate::commands::times_of_processors::write_times_of_processors;
-use crate::commands::watched_run::tell_of_nothing;
+use crate::commands::watched_run::report_nothing_to_find;
 
 /// A run in which all scans are judged, and its numbers, which are written.
 pub struct WholeRun {
@@ -130,7 +130,7 @@ fn refuse_nothing(study: Study, manifest: &Manifest, tally: &Tally) -> Result<()
             // A study is about labels.
             let has_labels = study != Study::Run || n_labels(manifest, &entry.id) > 0;
             let n_scans = entry.n_scans - entry.skipped_scans.len() as u64;
-            tell_of_nothing(&entry.id, has_labels, n_scans, &entry.doubts)?;
+            report_nothing_to_find(&entry.id, has_labels, n_scans, &entry.doubts)?;
         }
     }
     Ok(())

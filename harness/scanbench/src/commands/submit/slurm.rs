@@ -25,7 +25,7 @@ pub fn submit_slurm(arguments: &SlurmArgs) -> Result<(), Failure> {
     let submitted = &arguments.submitted;
     let command = ShardedCommand::read(&submitted.command)?;
     let program = std::env::current_exe()
-        .map_err(|error| Failure::internal("cannot tell where this program is", error))?;
+        .map_err(|error| Failure::internal("cannot find the path of this program", error))?;
     let name = job_name(&submitted.output)?;
     refuse_occupied(&submitted.output)?;
     if !arguments.untried {

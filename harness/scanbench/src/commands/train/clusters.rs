@@ -18,7 +18,7 @@ use crate::commands::train::data::nothing;
 
 /// The clusters of a detector, which classifiers learn from.
 pub struct ClustersOf<'a> {
-    /// The parameters of the detector, which tells vehicles by their size.
+    /// The parameters of the detector, which classifies vehicles by their size.
     pub config: &'a RunConfig,
     /// The detector.
     pub detector: &'static str,

@@ -104,7 +104,7 @@ impl<'a> TrainingData<'a> {
 
 /// The parameters of what finds the groups that are learned from.
 pub struct TrainingParameters {
-    /// All of them; vehicles are told by their size.
+    /// All of them; vehicles are classified by their size.
     pub config: RunConfig,
     /// Those that are not the shipped ones, by their full names.
     pub parameters: toml::Table,

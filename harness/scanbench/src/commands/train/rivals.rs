@@ -175,7 +175,7 @@ fn found_prototypes(
     prototypes_of(&candidates.iter().collect::<Vec<_>>(), PROTOTYPES as usize, made)
 }
 
-/// What tells vehicles among clusters, and how it does on drives it has not seen.
+/// The model that classifies vehicles among clusters, and how good it is on drives it has not seen.
 struct TrainedClusters {
     model: VehicleModel,
     n_taught: usize,

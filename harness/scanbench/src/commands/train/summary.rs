@@ -29,8 +29,8 @@ pub fn summary<const D: usize>(
         String::new(),
         format!("{:<16}{:>14}{:>18}", "classified as", "vehicle", "background"),
     ];
-    for ((_, kind), told) in &evaluation.told {
-        lines.push(format!("{kind:<16}{:>14}{:>18}", told.n_vehicle, told.n_background));
+    for ((_, kind), predicted) in &evaluation.predicted {
+        lines.push(format!("{kind:<16}{:>14}{:>18}", predicted.n_vehicle, predicted.n_background));
     }
     let [n_vehicles, n_others] = evaluation.curves.totals();
     let share = |area: Option<f64>| area.map_or_else(|| "undefined".to_owned(), |it| format!("{it:.4}"));

@@ -71,7 +71,7 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
     let workplace = Workplace::new();
     for data in data_sets(&workplace) {
         let ended = workplace.run(&["data", "check", data, "--skip-damaged"]);
-        // Nothing is damaged: the user has to say something, and is told everything at once.
+        // Nothing is damaged: the user has to name the classes, and all unknown ones are reported together.
         assert_eq!(ended.exit_code, Some(2), "{data}: {ended:#?}");
         assert!(ended.stderr.contains("have 2 unknown classes:"), "{data}: {ended:#?}");
         let lines: Vec<&str> = ended.stderr.lines().map(str::trim).collect();

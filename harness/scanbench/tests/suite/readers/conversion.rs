@@ -329,7 +329,7 @@ fn two_objects_never_become_one_in_semantic_kitti() {
         .collect();
     let expected: [&[Option<u32>]; 3] = [
         &[Some(1), Some(2), Some(3), Some(4), Some(5)],
-        // Objects without a track are others in each scan; poles are told apart without one.
+        // Objects without a track are others in each scan; poles are separated without one.
         &[Some(6), Some(4), Some(2), Some(7), None, Some(8)],
         &[Some(4), Some(9), Some(10), Some(11), None],
     ];

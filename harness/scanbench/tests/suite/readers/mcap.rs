@@ -199,7 +199,7 @@ fn a_cloud_of_ros_is_read_whatever_its_layout() {
 }
 
 #[test]
-fn moments_of_points_are_told_from_the_stamp_in_whatever_unit() {
+fn moments_of_points_and_the_stamp_are_distinguished_in_whatever_unit() {
     // The points of one row, of which each has its moment as `f64`.
     let cloud = |stamp_ns: u64, moments: [f64; 2]| {
         let data: Vec<u8> = moments

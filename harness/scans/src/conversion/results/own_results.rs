@@ -25,7 +25,7 @@ impl ResultWriter for OwnResults {
         let boxes = to_csv_bytes(&box_rows(detections))
             .map_err(|source| ArchiveError::Csv { path: name("csv").into(), source })?;
         let mut files = vec![ResultFile { name: name("csv"), content: boxes }];
-        // A point has one number: what shares points is told by its boxes alone.
+        // A point has one number: detections that share points are written as boxes alone.
         let n_points: usize = detections.iter().map(|it| it.point_indices.len()).sum();
         if n_points == clusters.iter().flatten().count() {
             files.push(ResultFile { name: name("u32"), content: cluster_of_point::to_u32_le(&clusters) });

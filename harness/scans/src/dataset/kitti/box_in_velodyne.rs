@@ -11,7 +11,7 @@ use super::label::CameraBox;
 ///
 /// Heading and centre of the bottom are carried over exactly. KITTI's box stands upright in the camera frame, ours in the
 /// velodyne frame; these are tilted against each other by about a degree, so that the roof of a car may be off by some
-/// two centimetres and its bumpers by as much in height. Whole turns stay whole turns: they tell of angles in degrees.
+/// two centimetres and its bumpers by as much in height. Whole turns stay whole turns: they reveal angles in degrees.
 pub fn box_in_velodyne(camera_box: &CameraBox, velodyne_from_camera: &Matrix4<f64>) -> OrientedBox {
     let [x, y, z] = camera_box.bottom_center_m;
     let [height_m, width_m, length_m] = camera_box.height_width_length_m;

@@ -10,7 +10,7 @@ use crate::dataset::class_name::plain_name;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::text_file::{TextLine, quoted, text_lines};
 
-/// What the benchmarks label. Buses are not told from trucks, poles and trees are not labelled at all.
+/// What the benchmarks label. Buses are labelled as trucks; poles and trees are not labelled at all.
 pub const KITTI_CLASSES: [AnnotationClass; 8] = [
     AnnotationClass::Car,
     AnnotationClass::Van,
@@ -360,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn tracking_labels_are_told_apart_by_scan() {
+    fn tracking_labels_are_separated_by_scan() {
         let text = format!("7 2 {CAR}\n9 -1 {CAR}\n7 3 {CAR}");
         let labels = tracking_labels(&text).unwrap();
         let n_labels: Vec<(u32, usize)> = labels.iter().map(|(scan, labels)| (*scan, labels.len())).collect();

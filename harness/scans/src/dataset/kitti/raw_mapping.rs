@@ -1,4 +1,4 @@
-//! Where the scans of KITTI's object benchmark come from: their raw drives and times, as the development kit tells them.
+//! Where the scans of KITTI's object benchmark come from: their raw drives and times, as the development kit lists them.
 //!
 //! ```text
 //! mapping/train_rand.txt      numbers with commas between them: the i-th, from 0, is the line of scan i

@@ -78,8 +78,8 @@ impl SplitFolder {
 
     /// Width and height in pixels of `image`, taken into the checksum as those of `name`.
     ///
-    /// No text file of KITTI tells the size, and the images are a download of their own that scans do not need: where
-    /// `image` does not exist, it is that of most drives, 1242 × 375.
+    /// Where `image` does not exist, the size is that of most drives, 1242 × 375: no text file of KITTI has it, and the
+    /// images are a download of their own that scans do not need.
     pub fn image_size_px(&mut self, name: &str, image: &Path) -> Result<[u32; 2], DatasetError> {
         let size_px = if image.exists() { png_size_px(image)? } else { USUAL_IMAGE_SIZE_PX };
         self.checksum.add_image_size(name, size_px);

@@ -46,7 +46,7 @@ pub const NUSCENES_CLASSES: [AnnotationClass; 11] = [
     AnnotationClass::Misc,
 ];
 
-/// The tables that tell a version apart from other folders, and count for the checksum.
+/// The tables that distinguish a version from other folders, and are part of the checksum.
 const TABLES: [&str; 11] = [
     "sample_data",
     "attribute",

@@ -1,7 +1,7 @@
 //! The boxes of one scan, in whichever format of labels.
 //!
 //! ```text
-//! NAME.json   a list of ours (see [`ListedBox`]), a list of SUSTechPOINTS, or a file of labelCloud: told by what is in it
+//! NAME.json   a list of ours (see [`ListedBox`]), a list of SUSTechPOINTS, or a file of labelCloud: recognised by its content
 //! NAME.txt    KITTI's object labels, under the calibration in calib/NAME.txt or calib.txt
 //! ```
 
@@ -150,7 +150,7 @@ mod tests {
         "yaw_rad": 0.5, "track": 7}]"#;
 
     #[test]
-    fn the_tools_files_are_told_by_what_is_in_them() {
+    fn the_tools_files_are_recognised_by_what_is_in_them() {
         let expected = parse_json(OURS).unwrap();
         let sustech = r#"[{"obj_id": "7", "obj_type": "car", "vertices": [1, 2], "psr": {"position": {"x": 10.5, "y": -3.0,
             "z": -0.9}, "scale": {"x": 4.0, "y": 1.8, "z": 1.5}, "rotation": {"x": 0, "y": 0.1, "z": 0.5}}}]"#;

@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_and_columns_are_told_apart() {
+    fn rows_and_columns_are_distinguished() {
         let rows = file(
             "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 4), }\n",
             &f32s(&[1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25]),

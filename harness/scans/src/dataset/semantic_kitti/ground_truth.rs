@@ -14,9 +14,9 @@ use crate::dataset::positioned_points::PositionedPoints;
 /// The scan `id` with one annotation for each instance, then one for each pole or sign; `path` is the file of `labels`, one for each point of the
 /// file of `points`.
 ///
-/// Annotations have no boxes. Their tracks are the whole labels, which the same object keeps throughout its drive. Things of
-/// instance 0 are objects that were not told apart: their points become unscorable, as those do whose label leaves open
-/// whether they are an object.
+/// Annotations have no boxes. Their tracks are the whole labels, which the same object keeps throughout its drive. Points of
+/// instance 0 belong to objects that were labelled without separating them: they become unscorable, like points whose
+/// label leaves open whether they are an object.
 ///
 /// Points whose label the format does not have are noted in `classes`, by its number, and are unscorable.
 pub fn label_scan(
@@ -34,7 +34,7 @@ pub fn label_scan(
         let (number, instance) = (label as u16, label >> 16);
         let place = || format!("{path:?}, point {point_idx}");
         let class = class_of_number(number, classes, place).unwrap_or(SemanticClass::Unscorable);
-        let told_apart = match class {
+        let instance_class = match class {
             SemanticClass::Object(class) | SemanticClass::UnscorableUnlessInstance(class) if instance > 0 => {
                 Some(class)
             }
@@ -51,7 +51,7 @@ pub fn label_scan(
             }
             SemanticClass::Background => None,
         };
-        if let Some(class) = told_apart {
+        if let Some(class) = instance_class {
             instances.entry(label).or_insert_with(|| (class, Vec::new())).1.push(point_idx);
         }
     }
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_told_apart_is_unscorable() {
+    fn objects_that_are_not_separated_are_unscorable() {
         let labels = [(0, 0), (10, 0), (70, 0), (71, 0), (99, 0), (50, 0)];
         let (scan, _) = label(&labels, &ClassRules::default());
         assert_eq!(scan.annotations, []);

@@ -5,14 +5,14 @@ use reports::vocabulary::class::AnnotationClass;
 /// What becomes of the points of a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SemanticClass {
-    /// Each instance is an object. Points of instance 0 belong to an object that was not told from others.
+    /// Each instance is an object. Points of instance 0 belong to objects that were labelled without separating them.
     Object(AnnotationClass),
-    /// A pole or sign. Real labels do not tell one from another: what hangs together is an object.
+    /// A pole or sign. Real labels do not separate one from another: connected points are an object.
     Upright,
     /// Road, pavement, ground, buildings: no object.
     Background,
     /// Unlabelled, or a thing that may or may not be an object of its own: vegetation, trunks, fences, other
-    /// structures and objects, whose labels do not tell one from another.
+    /// structures and objects, whose labels do not separate one from another.
     Unscorable,
     /// The same, of a kind whose instances are objects in converted data sets.
     UnscorableUnlessInstance(AnnotationClass),

@@ -1,4 +1,4 @@
-//! Poles and signs, which labels do not tell from each other.
+//! Poles and signs, which labels do not separate from each other.
 
 use std::collections::BTreeMap;
 

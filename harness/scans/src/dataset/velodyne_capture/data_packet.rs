@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn sensors_are_told_by_their_packets() {
+    fn sensors_are_recognised_by_their_packets() {
         let model = |bytes: [u8; N_PACKET_BYTES]| DataPacket::parse(&bytes).map(|it| it.model());
         assert_eq!(model(packet([FIRST_BANK; 2], [0x37, 0x21], 10, 1)), Ok(VelodyneModel::Hdl32e));
         assert_eq!(model(packet([FIRST_BANK, SECOND_BANK], [0x37, 0x99], 10, 1)), Ok(VelodyneModel::Hdl64e));
