@@ -1,10 +1,10 @@
-//! Points that hang together, found by searching a kd-tree around every one of them.
+//! Connected components of points, found by searching a kd-tree around every point.
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-/// What [`kd_tree_components`] uses again for the next scan.
+/// Buffers of [`kd_tree_components`] for one scan after another.
 ///
-/// The tree itself is not among it: it is immutable, and its library builds a new one for every scan.
+/// The tree itself is not among them: it is immutable, and its library builds a new one for every scan.
 #[derive(Debug, Clone, Default)]
 pub struct KdTreeScratch {
     // The finite points with their numbers, as the tree wants them.

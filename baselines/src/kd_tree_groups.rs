@@ -1,4 +1,4 @@
-//! Rivals that got the training that the hierarchical detector got: components over a kd-tree, judged by trained trees.
+//! Rivals with the same training as the hierarchical detector: components over a kd-tree, judged by trained trees.
 
 use detector::params::HierarchicalParams;
 use detector::pipeline::frame::Frame;

@@ -1,4 +1,4 @@
-//! Whether the points of an object lie scattered, on lines or on surfaces, as far as a neighbourhood shows it.
+//! Whether the points of an object are scattered, on lines or on surfaces, judged by the neighbourhoods of points.
 
 use detector::describe::box_frame_points::BoxFramePoints;
 
@@ -10,7 +10,7 @@ pub const RADIUS_M: f32 = 0.25;
 pub const MOST_SAMPLES: usize = 128;
 /// Bins of each histogram, of the same width over 0 to 1.
 pub const N_BINS: usize = 4;
-/// A neighbourhood of fewer points, itself among them, lies in a plane whatever it is of, and has no shape.
+/// A neighbourhood of fewer points, the point itself included, always lies in a plane, and so has no shape.
 const LEAST_NEIGHBORS: f32 = 4.0;
 /// Below this spread, in square metres, all neighbours lie at one place: a tenth of a millimetre.
 const LEAST_SPREAD_M2: f32 = 1e-8;
@@ -19,7 +19,7 @@ const SIDE_BY_SIDE: usize = 4;
 
 /// Histograms over the neighbourhoods of an object, as shares of all that were looked at: bin by bin from 0 to 1.
 ///
-/// What a histogram lacks to 1 is the share of points too lonely to have a shape.
+/// A histogram sums up to less than 1 if some points have too few neighbours for a shape: by their share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapeHistograms {
     /// λ₃ / λ₁.

@@ -1,4 +1,4 @@
-//! From an object to how surely it is a vehicle, as the rival of the vehicle model decides it.
+//! The rival of the vehicle model: from an object to a decision whether it is a vehicle.
 
 use std::sync::LazyLock;
 
@@ -62,7 +62,7 @@ impl PcaVehicleModel {
         self.describer.describe(bounding_box, positions_m)
     }
 
-    /// How surely what is seen like this is a vehicle: above 0 it is one.
+    /// The decision value of an object with these features: above 0 it is classified as a vehicle.
     pub fn decision_on(&self, values: &[f32; N_PCA_FEATURES]) -> f32 {
         self.svm.decision(values)
     }

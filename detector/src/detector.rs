@@ -103,7 +103,7 @@ pub struct DetectorOutput {
 }
 
 impl DetectorOutput {
-    /// Appends a detection. What is no vehicle by its score, but has one above `least_score`, is an unlikely vehicle, too.
+    /// Appends a detection. If it is no vehicle but has a score above `least_score`, it is an unlikely vehicle, too.
     pub fn push_ranked(&mut self, detection: Detection<'_>, least_score: f32) {
         self.detections.push(detection);
         if detection.class == DetectedClass::Object {
@@ -111,14 +111,14 @@ impl DetectorOutput {
         }
     }
 
-    /// Drops a cluster of too few points. What may be a vehicle by its score, which is above `least_score` then, is an unlikely one.
+    /// Drops a cluster of too few points. If its score is above `least_score`, it becomes an unlikely vehicle.
     pub fn drop_small(&mut self, cluster: Detection<'_>, least_score: f32) {
         let n_points = cluster.point_indices.len();
         self.dropped_clusters.push(DroppedCluster { n_points, reason: DropReason::TooFewPoints });
         self.rank(cluster, least_score);
     }
 
-    /// Reports what may be a vehicle by its score for an unlikely one, if that is above `least_score`.
+    /// Adds `detection` to the unlikely vehicles if its score is above `least_score`, and not that of a vehicle.
     pub fn rank(&mut self, detection: Detection<'_>, least_score: f32) {
         if detection.score.is_some_and(|it| it > least_score && it <= 0.0) {
             self.unlikely_vehicles.push(Detection { class: DetectedClass::Vehicle, ..detection });

@@ -17,7 +17,7 @@ pub enum Rule {
         /// How few.
         min_points: usize,
     },
-    /// What has no vehicle's size is background, whatever a model would say.
+    /// Objects that do not have the size of a vehicle are background, whatever a model would predict.
     SizeBounds,
     /// Objects get the points in their boxes that are no foreground.
     Completion,

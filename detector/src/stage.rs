@@ -21,7 +21,7 @@ pub const SEPARATION: &str = "separation";
 pub const GAPS: &str = "gaps";
 /// Dense cells are gathered to groups within groups.
 pub const GROUPING: &str = "grouping";
-/// What no gap parts is cut.
+/// Groups are cut where there is no gap.
 pub const CUTS: &str = "cuts";
 /// The values by which a group is judged to be an object are computed.
 pub const DESCRIPTION: &str = "description";
@@ -29,9 +29,9 @@ pub const DESCRIPTION: &str = "description";
 pub const BEST_CUT: &str = "best_cut";
 /// Boxes are fitted to clusters.
 pub const BOXES: &str = "boxes";
-/// What a vehicle model looks at is computed.
+/// The features of a vehicle model are computed.
 pub const FEATURES: &str = "features";
-/// A vehicle model decides by these values.
+/// A vehicle model decides by these features.
 pub const CLASSIFICATION: &str = "classification";
 /// Objects get the points in their boxes that are no foreground.
 pub const COMPLETION: &str = "completion";

@@ -1,4 +1,4 @@
-//! Boosted trees, as they decide.
+//! Boosted trees that have been trained.
 
 /// Levels of decisions of a tree.
 pub const DEPTH: usize = 6;
@@ -41,7 +41,7 @@ const MAX_VALUES: usize = 64;
 type Block = [[f32; MAX_VALUES]; N_IN_BLOCK];
 
 impl<const D: usize> Forest<D> {
-    /// A forest of these trees, whose sum starts at `base`. `None` if a tree looks at a value that there is not.
+    /// A forest of these trees, whose sum starts at `base`. `None` if a tree looks at a value beyond the `D` values.
     pub fn new(mut trees: Vec<DecisionTree>, base: f32) -> Option<Self> {
         for tree in &mut trees {
             (tree.value_of_split[N_SPLITS], tree.thresholds[N_SPLITS]) = (0, 0.0);
@@ -50,7 +50,7 @@ impl<const D: usize> Forest<D> {
         is_sound.then_some(Self { trees, base })
     }
 
-    /// The sum for these values. What is not a number is never less than a threshold.
+    /// The sum for these values. NaN is never less than a threshold.
     pub fn sum(&self, values: &[f32; D]) -> f32 {
         self.trees.iter().fold(self.base, |sum, tree| sum + tree.leaves[tree.leaf(values)])
     }

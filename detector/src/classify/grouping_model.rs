@@ -62,11 +62,11 @@ const VEHICLES: &str = "vehicles";
 /// All forests, and the prototypes that the one of vehicles was trained with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupingModel {
-    /// What intersection over union with an annotated object is to be expected of a group.
+    /// The expected IoU of a group with an annotated object.
     pub objects: RefinementForests,
     /// The logarithm of the odds that a group is a vehicle.
     pub vehicles: Forest<N_VEHICLE_VALUES>,
-    /// What side profiles are compared with.
+    /// The prototypes that side profiles are compared with.
     pub library: PrototypeLibrary,
 }
 
@@ -119,7 +119,7 @@ impl GroupingModel {
         file.with_forest(VEHICLES, VEHICLE_VALUES, vehicles)
     }
 
-    /// What forests are trained with and no parameter changes: a program that has other values refuses them.
+    /// Constants that forests are trained with: a program with other values refuses the forests.
     pub fn constants() -> toml::Table {
         let constants =
             [("context_object_cost", OBJECT_COST), ("least_worth_of_a_further_look", LEAST_EXPECTED_IOU)];

@@ -1,4 +1,4 @@
-//! From an object to how surely it is a vehicle. Shared with baselines that classify as the paper does.
+//! From an object to a decision whether it is a vehicle. Baselines that classify as the paper does share it.
 
 use std::sync::{Arc, LazyLock};
 
@@ -12,7 +12,7 @@ use crate::describe::vehicle_features::{N_FEATURES, VEHICLE_FEATURES, VehicleDes
 use crate::detection::DetectedClass;
 use crate::oriented_box::OrientedBox;
 
-/// The decision on what need not be looked at: less likely a vehicle than anything that is ranked as one.
+/// The decision for objects that no model needs to judge: less likely a vehicle than anything that is ranked as one.
 pub const NO_VEHICLE: f32 = -10.0;
 
 /// What a model of clusters calls itself in its file.
@@ -64,7 +64,7 @@ impl VehicleModel {
         file.with_forest(VEHICLES, VEHICLE_FEATURES, &self.forest)
     }
 
-    /// The same model, which is asked about what `bounds` allow.
+    /// The same model, which is asked only about objects that `bounds` allow.
     pub fn within(self, bounds: VehicleBoundsParams) -> Self {
         Self { bounds, ..self }
     }
@@ -83,7 +83,7 @@ impl VehicleModel {
         self.describer.describe(bounding_box, surroundings, positions_m)
     }
 
-    /// The logarithm of the odds that what is seen like this is a vehicle: above 0 it is one.
+    /// The logarithm of the odds that an object with these features is a vehicle: above 0 it is classified as one.
     pub fn decision_on(&self, values: Option<&[f32; N_FEATURES]>) -> f32 {
         values.map_or(NO_VEHICLE, |it| self.forest.sum(it))
     }
@@ -94,8 +94,8 @@ impl VehicleModel {
     }
 }
 
-/// What an object of `n_points` is of which a model says this. What has fewer than `min_points` is no vehicle either way: no
-/// model is trained on such.
+/// The class of an object of `n_points` by the `decision` of a model. With fewer than `min_points` it is never a vehicle: models are
+/// trained on larger objects.
 pub fn class_by_decision(decision: Option<f32>, n_points: usize, min_points: usize) -> DetectedClass {
     let is_vehicle = n_points >= min_points && decision.is_some_and(|it| it > 0.0);
     if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }

@@ -12,9 +12,9 @@ const MAX_SHIFT: i32 = N_PARTS as i32 / 2;
 /// Shifts that are tried at once.
 const N_AT_ONCE: usize = 16;
 
-/// The direction of a closed contour along its length: what is left of it when place, size and start are forgotten.
+/// The direction of a closed contour along its length. It does not depend on position, size and start of the contour.
 ///
-/// Directions are not forgotten: up stays up. (Arkin et al. 1991 compare shapes that may be turned as well.)
+/// It does depend on the orientation: up stays up. (Arkin et al. 1991 compare shapes that may be turned as well.)
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurningFunction {
     /// Mean direction within each part in radians, counter-clockwise from the first axis; adds up over the turns. From

@@ -53,9 +53,9 @@ impl Default for OutlineBox {
 
 impl OutlineBox {
     /// The box around `positions_m` with its sides along the outline: the points nearest to the sensor, which is the origin, at each
-    /// azimuth. Of the directions of the edges of the outline's hull the one is taken to whose sides these points are closest on average,
-    /// or one or two degrees beside it. A point counts at most 0.3 m, and the outermost one of a hundred points at each side does not say where
-    /// that is. The box itself holds all points.
+    /// azimuth. The direction is that of the edge of the outline's hull to whose sides these points are closest on average, or one or two
+    /// degrees beside it. A point counts at most 0.3 m, and a side is found without the outermost one of a hundred points. The box itself
+    /// holds all points.
     ///
     /// Length is the longer side and the yaw lies in (−π/2, π/2]. One point gives a box of no length and no width at yaw 0, points
     /// on a line one along it. `None` without points. All must be finite.

@@ -77,7 +77,7 @@ pub struct GroupingParams {
     pub vehicle_cost: f32,
     /// The least probability of a vehicle with which an object is ranked as one, by protocols that do.
     pub ranked_probability: f32,
-    /// How often all groups are judged, 1 to 3: from the second time on with what was said of the groups around.
+    /// Rounds of IoU prediction for all groups, 1 to 3: from the second on with the predictions for the groups around.
     pub rounds: u8,
     /// Whether what stands around a group is among its values.
     pub surroundings: bool,
@@ -124,15 +124,15 @@ const MOST_DENSE_CELLS: u32 = 12_000;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClusterParams {
-    /// Fewest points of what a vehicle model may take for a vehicle. Smaller clusters than `min_points` are dropped unless it
-    /// does.
+    /// Fewest points of a cluster that a model may classify as a vehicle. Clusters of fewer than `min_points` are dropped unless
+    /// it does.
     pub min_vehicle_points: usize,
     /// Fewest points of an object.
     pub min_points: usize,
 }
 
 impl ClusterParams {
-    /// Fewest points of what a vehicle model may take for a vehicle: no more than those of an object.
+    /// Fewest points of a cluster that a model may classify as a vehicle: no more than those of an object.
     pub fn least_vehicle_points(&self) -> usize {
         self.min_vehicle_points.min(self.min_points)
     }

@@ -76,7 +76,7 @@ impl PatchDescriber {
         keep_evenly(neighbors, params.max_points);
         let mut keypoint_place = neighbors.partition_point(|&it| it < point_idx);
         if params.angles.pairs == Pairs::OfKeypoint && neighbors.get(keypoint_place) != Some(&point_idx) {
-            // It was not kept. It takes the place of one beside it, because all pairs are with it.
+            // The keypoint was not kept. It replaces a point beside it, because all pairs are with the keypoint.
             keypoint_place = keypoint_place.min(neighbors.len() - 1);
             neighbors[keypoint_place] = point_idx;
         }

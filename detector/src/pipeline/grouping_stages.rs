@@ -16,8 +16,8 @@ use crate::segment::ground_segmentation::GroundSegmentation;
 use crate::stage;
 use crate::stage_product::{Shape, StageProduct};
 
-/// Grid, terrain, candidates, tree and descriptions over `frame`, whose linkage joins cells to groups. There are no detections: training
-/// and running walk the same trees, and these are they.
+/// Grid, terrain, candidates, tree and descriptions over `frame`, whose linkage joins cells to groups. There are no detections:
+/// training and detection use the same trees.
 pub fn grouping(frame: Frame, params: &HierarchicalParams) -> Pipeline {
     let [filling, linking] = frame.groups.linkage.stages();
     let stages = Stages::default()
@@ -98,7 +98,7 @@ impl Stage for Grouping {
     }
 }
 
-/// Cuts what no gap parts.
+/// Cuts groups where there is no gap.
 fn cuts(params: LeafCutsParams) -> impl Stage {
     let mut cuts = LeafCuts::default();
     move |_: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput| {

@@ -55,13 +55,13 @@ pub fn completion_stages(params: &HierarchicalParams, box_model: Option<Arc<BoxM
     Stages::default().then(stage::COMPLETION, completed).then(stage::REPORTED_BOXES, boxes)
 }
 
-/// Fewest points of what becomes an object with a box. Smaller ones than `cluster.min_points` are dropped later, unless `model` takes them
-/// for vehicles.
+/// Fewest points of an object with a box. Objects of fewer than `cluster.min_points` are dropped later, unless `model` classifies them
+/// as vehicles.
 pub fn least_points(cluster: &ClusterParams, model: Option<&VehicleModel>) -> usize {
     if model.is_some() { cluster.least_vehicle_points() } else { cluster.min_points }
 }
 
-/// The class of an object: by the decision of a model if there is one, and then a vehicle has `least_points`; else by its size.
+/// The class of an object: by the decision of a model if there is one, where a vehicle needs `least_points`; else by its size.
 fn class_of(object: &FittedObject, sizes: &SizeGateParams, least_points: usize) -> DetectedClass {
     let n_points = object.members.len();
     match object.decision {
@@ -141,7 +141,7 @@ pub fn classification(
     }
 }
 
-/// Drops what is too small for an object and no vehicle, and makes detections of the others, with the points in their boxes that are no
+/// Drops objects that are too small and no vehicles, and makes detections of the others, with the points in their boxes that are no
 /// foreground.
 struct CompletedObjects {
     cluster: ClusterParams,
@@ -153,7 +153,7 @@ struct CompletedObjects {
 }
 
 impl CompletedObjects {
-    /// Drops what is no vehicle, and has too low an expected IoU for an object or too few points. A car far away shows few points.
+    /// Drops objects of too low an expected IoU or too few points, unless they are vehicles: a car far away shows few points.
     fn drop_background(&self, fitted: &mut FittedObjects, output: &mut DetectorOutput) {
         let FittedObjects { objects, members, .. } = fitted;
         objects.retain(|it| {

@@ -1,4 +1,4 @@
-//! The detector of the papers to the letter.
+//! The detector exactly as the papers print it.
 
 use crate::classify::paper_model::PaperModel;
 use crate::detector::DetectorOutput;

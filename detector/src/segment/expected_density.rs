@@ -1,4 +1,4 @@
-//! What dense cells may be expected to hold, by their range.
+//! How many points dense cells are expected to hold, by their range.
 
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};

@@ -26,7 +26,7 @@ pub struct OpenOptions {
     pub sensor_height_m: Option<f32>,
     /// From the frame of the files to that of the sensor; nothing for a simulation.
     pub sensor_from_file: Option<Isometry3<f64>>,
-    /// The topics of a recording; the catalogue's or the only ones are taken else.
+    /// The topics of a recording; without them, those of the catalogue, or the only ones.
     pub topics: TopicChoice,
     /// What becomes of damaged parts that others do not depend on.
     pub damage: DamagePolicy,

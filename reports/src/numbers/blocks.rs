@@ -1,4 +1,4 @@
-//! Which scans are drawn together when it is estimated how sure a number is.
+//! Which scans are drawn together when the uncertainty of a number is estimated.
 //!
 //! Scans of one drive show the same street and, close together, the same objects. So whole drives are drawn where a data set
 //! has enough of them; where it has not, seconds of its drives are. Where nobody knows when scans were taken, each is drawn by

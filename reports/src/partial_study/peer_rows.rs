@@ -77,7 +77,7 @@ pub enum PeerError {
 pub const ELSEWHERE: &str = "elsewhere";
 
 /// The rows of `method`, whose results are in the file at `path`, for each part that `ours` judge. `class_of` says which class a
-/// word stands for. What else is in the file is not looked at.
+/// word stands for. Other rows of the file are ignored.
 ///
 /// # Errors
 ///

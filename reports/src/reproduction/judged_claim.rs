@@ -14,7 +14,7 @@ pub struct JudgedClaim {
     pub readings: Vec<Seen>,
     /// Under how many of the joint settings of open values it holds, and of how many; `None` where it does not depend on them.
     pub settings: Option<[usize; 2]>,
-    /// What comes of it.
+    /// The conclusion.
     pub verdict: ClaimVerdict,
 }
 
@@ -25,7 +25,7 @@ pub struct Seen {
     pub reading: String,
     /// The numbers, in words.
     pub numbers: String,
-    /// What lies between method and rival, with its 95 % interval, in words; empty where nothing does.
+    /// The difference between method and rival, with its 95 % interval, in words; empty where there is none.
     pub difference: String,
     /// Whether the claim holds so; `None` if these scans cannot decide that.
     pub holds: Option<bool>,

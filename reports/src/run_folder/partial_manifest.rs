@@ -54,7 +54,7 @@ pub struct PartialSettings {
     pub trained_on: Vec<String>,
 }
 
-/// Objects that were judged, and where methods have what they know from.
+/// Objects that were judged, and what methods have learned from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartialSet {

@@ -1,4 +1,4 @@
-//! How sure numbers are: what they would be, had other scans been drawn.
+//! The uncertainty of numbers: what they would be if other scans had been drawn.
 //!
 //! Neighbouring scans show the same objects, so whole [blocks](crate::numbers::blocks) of scans are drawn, with replacement, as many as
 //! there are, and every ratio is computed again from the sums of what was drawn.

@@ -11,7 +11,7 @@ use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
-/// Which loss of a rate is too small to be sure.
+/// The largest loss of a rate that is too small to be sure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastLoss {
     /// The task.

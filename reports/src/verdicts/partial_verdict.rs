@@ -103,7 +103,7 @@ impl PartialTolerances {
     }
 }
 
-/// What came of a gate.
+/// The result of a gate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartialVerdict {
     /// What was done, in words.

@@ -25,7 +25,7 @@ pub struct ReasonTally {
 }
 
 impl ReasonTally {
-    /// Adds a mistake; what is none changes nothing.
+    /// Adds the mistake of a row, if it has one.
     pub fn add_match(&mut self, row: &MatchRow) {
         let about = |slice| (row.dataset.clone(), row.task, row.detector.clone(), slice);
         match &row.outcome {

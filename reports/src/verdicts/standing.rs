@@ -26,7 +26,7 @@ pub struct Standing {
     pub metric: Metric,
     /// The detectors, best first; those of which the metric is undefined are last.
     pub places: Vec<Place>,
-    /// What lies between the first and the second.
+    /// The difference between the first and the second.
     pub lead: Option<PairedDifference>,
     /// Data sets whose frame or labels are doubtful.
     pub doubtful: Vec<String>,
@@ -120,12 +120,13 @@ pub fn speeds(manifest: &Manifest, report: &RunReport) -> Vec<Speeds> {
 }
 
 impl Standing {
-    /// Who leads, in a sentence, another one about all that it does not name, and one about each that gave no answer to some scans.
+    /// Who leads, in a sentence. A second sentence is about the detectors that it does not name, and one more about each detector that
+    /// gave no answer to some scans.
     pub fn sentence(&self) -> String {
         format!("{}{}{}", self.sentence_of_rates(), self.sentence_of_others(), self.sentence_of_failures())
     }
 
-    /// The same without those that it does not name, where a table is above it.
+    /// The same without the second sentence, where a table is above it.
     pub fn short_sentence(&self) -> String {
         self.sentence_of_rates() + &self.sentence_of_failures()
     }
@@ -269,7 +270,7 @@ impl Place {
 const ABOUT_AS_FAST: f64 = 1.05;
 
 impl Speeds {
-    /// Who is how many times as fast as whom, in a sentence; `None` if nothing was timed.
+    /// How many times faster the fastest detectors are, in a sentence; `None` if nothing was timed.
     pub fn sentence(&self) -> Option<String> {
         let ((name, fastest_ms), others) = self.medians_ms.split_first()?;
         let others: Vec<String> = others

@@ -1,6 +1,6 @@
-//! What somebody may have meant by a name that there is not.
+//! What somebody may have meant by an unknown name.
 
-/// How alike two names have to be, from 0 to 1, for one to be a slip of the other.
+/// How similar two names have to be, from 0 to 1, for one to be a typing error of the other.
 const LEAST_LIKENESS: f64 = 0.6;
 
 /// The name of `known` of which `name` may be a slip.

@@ -1,4 +1,4 @@
-//! How much worse a number may become before a gate closes.
+//! How much worse a number may become before a gate fails.
 
 use std::path::PathBuf;
 

@@ -46,7 +46,7 @@ impl<'a> UnjudgedPlaces<'a> {
     ///
     /// One with points is ignored if at least half of them are on ignored annotations, outside the labelled region,
     /// unscorable or beyond the range. One without is ignored if the centre of its box, on the ground plan, is inside the box
-    /// of an ignored annotation, where nothing was labelled, or beyond the range: that a box is empty is no excuse.
+    /// of an ignored annotation, where nothing was labelled, or beyond the range; that its box is empty is no reason.
     pub fn why_ignored(&self, detection: &Detection<'_>) -> Option<IgnoredDetection> {
         if detection.point_indices.is_empty() {
             self.why_place_is_ignored(detection.bounding_box.center_m)

@@ -73,7 +73,7 @@ pub enum PartialExperimentError {
     },
 }
 
-/// Where methods have what they know from.
+/// What methods have learned from.
 #[derive(Clone, Copy)]
 pub enum Knowledge<'a> {
     /// A bag of graphs has learned before.
@@ -97,7 +97,7 @@ pub enum Knowledge<'a> {
 /// What is done.
 #[derive(Clone, Copy)]
 pub struct PartialExperiment<'a> {
-    /// Where methods have what they know from.
+    /// What methods have learned from.
     pub knowledge: Knowledge<'a>,
     /// What they are judged by.
     pub judged: ObjectsOf<'a>,
@@ -182,7 +182,7 @@ pub fn run<E: From<PartialExperimentError>>(
     Ok(judges.iter().rev().find(|it| it.method == OURS).and_then(|it| it.trained.model().cloned()))
 }
 
-/// A method that knows what it will ever know.
+/// A trained method.
 struct Judge<'a> {
     idx: usize,
     method: &'a str,

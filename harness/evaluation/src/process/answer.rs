@@ -1,4 +1,4 @@
-//! What a detector found, checked: nothing of it is believed before.
+//! What a detector found, after all checks.
 
 use detector::OrientedBox;
 use reports::vocabulary::class::AnnotationClass;

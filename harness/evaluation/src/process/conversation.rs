@@ -33,7 +33,7 @@ pub struct Conversation {
     payload: Vec<u8>,
 }
 
-/// What a detector found, and what it took.
+/// What a detector found, and the time it took.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answered {
     /// What it found.
@@ -111,7 +111,7 @@ impl Conversation {
     ///
     /// # Errors
     ///
-    /// What went wrong. But for [`DetectorProblem::Reported`] nothing more can be asked.
+    /// What went wrong. The detector can be asked again only after [`DetectorProblem::Reported`].
     pub fn ask(
         &mut self,
         scan: &LabeledScan,

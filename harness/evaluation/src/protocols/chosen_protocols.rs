@@ -24,7 +24,7 @@ pub struct ChosenProtocols {
 /// Why a scan cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum ProtocolError {
-    /// The data set has not what one of the protocols needs.
+    /// The data set lacks something that one of the protocols needs.
     #[error("--protocol {protocol}: {dataset:?} {what}")]
     Lacks {
         /// The protocol.

@@ -37,7 +37,7 @@ const OCCLUSIONS: [Option<Occlusion>; 4] =
 /// Seed of the resampling.
 pub const RESAMPLING_SEED: u64 = 1;
 
-/// An annotated vehicle with a matched cluster, and what boxes around that are off by.
+/// An annotated vehicle with a matched cluster, and the errors of boxes around the cluster.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoxPair {
     /// The scan.
@@ -86,8 +86,8 @@ impl FramedCluster {
     }
 }
 
-/// All pairs of the scans of `pass`, in their order: clusters that `listed` finds with `config`, matched as objects, so that it does not
-/// matter what the detector takes them for.
+/// All pairs of the scans of `pass`, in their order: clusters that `listed` finds with `config`, matched as objects, so that their
+/// predicted class does not matter.
 ///
 /// # Errors
 ///

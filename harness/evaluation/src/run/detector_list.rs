@@ -155,10 +155,10 @@ pub enum ChosenDetector {
     Foreign(ForeignDetector),
 }
 
-/// A name that is no detector's.
+/// Why a detector cannot be chosen by its name.
 #[derive(Debug, thiserror::Error)]
 pub enum DetectorListError {
-    /// No detector is called so.
+    /// No detector has this name.
     #[error("there is no detector {name:?}{}; detectors are {}; {}", or_was_meant(.name, .known), .known.join(", "), of_file(.file.as_deref()))]
     Unknown {
         /// The name.
@@ -168,7 +168,7 @@ pub enum DetectorListError {
         /// The file that was asked for others; `None` where there is none.
         file: Option<PathBuf>,
     },
-    /// What is to be done needs one of ours.
+    /// The verb needs a built-in detector.
     #[error("{name:?} is not built in, and this verb works with built-in detectors alone: {}", built_in_names().join(", "))]
     NotBuiltIn {
         /// The name.

@@ -35,7 +35,7 @@ impl Entrant {
         Self { name: chosen.name(), chosen, config: config.clone() }
     }
 
-    /// The detector for scans of `dataset`. A sensor whose density is not known is taken for the paper's.
+    /// The detector for scans of `dataset`. A sensor of unknown density is treated as the paper's.
     pub fn begin(&self, dataset: &DatasetDescription) -> Box<dyn RunningDetector> {
         let config = &self.config.for_scans_of(dataset);
         match &self.chosen {

@@ -80,8 +80,8 @@ struct PreparedObject {
 pub type ObjectProblem = String;
 
 impl ForeignVehicles {
-    /// By their size, as `params` have it, in scans of a sensor `sensor_height_m` above the road. What has no box gets the one that our own
-    /// detectors have: that of the whole vehicle, by `box_model` if there is one.
+    /// By their size, as `params` have it, in scans of a sensor `sensor_height_m` above the road. Objects without a box get the one
+    /// that our own detectors would report: that of the whole vehicle, by `box_model` if there is one.
     pub fn by_size(
         params: &HierarchicalParams,
         box_model: Option<Arc<BoxModel>>,
@@ -113,7 +113,7 @@ impl ForeignVehicles {
         Self { by_model: Some(by_model), ..Self::by_size(params, box_model, sensor_height_m) }
     }
 
-    /// Makes detections of `objects`, in their order; what has neither a point nor a box is none.
+    /// Makes detections of `objects`, in their order; objects with neither a point nor a box are left out.
     ///
     /// # Errors
     ///
@@ -159,7 +159,7 @@ impl ForeignVehicles {
         for ((is_fitted, detection), object) in detections.zip(&prepared) {
             let mut reported = if *is_fitted { fitted.next() } else { None }.unwrap_or(detection);
             if object.score.is_some() {
-                // Scores of other people's detectors are no log odds that ours could be put together with.
+                // Scores of other people's detectors are no log odds, and so cannot be combined with ours.
                 reported.box_details.score = None;
             }
             output.detections.push(reported);

@@ -11,7 +11,7 @@ use scans::dataset::official::OfficialObject;
 use crate::process::problem::DetectorFailure;
 use crate::run::cpu_time::own_cpu_time;
 
-/// What a detection took.
+/// The times of a detection.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DetectionTime {
     /// Time that passed; `None` if nothing was detected here, but read.

@@ -136,7 +136,7 @@ impl SideBySide<'_> {
         self.run_past_damage(detectors, |_, error| Err(error), on_scan)
     }
 
-    /// As [`Self::run`], but of a scan that cannot be read `on_damage` says whether the run goes on without it.
+    /// As [`Self::run`], but `on_damage` decides whether the run goes on without a scan that cannot be read.
     ///
     /// # Errors
     ///

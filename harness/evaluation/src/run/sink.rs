@@ -69,7 +69,7 @@ pub trait RunSink<E> {
         Ok(())
     }
 
-    /// The run was interrupted: as at its end, unless what is written would be taken for all of it.
+    /// The run was interrupted. The same happens as at its end, unless the files would look like those of the whole run.
     ///
     /// # Errors
     ///

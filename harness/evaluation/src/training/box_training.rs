@@ -30,7 +30,7 @@ const GROWTH: BoostingParams =
 /// The same for what is decided.
 const DECISIONS: BoostingParams = BoostingParams { least_leaf_weight: 5.0, ..GROWTH };
 
-/// What is seen may be turned by so much against the annotated box, and is no example otherwise.
+/// A cluster is an example only if its box is turned by at most this much against the annotated box.
 const MOST_OFF_DEG: f32 = 12.0;
 
 /// The detectors whose clusters are learned from: a cluster over cells and one over points end differently.
@@ -64,8 +64,8 @@ pub type NewDetectors<'a> = &'a (dyn Fn() -> Vec<Box<dyn Detector>> + Sync);
 /// The trees learn from boxes of what is seen.
 pub const SEEN: BoxParams = BoxParams { outline: true, whole: false };
 
-/// The clusters of detectors, of which `new_detectors` makes some for each thread, that match an annotated vehicle with a box, in the
-/// scans of `pass`, scan by scan. The ground is found with `params`.
+/// The clusters in the scans of `pass` that match an annotated vehicle with a box, scan by scan. `new_detectors` makes the detectors
+/// of each thread; the ground is found with `params`.
 ///
 /// # Errors
 ///

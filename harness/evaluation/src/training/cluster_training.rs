@@ -18,8 +18,8 @@ pub struct ClusterExample {
     pub is_vehicle: bool,
 }
 
-/// What the trees see of the clusters among `candidates` that they are asked about: regions that were cut out are no clusters, and
-/// what has not the size of a vehicle is not looked at.
+/// What the trees see of the clusters among `candidates` that have the size of a vehicle. Regions that were cut out are no
+/// clusters.
 pub fn described_clusters(candidates: &[Candidate], library: &PrototypeLibrary) -> Vec<ClusterExample> {
     let mut describer = VehicleDescriber::new(library.clone());
     let is_asked = |it: &&Candidate| {

@@ -6,7 +6,7 @@ use scans::dataset::Dataset;
 
 /// The drives of several data sets, some of them held out.
 ///
-/// Whole drives are, so that no object is on both sides: a track does not leave its drive.
+/// Whole drives are held out, so that no object is on both sides: a track does not leave its drive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HeldOut {
     /// Data set and sequence of each, those trained on first.

@@ -9,8 +9,8 @@ use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle, may_be_
 const LEAST_ANNOTATED_POINTS: usize = EligibilityParams::STANDARD.min_points;
 /// Least intersection over union of the points of a cluster and the vehicle it shows.
 const LEAST_IOU: f64 = 0.5;
-/// Background has no larger share of its points on vehicles, or on what may be one; what has more and shows none of them
-/// is a fragment.
+/// Background has at most this share of its points on vehicles, or on what may be one. A cluster with a larger share that
+/// shows no vehicle is a fragment.
 const MOST_ON_VEHICLES: f64 = 0.05;
 
 /// The labels of one scan.

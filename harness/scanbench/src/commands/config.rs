@@ -73,7 +73,7 @@ pub fn chosen_with_results(
     Ok((chosen, config))
 }
 
-/// Refuses the directories of models that none of `entrants`, with their parameters, reads: they would change nothing.
+/// Refuses directories of models that none of `entrants` reads with its parameters: they would have no effect.
 pub fn refuse_unread_models<'a>(
     entrants: impl Iterator<Item = (&'a ChosenDetector, &'a RunConfig)>,
 ) -> Result<(), Failure> {

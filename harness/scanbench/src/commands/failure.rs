@@ -123,7 +123,7 @@ impl Failure {
         Self::Data(Because { what, source: reason.into() }.into())
     }
 
-    /// Whether the place to write to was badly chosen, or fails although it was not.
+    /// A path that cannot be written: a wrong choice of the user, or a failure of the machine.
     pub fn of_writing(kind: ErrorKind, reason: impl Into<Reason>) -> Self {
         match kind {
             ErrorKind::NotFound

@@ -37,13 +37,13 @@ const OTHER_HEIGHT_M: f64 = 0.25;
 /// A steeper tilt is of the sensor and not of the street: it is levelled if nobody said how the sensor is mounted, and in doubt
 /// otherwise, in degrees. In front of crossings and on crowned roads, sensors that stand upright see up to 2.2 degrees.
 const STEEP_TILT_DEG: f64 = 4.0;
-/// How a sensor is called that has the beams of none that is known, before the name of its data set.
+/// The first part of the name of a sensor with unknown beams; the name of its data set follows.
 pub const UNKNOWN_SENSOR: &str = "unknown sensor of ";
 /// An origin that is lower lies on the ground, in metres.
 const ON_GROUND_M: f64 = 0.2;
 
-/// Looks at `opened`, says what was seen and what is doubtful, and goes by what was seen where nobody has said otherwise: the
-/// sensor with its density curve, its height and its tilt. Of a simulated sensor all is known but, perhaps, its density curve.
+/// Looks at `opened`, and prints what was seen and what is doubtful. Unless the user has given other values, the run uses what was
+/// seen: the sensor with its density curve, its height and its tilt. Of a simulated sensor only the density curve may be unknown.
 pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
     let proposed = doubt_of_proposals(&opened);
     let mut opened = look_at_scans(opened, config);
@@ -327,7 +327,7 @@ impl Look {
         (self.mounting, FirstLook { seen: Some(self.seen), label_points, doubts: self.doubts })
     }
 
-    /// What was seen, and what of it is gone by.
+    /// What was seen, and which of it the run uses.
     fn sentence(&self) -> String {
         let seen = &self.seen;
         let beams = seen.n_beams.zip(seen.elevations_deg).map_or_else(

@@ -1,5 +1,5 @@
-//! The same bytes for the same recording: the library lists schemas and channels at the end of a file in the order of a hash map, which is another one
-//! each time. Here they are put into that of their numbers before they reach the file.
+//! The same bytes for the same recording: the library lists schemas and channels at the end of a file in the order of a hash map, which
+//! differs each time. Here they are sorted by their numbers before they reach the file.
 
 use std::io::{self, Write};
 use std::sync::Arc;

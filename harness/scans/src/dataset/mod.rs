@@ -69,7 +69,7 @@ pub trait Dataset: Send + Sync {
     /// What it is, and its scans.
     fn listing(&self) -> &Listing;
 
-    /// The data set that this one is made of, scan by scan; its word counts wherever this one has none of its own.
+    /// The data set that this one is made of, scan by scan; its answers are used wherever this one has none of its own.
     fn inner(&self) -> Option<&dyn Dataset> {
         None
     }

@@ -1,4 +1,4 @@
-//! A verdict on a screen: what it comes to, what was judged, and the largest changes.
+//! A verdict on one screen: the conclusion, what was judged, and the largest changes.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::tables::sheet::{Sheet, Tabular};
@@ -37,7 +37,7 @@ pub enum Purpose<'a> {
         /// The command that prints everything.
         in_full: &'a str,
     },
-    /// To know what is accepted: that results changed is why.
+    /// To know what is accepted: a run is accepted because its results changed.
     Accept,
 }
 
@@ -95,7 +95,7 @@ fn named((what, most): (&str, usize), changes: Vec<Change>) -> Vec<String> {
     [head].into_iter().chain(named).collect()
 }
 
-/// A number that is another one than before, or not there.
+/// A number that changed, or is missing.
 struct Change {
     finding: Finding,
     is_loss: bool,

@@ -23,7 +23,7 @@ use crate::verdicts::protocol_differences::{
 };
 use crate::vocabulary::slice::Slice;
 
-/// What was compared with what, and what came of it.
+/// What was compared with what, and the result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// In words.
@@ -102,7 +102,7 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
     }
 }
 
-/// What lies between two sides, of each pair of detectors with its name.
+/// The differences between two sides, of each pair of detectors with its name.
 fn differences(
     sides: [(&RunArchive, &Tally); 2],
     pairs: &[(String, [&str; 2])],
@@ -172,7 +172,7 @@ impl Tabular for Comparison {
 }
 
 impl Comparison {
-    /// What its sides are called: two runs come one after the other, two detectors do not.
+    /// The names of its sides: two runs come one after the other, two detectors do not.
     fn sides(&self) -> [&'static str; 2] {
         if self.n_changed_scans.is_some() { ["before", "after"] } else { ["A", "B"] }
     }

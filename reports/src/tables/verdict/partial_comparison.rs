@@ -16,7 +16,7 @@ use crate::verdicts::partial_difference::{
 };
 use crate::verdicts::partial_verdict::PartialVerdict;
 
-/// What was compared with what, and what came of it.
+/// What was compared with what, and the result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartialComparison {
     /// In words.
@@ -32,7 +32,7 @@ impl PartialComparison {
     ///
     /// # Errors
     ///
-    /// [`NotComparable`] if they are of others, or the later one lacks a method.
+    /// [`NotComparable`] if they are of other parts or objects, or the later one lacks a method.
     pub fn of_results(before: &PartialArchive, after: &PartialArchive) -> Result<Self, NotComparable> {
         check_comparable_results(before, after)?;
         let later = rows_of_curves(after);
@@ -45,12 +45,12 @@ impl PartialComparison {
         })
     }
 
-    /// Compares method `second` of `archive` with method `first`: where they were trained on the same and saw the same, or, if there
-    /// is no such pair, whatever they were trained on.
+    /// Compares method `second` of `archive` with method `first`: where both saw the same objects and were
+    /// trained on the same. If there is no such pair, they may be trained on anything.
     ///
     /// # Errors
     ///
-    /// [`NotComparable`] if they did not see the same.
+    /// [`NotComparable`] if they did not see the same parts.
     pub fn of_methods(archive: &PartialArchive, first: &str, second: &str) -> Result<Self, NotComparable> {
         let curves = rows_of_curves(archive);
         let mut pairs: Vec<(&CurveName, &CurveName)> = Vec::new();
@@ -110,7 +110,7 @@ fn about_numbers() -> String {
     )
 }
 
-/// What two results are called.
+/// The names of two results.
 const RESULTS: [&str; 2] = ["before", "after"];
 
 fn grid(lines: &[(&PartialDifference, Option<Finding>)], [first, second]: [&'static str; 2]) -> Grid {

@@ -25,10 +25,10 @@ pub struct MatchingParams {
 
 /// Matches `detections` with the annotations of `scan` for `task`, and says of each what became of it and why.
 ///
-/// By `annotated`, a detection that matches nothing is known to be false or not. Every point of a detection must
-/// be a point of the scan; it may be one of several detections. The order of the detections does not matter: where pairs
-/// are as good, `detection_ranks` decide. What is left over may find tall annotations, by the same criterion; both are
-/// ignored then.
+/// `annotated` decides whether a detection that matches nothing is known to be false. Every point of a detection must
+/// be a point of the scan; it may be one of several detections. The order of the detections does not matter: between
+/// equally good pairs `detection_ranks` decide. Detections that are left over may find tall annotations by the same
+/// criterion; both are then ignored.
 ///
 /// Paper: HG section 5; ignored regions as in the KITTI evaluation.
 pub fn assign(

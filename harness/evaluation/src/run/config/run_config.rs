@@ -104,7 +104,7 @@ impl RunConfig {
         self.with_curve(sensor, || DensityCurve::shipped(sensor).or_else(|| self.own_curves.get(id).cloned()))
     }
 
-    /// The same for scans of `dataset`. Whose density is not known is taken for the paper's sensor.
+    /// The same for scans of `dataset`. A sensor of unknown density is treated as the paper's.
     pub fn for_scans_of(&self, dataset: &DatasetDescription) -> Self {
         self.for_dataset(&dataset.id, &dataset.sensor).unwrap_or_else(|| self.clone())
     }
@@ -169,12 +169,12 @@ impl RunConfig {
         rest.split('.').try_fold(self.resolved.get(first)?, |table, key| table.get(key))
     }
 
-    /// The model of the boxes of whole vehicles; `None` of that which comes with the program.
+    /// The model of the boxes of whole vehicles; `None` for the one that comes with the program.
     pub fn box_model(&self) -> Option<Arc<BoxModel>> {
         self.vehicle_models.as_ref().and_then(VehicleModels::boxes)
     }
 
-    /// The directory that `model` is from; `None` of one that comes with the program.
+    /// The directory that `model` is from; `None` for one that comes with the program.
     pub fn directory_of(&self, model: TrainedModel) -> Option<&str> {
         self.value_of(model.parameter()).and_then(Value::as_str).filter(|it| !it.is_empty())
     }

@@ -105,7 +105,7 @@ impl UnfinishedWork {
         let had_journal = folder.join(JOURNAL).is_file();
         let journal = Journal::open(&folder.join(JOURNAL), (kind, identity), other, on_entry);
         if journal.is_err() && !had_journal {
-            // A disk that takes no journal has none that anybody could go on with.
+            // Nobody could continue from a journal that the disk does not take.
             let _ = std::fs::remove_file(folder.join(JOURNAL)).and_then(|()| std::fs::remove_dir(&folder));
         }
         let journal = journal?;
@@ -125,7 +125,7 @@ impl UnfinishedWork {
         print_diagnostic(format_args!("Continuing with {done} from {}", self.folder.display()));
     }
 
-    /// `failure`, after it was said how the work can go on. Of work in a directory that nobody has named nothing is left.
+    /// Returns `failure`, after printing how the work can be continued. Work in a directory that nobody has named leaves nothing.
     pub fn ended_by(self, failure: Failure) -> Failure {
         if self.passing.is_none() {
             print_diagnostic(self.how_to_go_on());

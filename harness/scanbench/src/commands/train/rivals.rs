@@ -38,7 +38,7 @@ use crate::commands::train::data::{TrainingData, TrainingParameters, nothing};
 use crate::commands::train::files::manifest;
 use crate::commands::train::groupings::{TrainedTrees, drives, groups_of_all, options, prototypes_from};
 
-/// Trains what the rivals over a kd-tree judge by, judges that by drives it has not seen, and writes and prints the result.
+/// Trains the models of the rivals over a kd-tree, evaluates them on held-out drives, and writes and prints the result.
 pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
@@ -67,7 +67,7 @@ pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     printed
 }
 
-/// What all rivals judge by, and how it does on drives it has not seen.
+/// The models of all rivals, and how good they are on held-out drives.
 struct Rivals {
     clusters: TrainedClusters,
     nested: TrainedTrees,

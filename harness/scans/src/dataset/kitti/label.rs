@@ -34,7 +34,7 @@ pub const WRITTEN_CLASSES: [(&str, AnnotationClass); 8] = [
     ("StreetFurniture", AnnotationClass::StreetFurniture),
 ];
 
-/// What KITTI calls otherwise than others do: the tracking benchmark's *person* sits.
+/// Names that mean something else in KITTI than elsewhere: the tracking benchmark's *person* sits.
 pub const KITTI_VOCABULARY: &Vocabulary = &[("Person", AnnotationClass::SittingPerson)];
 
 /// What stands in place of a class where objects were not labelled.

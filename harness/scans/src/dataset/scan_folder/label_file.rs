@@ -67,7 +67,7 @@ impl LabelFile {
         }
     }
 
-    /// What the format calls otherwise than others do.
+    /// Names that mean something else in this format than elsewhere.
     pub fn vocabulary(&self) -> &'static Vocabulary {
         match self {
             Self::Json(_) => &[],
