@@ -5,15 +5,15 @@ use std::path::Path;
 
 use maud::{Markup, html};
 
+use super::again::Made;
 use super::document::document;
-use super::markup::{commands, sentences, table, wide_picture};
+use super::markup::{sentences, table, wide_picture};
 use crate::files::archive::ArchiveError;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::files::whole_file::write_whole;
 use crate::partial_study::partial_curves::PartialCurve;
 use crate::plots::figure::Figure;
 use crate::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
-use crate::run_folder::command_line::shell_word;
 use crate::run_folder::partial_archive::PartialArchive;
 use crate::run_folder::partial_manifest::PartialManifest;
 use crate::run_folder::run_directory::{PARTIAL_RRD, REPORT_HTML};
@@ -154,14 +154,10 @@ fn errors(curves: &[PartialCurve], method: &str) -> Markup {
 }
 
 fn reproduction(manifest: &PartialManifest, has_recording: bool) -> Markup {
-    let arguments: Vec<String> = manifest.argv.iter().skip(1).map(|it| shell_word(it)).collect();
-    let checkout =
-        manifest.git.as_ref().map_or_else(String::new, |it| format!("git checkout {}\n", it.commit));
-    let lines = format!("{checkout}cargo run --release -- {}", arguments.join(" "));
     html! {
         section #reproduce aria-label="Reproduce" {
             h2 { "Reproduce" }
-            (commands(&lines, "Commands that repeat it"))
+            (Made::partial(manifest).markup())
             @for model in manifest.sets.iter().filter_map(|it| it.model.as_ref()).take(1) {
                 p { "The model " (model.name) " was made by " code { (model.made_by) } " of " (model.data.join(", ")) "." }
             }

@@ -169,6 +169,7 @@ mod tests {
                 "href=\"#curves\"",
             ],
         );
+                "<code>scanbench run",
         let all = ["standing", "range_objects", "range_vehicles", "precision_recall", "times", "stages"];
         assert_eq!(names(&page), all);
     }
