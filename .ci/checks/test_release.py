@@ -36,7 +36,7 @@ class Release(unittest.TestCase):
         stated = {
             "CITATION.cff": (rf"^version: {version}$", 1),
             "CHANGELOG.md": (rf"^## {version} \(\d{{4}}-\d\d-\d\d\)$", 1),
-            "docs/citing.md": (rf"scanbench {version},", 1),
+            "docs/citing.md": (rf"scanbench {version},|version = \{{{version}\}},", 2),
             "Cargo.lock": (rf'^name = "scanbench"\nversion = "{version}"$', 1),
             # The compiler that all checks are made with is the oldest one.
             "rust-toolchain.toml": (rf'^channel = "{rust}\.0"$', 1),

@@ -5,8 +5,8 @@ use maud::{Markup, html};
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{DatasetCurves, RunFacts};
 use crate::plots::recall_plot::recall_plot;
-use crate::plots::series::key;
-use crate::plots::themed_panel::{KeyEntry, ThemedPanel};
+use crate::plots::series::key_of;
+use crate::plots::themed_panel::ThemedPanel;
 
 /// Nothing if no detection has a score, or false ones are unknown.
 pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
@@ -17,7 +17,7 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
         let mut of_detectors = facts.curves.iter().flat_map(|it| &it.of_detectors);
         of_detectors.any(|(detector, places)| detector == name && !places.is_empty())
     };
-    let key: Vec<KeyEntry> = key(&facts.detectors()).into_iter().filter(|it| has_curve(&it.name)).collect();
+    let key = key_of(&facts.detectors(), has_curve);
     let panels: Vec<ThemedPanel> = facts.curves.iter().map(|it| panel(facts, it)).collect();
     html! {
         section #curves aria-labelledby="curves-title" {

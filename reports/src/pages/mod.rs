@@ -5,6 +5,7 @@
 mod of_some_runs;
 mod run_facts;
 mod markup;
+mod again;
 mod document;
 mod overview;
 mod task_tables;

@@ -1,22 +1,24 @@
 //! The page of a result of `scanbench partial`: what methods tell of objects of which more and more is seen.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use maud::{Markup, html};
 
+use super::again::Made;
 use super::document::document;
-use super::markup::{commands, sentences, table, wide_picture};
+use super::markup::{sentences, table, wide_picture};
 use crate::files::archive::ArchiveError;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::files::whole_file::write_whole;
 use crate::partial_study::partial_curves::PartialCurve;
 use crate::plots::figure::Figure;
 use crate::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
-use crate::run_folder::command_line::shell_word;
 use crate::run_folder::partial_archive::PartialArchive;
 use crate::run_folder::partial_manifest::PartialManifest;
 use crate::run_folder::run_directory::{PARTIAL_RRD, REPORT_HTML};
 use crate::tables::sheet::Tabular as _;
+use crate::tables::studies::partial_findings::{judged_objects, partial_findings, partial_heading};
 use crate::tables::studies::partial_table::PartialTable;
 
 /// The page of partial clouds.
@@ -35,7 +37,8 @@ impl PartialPage {
     pub fn of(directory: &Path, method: &str) -> Result<Self, ArchiveError> {
         let PartialArchive { manifest, rows } = PartialArchive::read(directory)?;
         let curves = PartialCurve::all(&rows);
-        let n_objects = n_objects(&manifest);
+        let n_objects = n_objects(&manifest, &curves);
+        let found = partial_findings(&manifest, &curves, method);
         let has_recording = directory.join(PARTIAL_RRD).is_file();
         let sections = html! {
             header {
@@ -43,8 +46,8 @@ impl PartialPage {
                 h1 { "What is it, when only a part has been seen?" }
                 p.facts { (manifest.title()) " " (n_objects) " objects, each in growing parts." }
             }
-            (verdict(&curves, method))
-            (figure("accuracy", "More seen, better decided", &partial_accuracy_plot(&curves, &manifest.title()),
+            (verdict(&curves, method, &found))
+            (figure("accuracy", partial_heading(&curves, method), &partial_accuracy_plot(&curves, &manifest.title()),
                 "The mean of recalls over the steps, with 95 % intervals over objects."))
             (tables(&manifest, &curves, method))
             (errors(&curves, method))
@@ -75,12 +78,13 @@ const SECTIONS: [(&str, &str); 6] = [
     ("reproduce", "Reproduce"),
 ];
 
-fn n_objects(manifest: &PartialManifest) -> usize {
-    manifest.sets.iter().flat_map(|it| it.judged.objects.values()).sum()
+fn n_objects(manifest: &PartialManifest, curves: &[PartialCurve]) -> u64 {
+    let sets: BTreeSet<&str> = manifest.sets.iter().map(|it| it.judged.id.as_str()).collect();
+    sets.into_iter().flat_map(|it| judged_objects(curves, it).into_values()).sum()
 }
 
-/// How many are right when half and when all is seen, in a sentence for each curve of the method.
-fn verdict(curves: &[PartialCurve], method: &str) -> Markup {
+/// How many are right when half and when all is seen, in a sentence for each curve of the method, and what else was `found`.
+fn verdict(curves: &[PartialCurve], method: &str, found: &[String]) -> Markup {
     let said = |curve: &PartialCurve| {
         let at = |step: u32| curve.steps.iter().find(|it| it.step == step)?.mean_recall;
         let [half, whole] = [at(5)?, at(10)?].map(|it| fixed_decimals(100.0 * it, 1));
@@ -91,9 +95,12 @@ fn verdict(curves: &[PartialCurve], method: &str) -> Markup {
     };
     let lines: Vec<String> = curves.iter().filter(|it| it.method == method).filter_map(said).collect();
     html! {
-        @if !lines.is_empty() {
+        @if !lines.is_empty() || !found.is_empty() {
             section #verdict aria-label="Verdict" {
-                div.verdict { p { "The " (method) ", mean of recalls:" } @for line in &lines { p { (line) } } }
+                div.verdict {
+                    @if !lines.is_empty() { p { "The " (method) ", mean of recalls:" } }
+                    @for line in lines.iter().chain(found) { p { (line) } }
+                }
             }
         }
     }
@@ -114,7 +121,7 @@ fn picture(name: &str, figure: &Figure, caption: &str) -> Markup {
 
 fn tables(manifest: &PartialManifest, curves: &[PartialCurve], method: &str) -> Markup {
     let title = manifest.title();
-    let sheet = PartialTable { title: &title, curves, method }.sheet();
+    let sheet = PartialTable { title: &title, curves, method, found: &[] }.sheet();
     html! {
         section #tables aria-label="Tables" {
             h2 { "Tables" }
@@ -147,14 +154,10 @@ fn errors(curves: &[PartialCurve], method: &str) -> Markup {
 }
 
 fn reproduction(manifest: &PartialManifest, has_recording: bool) -> Markup {
-    let arguments: Vec<String> = manifest.argv.iter().skip(1).map(|it| shell_word(it)).collect();
-    let checkout =
-        manifest.git.as_ref().map_or_else(String::new, |it| format!("git checkout {}\n", it.commit));
-    let lines = format!("{checkout}cargo run --release -- {}", arguments.join(" "));
     html! {
         section #reproduce aria-label="Reproduce" {
             h2 { "Reproduce" }
-            (commands(&lines, "Commands that repeat it"))
+            (Made::partial(manifest).markup())
             @for model in manifest.sets.iter().filter_map(|it| it.model.as_ref()).take(1) {
                 p { "The model " (model.name) " was made by " code { (model.made_by) } " of " (model.data.join(", ")) "." }
             }
@@ -211,7 +214,8 @@ mod tests {
     #[test]
     fn a_damaged_result_is_named_and_other_methods_have_no_errors() {
         let folder = result();
-        assert!(!PartialPage::of(folder.path(), "esf").unwrap().html.contains("#errors"));
+        let html = PartialPage::of(folder.path(), "esf").unwrap().html;
+        assert!(!html.contains("id=\"errors\""));
         std::fs::write(folder.path().join(MANIFEST_JSON), "{}").unwrap();
         let error = PartialPage::of(folder.path(), "graphs").unwrap_err().to_string();
         assert!(error.contains(MANIFEST_JSON), "{error}");

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::markup::{sentences, table};
 use super::run_facts::RunFacts;
+use crate::tables::protocol_in_short::published;
 use crate::tables::protocol_table::{ProtocolLines, ProtocolTable};
 use crate::tables::sheet::Tabular as _;
 
@@ -19,6 +20,7 @@ pub(super) fn protocols(facts: &RunFacts) -> Markup {
             @for (short, every) in short.iter().zip(&every) {
                 h3 { "Protocol " (short.protocol) }
                 (grids(short))
+                @if let Some(published) = published(short.protocol) { p.about { (published) } }
                 @if short.is_short() {
                     details { summary { "All numbers" } (grids(every)) }
                 }

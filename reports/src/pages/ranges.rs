@@ -5,10 +5,9 @@ use maud::{Markup, html};
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{RunFacts, TaskRanges};
 use crate::plots::range_plot::range_plot;
-use crate::plots::series::key;
+use crate::plots::series::key_of;
 
 pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
-    let key = key(&facts.detectors());
     let undefined = "Precision and F-rate are undefined: not every class of object is annotated, so false objects cannot be \
                      counted. ";
     let of_pools = || facts.pools.iter().flat_map(|pool| pool.ranges.iter().map(move |it| (pool, it)));
@@ -18,6 +17,9 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
             @for (pool, of_task) in of_pools() {
                 @let ([file_end, on], origin) = (facts.of_pool(&pool.pool), pool.pool.origin.name());
                 @let together = if pool.pool.is_of_several() { ", all data sets together" } else { "" };
+                @let has_curve = |name: &str| {
+                    of_task.rates.iter().flat_map(|it| &it.1).any(|it| it.name == name && it.places.iter().any(Option::is_some))
+                };
                 @let panels: Vec<_> =
                     of_task.rates.iter().map(|(rate, rates)| range_plot(rate, &of_task.bins, rates)).collect();
                 h3 { "Task " (of_task.task) (on) }
@@ -25,7 +27,7 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                     file_stem: &format!("range_{}{file_end}", of_task.task),
                     title: &format!("Rates over range, task {} ({origin}){}", of_task.task, pool.caveat("; bars: intervals")),
                     panels: &panels,
-                    key: &key,
+                    key: &key_of(&facts.detectors(), has_curve),
                     caption: html! {
                         "By horizontal distance from the sensor" (together) " (" (origin)
                         "), with 95 % intervals" (pool.caveat("")) ". An annotation counts at its own range, a false detection at its own. "

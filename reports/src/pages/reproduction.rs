@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::again::Made;
 use super::markup::commands;
 use super::run_facts::RunFacts;
 use crate::run_folder::command_line::shell_word;
@@ -12,7 +13,7 @@ pub(super) fn reproduction(facts: &RunFacts) -> Markup {
     html! {
         section #reproduce aria-labelledby="reproduce-title" {
             h2 #reproduce-title { "Reproduce" }
-            (commands(&command_lines(manifest), "Commands that repeat the run"))
+            (Made::run(manifest).markup())
             @match &manifest.git {
                 Some(git) if git.dirty => p { "The source had uncommitted changes, so the numbers may differ." },
                 Some(_) => p { "All numbers are reproduced to the last digit, except times." },
@@ -27,21 +28,12 @@ pub(super) fn reproduction(facts: &RunFacts) -> Markup {
     }
 }
 
-fn command_lines(manifest: &Manifest) -> String {
-    let mut lines =
-        manifest.git.as_ref().map_or_else(String::new, |git| format!("git checkout {}\n", git.commit));
-    let arguments: Vec<String> = manifest.argv.iter().skip(1).map(|it| shell_word(it)).collect();
-    lines.push_str("cargo run --release -- ");
-    lines.push_str(&arguments.join(" "));
-    lines
-}
-
-/// What else a detector is made of that no checkout of ours has.
+/// What else a detector is made of that scanbench does not come with.
 fn not_built_in(name: &str, foreign: &ForeignEntry) -> Markup {
     let command: Vec<String> = foreign.command.iter().map(|it| shell_word(it)).collect();
     html! {
         p {
-            "No checkout of scanbench has the detector " code { (name) } ": "
+            "scanbench does not come with the detector " code { (name) } ": "
             @match &foreign.results {
                 Some(results) => {
                     "its results were read from " code { (results) }

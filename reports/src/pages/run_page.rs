@@ -29,6 +29,7 @@ use crate::tables::protocol_in_short::ProtocolInShort;
 use crate::tables::run_in_short::RunInShort;
 use crate::tables::task_table::{TableError, TaskTable, task_tables as tables_of};
 use crate::verdicts::standing::{Speeds, Standing};
+use crate::verdicts::times_doubt::times_doubts;
 
 /// The page of a run, and its figures as files.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,7 +119,10 @@ fn short(facts: &RunFacts, tables: Vec<TaskTable>) -> RunInShort {
             .as_ref()
             .map_or_else(Vec::new, |it| ProtocolInShort::all(it, &facts.manifest, &facts.given)),
         agreement: facts.agreement.clone(),
-        verdict: verdict.chain(facts.speeds.iter().filter_map(Speeds::sentence)).collect(),
+        verdict: verdict
+            .chain(facts.speeds.iter().filter_map(Speeds::sentence))
+            .chain(times_doubts(&facts.manifest, &facts.report))
+            .collect(),
     }
 }
 
@@ -165,6 +169,7 @@ mod tests {
                 "Task objects (simulated): hierarchical leads with an F-rate of 90.0 %",
                 "5.8 points above kd-tree",
                 "10 × faster than kd-tree (40.0 ms) and 100 × faster than pca (400 ms)",
+                "<code>scanbench run",
                 "cargo run --release -- ",
                 "href=\"#curves\"",
             ],

@@ -5,12 +5,13 @@ use maud::{Markup, html};
 use super::markup::{Figure, FigureMarkup, sentences, table};
 use super::run_facts::RunFacts;
 use crate::plots::latency_plot::latency_plot;
-use crate::plots::series::key;
+use crate::plots::series::key_of;
 use crate::plots::stage_plot::stage_plot;
 use crate::plots::themed_panel::ThemedPanel;
 use crate::tables::sheet::Tabular as _;
 use crate::tables::times_table::TimesTable;
 use crate::verdicts::standing::origin_of_run;
+use crate::verdicts::times_doubt::times_doubts;
 
 pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let times = TimesTable::new(&facts.report, &facts.manifest);
@@ -27,17 +28,22 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
         latency_plot(&format!("scans that finish within a time{on}"), &it.times_ms)
     });
     let of_scans: Vec<ThemedPanel> = of_scans.collect();
+    let has_times = |name: &str| {
+        let mut of_detectors = facts.pools.iter().flat_map(|it| &it.times_ms);
+        of_detectors.any(|(detector, times)| detector == name && !times.is_empty())
+    };
     html! {
         section #times aria-labelledby="times-title" {
             h2 #times-title { "Times" }
             p.about { "Detection only, on " (facts.manifest.machine.cpu_model) ". On another machine, only ratios can be compared." }
+            @for doubt in times_doubts(&facts.manifest, &facts.report) { p.doubt role="note" { (doubt) } }
             div.beside {
                 @if !of_scans.is_empty() {
                     (FigureMarkup {
                         file_stem: "times",
                         title: &format!("Times of scans ({origin})"),
                         panels: &of_scans,
-                        key: &key(&facts.detectors()),
+                        key: &key_of(&facts.detectors(), has_times),
                         caption: html! {
                             "Share of the scans (" (origin) ") that finish within a time. Farther left is faster, steeper is more constant. "
                             "A sensor with ten turns per second allows 100 ms."

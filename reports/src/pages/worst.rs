@@ -1,4 +1,4 @@
-//! The worst mistakes, drawn from above.
+//! The worst mistakes and a few of the best matches, drawn from above.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -18,9 +18,9 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
     tasks.dedup();
     html! {
         section #worst aria-labelledby="worst-title" {
-            h2 #worst-title { "Worst mistakes, seen from above" }
+            h2 #worst-title { "Worst mistakes and best matches, seen from above" }
             p.about {
-                "The missed and false objects with the most points, each object once. Forward is up; the wedge at the edge points to the sensor, and a cross (+) is the sensor. "
+                "The missed and false objects with the most points, each object once, and two of the closest matches. Forward is up; the wedge at the edge points to the sensor, and a cross (+) is the sensor. "
                 @if facts.points.is_some() { "Dots are points of the scan: dark above the road, pale on the road." }
             }
             (key(&scene_keys(&facts.detectors())))
@@ -34,7 +34,7 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
 }
 
 fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> Markup {
-    let lists = [MistakeKind::Missed, MistakeKind::False].map(|kind| {
+    let lists = [Some(MistakeKind::Missed), Some(MistakeKind::False), None].map(|kind| {
         let list = MistakeList { task, detector: detector.to_owned(), kind };
         (kind, facts.worst.of(&list))
     });
@@ -52,11 +52,14 @@ fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> M
     }
 }
 
-fn scene(facts: &RunFacts, task: Task, detector: &str, kind: MistakeKind, place: &WorstPlace<()>) -> Markup {
-    let word = match kind {
-        MistakeKind::Missed => "missed",
-        MistakeKind::False => "false",
-    };
+fn scene(
+    facts: &RunFacts,
+    task: Task,
+    detector: &str,
+    kind: Option<MistakeKind>,
+    place: &WorstPlace<()>,
+) -> Markup {
+    let word = kind.map_or("matched", MistakeKind::name);
     let boxes = facts.boxes.get(&scan_name(place)).map_or(&[][..], Vec::as_slice);
     let is_near = |it: &&SeenBox| {
         let [x_m, y_m, _] = it.bounding_box.center_m;
@@ -92,7 +95,7 @@ fn scene(facts: &RunFacts, task: Task, detector: &str, kind: MistakeKind, place:
         label,
     );
     html! {
-        figure.scene {
+        figure.scene.matched[kind.is_none()] {
             (PreEscaped(plot.inline()))
             figcaption {
                 strong { (word) " " (place.class) } ": " (place.reason) br;

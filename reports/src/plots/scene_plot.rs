@@ -85,7 +85,8 @@ pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
         entry(name, stroked(r#"path d="M1 8h34""#, color, width_px, dashes_px))
     };
     let subject = subject_shape(r#"rect x="6" y="1" width="24" height="14""#);
-    let mut keys = vec![entry("missed or false object", subject), sample("annotated", BLACK, 1.8, None)];
+    let mut keys =
+        vec![entry("missed, false or matched object", subject), sample("annotated", BLACK, 1.8, None)];
     keys.extend(
         names
             .iter()

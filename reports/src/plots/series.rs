@@ -90,6 +90,11 @@ pub(crate) fn key(names: &[&str]) -> Vec<KeyEntry> {
     names.iter().enumerate().map(entry).collect()
 }
 
+/// The key to those of the series that `have_curve`.
+pub(crate) fn key_of(names: &[&str], have_curve: impl Fn(&str) -> bool) -> Vec<KeyEntry> {
+    key(names).into_iter().filter(|it| have_curve(&it.name)).collect()
+}
+
 /// The line with its marker.
 fn sample(mark: SeriesMark, [left_px, right_px]: [f64; 2], y_px: f64) -> [Mark; 2] {
     let middle_px = f64::midpoint(left_px, right_px);

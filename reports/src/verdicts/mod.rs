@@ -6,6 +6,7 @@ pub mod comparability;
 pub mod paired_difference;
 pub mod protocol_differences;
 pub mod standing;
+pub mod times_doubt;
 pub mod reason_gains;
 pub mod drift;
 pub mod changed_claims;

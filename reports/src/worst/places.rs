@@ -1,4 +1,4 @@
-//! The worst mistakes of every detector, gathered row by row, each object once: what a page shows from above.
+//! The worst mistakes of every detector and its best matches, gathered row by row, each object once: what a page shows from above.
 
 use std::collections::BTreeMap;
 
@@ -10,27 +10,29 @@ use crate::vocabulary::task::Task;
 /// Scans whose numbers begin alike when divided by this are taken for scans of one second.
 const SCANS_PER_SECOND: u32 = 10;
 /// Mistakes of a kind that are kept for each detector and task.
-pub const MOST_OF_A_KIND: usize = 4;
+const MOST_OF_A_KIND: usize = 4;
+/// The same of matches.
+const MOST_MATCHES: usize = 2;
 /// Half the side of the smallest window around an object, in metres, and of the widest.
 const HALF_WINDOW_M: [f32; 2] = [5.0, 12.0];
 /// What is seen around an object, in metres.
 const SURROUNDINGS_M: f32 = 2.5;
 
-/// The worst mistakes so far, with something about each place.
+/// The worst mistakes and the best matches so far, with something about each place.
 #[derive(Debug, Clone)]
 pub struct WorstPlaces<T> {
     lists: BTreeMap<MistakeList, Vec<WorstPlace<T>>>,
 }
 
-/// Whose mistakes, at what, and of which kind.
+/// Whose mistakes or matches, at what, and of which kind.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MistakeList {
     /// The task.
     pub task: Task,
     /// Name of the detector.
     pub detector: String,
-    /// Missed or false.
-    pub kind: MistakeKind,
+    /// Missed or false; `None` for matches.
+    pub kind: Option<MistakeKind>,
 }
 
 /// Which object of which scan.
@@ -50,10 +52,12 @@ pub struct ObjectName {
 }
 
 impl ObjectName {
-    /// The object that `row` calls a mistake; `None` if it calls none so.
-    pub fn of_mistake(row: &MatchRow) -> Option<Self> {
+    /// The object that `row` calls a mistake or a match; `None` if it calls none so.
+    pub fn shown_of(row: &MatchRow) -> Option<Self> {
         let (detector, id) = match &row.outcome {
-            MatchOutcome::Missed { annotation, .. } => (None, annotation.id),
+            MatchOutcome::Missed { annotation, .. } | MatchOutcome::Matched { annotation, .. } => {
+                (None, annotation.id)
+            }
             MatchOutcome::False { detection, .. } => (Some(row.detector.clone()), detection.id),
             _ => return None,
         };
@@ -67,14 +71,14 @@ impl ObjectName {
     }
 }
 
-/// A mistake with a place.
+/// A mistake or a match with a place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorstPlace<T> {
     /// Which object.
     pub object: ObjectName,
     /// What it is, or was taken for.
     pub class: &'static str,
-    /// Why it is a mistake.
+    /// Why it is a mistake, or that it is none.
     pub reason: &'static str,
     /// Number of its points.
     pub n_points: u64,
@@ -82,6 +86,8 @@ pub struct WorstPlace<T> {
     pub bounding_box: BoxFacts,
     /// What is shown of it.
     pub window: PlanWindow,
+    /// Higher comes first: how close a match is, and then the number of points.
+    rank: (i64, u64),
     /// The object within its drive, where that is known.
     track: Option<u32>,
     /// What the caller keeps with it.
@@ -119,38 +125,45 @@ impl<T> Default for WorstPlaces<T> {
 }
 
 impl<T> WorstPlaces<T> {
-    /// Takes `row` in if it is a mistake with a place and worse than what is there: seen by more points. `kept` is asked only
-    /// then.
+    /// Takes `row` in if it is a mistake with a place and worse than what is there: seen by more points; or a closer match. `kept` is
+    /// asked only then.
     pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
-        let (kind, class, reason, n_points, bounding_box, track) = match &row.outcome {
-            MatchOutcome::Missed { annotation: it, reason } => {
-                (MistakeKind::Missed, it.class.name(), reason.name(), it.n_points, subject_of(it), it.track)
+        let annotated = |it: &AnnotationFacts| (it.class.name(), it.n_points, subject_of(it), it.track);
+        let (kind, (class, n_points, bounding_box, track), reason, closeness) = match &row.outcome {
+            MatchOutcome::Missed { annotation, reason } => {
+                (Some(MistakeKind::Missed), annotated(annotation), reason.name(), 0)
             }
             MatchOutcome::False { detection: it, reason } => {
-                (MistakeKind::False, it.class.name(), reason.name(), it.n_points, Some(it.bounding_box), None)
+                let detected = (it.class.name(), it.n_points, Some(it.bounding_box), None);
+                (Some(MistakeKind::False), detected, reason.name(), 0)
+            }
+            MatchOutcome::Matched { annotation, cost, .. } => {
+                (None, annotated(annotation), "one of the best matches", -(100.0 * cost).round() as i64)
             }
             _ => return,
         };
+        let rank = (closeness, n_points);
+        let most = if kind.is_some() { MOST_OF_A_KIND } else { MOST_MATCHES };
         let Some(bounding_box) = bounding_box else { return };
         let list = MistakeList { task: row.task, detector: row.detector.clone(), kind };
         let list = self.lists.entry(list).or_default();
         let same = list.iter().position(|it| it.is_same_object(row, track));
-        let is_worse = match same {
-            Some(place) => list[place].n_points < n_points,
-            None => list.len() < MOST_OF_A_KIND || list.last().is_some_and(|it| it.n_points < n_points),
+        let is_first = match same {
+            Some(place) => list[place].rank < rank,
+            None => list.len() < most || list.last().is_some_and(|it| it.rank < rank),
         };
-        if !is_worse {
+        if !is_first {
             return;
         }
         if let Some(place) = same {
             list.remove(place);
         }
         let window = PlanWindow::around(&bounding_box);
-        let Some(object) = ObjectName::of_mistake(row) else { return };
-        let place =
-            WorstPlace { object, class, reason, n_points, bounding_box, window, track, kept: kept(&window) };
-        list.insert(list.partition_point(|it| it.n_points >= n_points), place);
-        list.truncate(MOST_OF_A_KIND);
+        let Some(object) = ObjectName::shown_of(row) else { return };
+        let kept = kept(&window);
+        let place = WorstPlace { object, class, reason, n_points, bounding_box, window, rank, track, kept };
+        list.insert(list.partition_point(|it| it.rank >= rank), place);
+        list.truncate(most);
     }
 
     /// The lists, each with the worst first.
@@ -212,13 +225,13 @@ mod tests {
         MatchOutcome::False { detection, reason: FalseReason::NothingThere }
     }
 
-    fn kept(rows: &[MatchRow], kind: MistakeKind) -> Vec<(u32, u64)> {
+    fn kept(rows: &[MatchRow], kind: impl Into<Option<MistakeKind>>) -> Vec<(u32, u64)> {
         let mut places = WorstPlaces::default();
         for row in rows {
             places.add(row, |_| ());
         }
         let (task, detector) = (Task::Vehicles, "grid".to_owned());
-        let list = places.of(&MistakeList { task, detector, kind });
+        let list = places.of(&MistakeList { task, detector, kind: kind.into() });
         list.iter().map(|it| (it.object.scan, it.n_points)).collect()
     }
 
@@ -236,6 +249,20 @@ mod tests {
             kept(&rows, MistakeKind::False).iter().map(|it| it.1).collect::<Vec<_>>(),
             [19, 18, 17, 16]
         );
+        assert_eq!(kept(&rows, MistakeKind::Missed), []);
+    }
+
+    #[test]
+    fn the_closest_matches_are_kept() {
+        let found = |scan: u32, n_points: u64, cost: f64| {
+            let MatchOutcome::False { detection, .. } = false_one(9) else { unreachable!() };
+            let MatchOutcome::Missed { annotation, .. } = missed(Some(scan), n_points, Some(BOX)) else {
+                unreachable!()
+            };
+            row(scan, MatchOutcome::Matched { annotation, detection, cost })
+        };
+        let rows = [found(1, 900, 0.3), found(2, 20, 0.001), found(3, 70, 0.0), found(4, 40, 0.01)];
+        assert_eq!(kept(&rows, None), [(3, 70), (2, 20)]);
         assert_eq!(kept(&rows, MistakeKind::Missed), []);
     }
 

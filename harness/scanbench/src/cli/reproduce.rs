@@ -38,7 +38,7 @@ pub struct ReproduceArgs {
     ///
     /// The setting with the greatest mean rate wins: of paper over both tasks, of a rival in its own.
     #[arg(long, value_enum, value_name = "DETECTOR", num_args = 0..=1, require_equals = true, default_missing_value = "paper")]
-    #[arg(help_heading = DETECTORS, conflicts_with_all = ["output", "overwrite", "warmup", "shard"])]
+    #[arg(help_heading = DETECTORS, conflicts_with_all = IDLE_OF_CHOICE)]
     pub choose: Option<ChosenFor>,
     /// Where the page and the tables are written.
     #[command(flatten)]
@@ -50,6 +50,22 @@ pub struct ReproduceArgs {
     #[command(flatten)]
     pub stream: StreamArgs,
 }
+
+/// What says nothing about a choice of values: it leaves no files, and no recording.
+const IDLE_OF_CHOICE: [&str; 12] = [
+    "output",
+    "overwrite",
+    "warmup",
+    "shard",
+    "save_rrd",
+    "no_rrd",
+    "connect",
+    "spawn",
+    "serve",
+    "rerun_every",
+    "rerun_points",
+    "blueprint",
+];
 
 /// A paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

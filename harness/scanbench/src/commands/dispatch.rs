@@ -12,6 +12,7 @@ use crate::commands::ablation::ablation;
 use crate::commands::baseline::{baseline_accept, baseline_init};
 use crate::commands::boxes::boxes;
 use crate::commands::compare::compare;
+use crate::commands::completions::completions;
 use crate::commands::data::add::data_add;
 use crate::commands::data::check::data_check;
 use crate::commands::data::convert::{data_convert, data_simulate};
@@ -38,7 +39,7 @@ use crate::commands::run::run;
 use crate::commands::selftest::selftest;
 #[cfg(target_os = "linux")]
 use crate::commands::serve::serve;
-use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
+use crate::commands::standard_streams::{Verbosity, set_verbosity};
 use crate::commands::submit::kubernetes::submit_kubernetes;
 use crate::commands::submit::slurm::submit_slurm;
 use crate::commands::sweep::sweep;
@@ -111,11 +112,4 @@ fn manual(folder: &Path) -> Result<(), Failure> {
     let written =
         std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
     written.map_err(|source| ArchiveError::Write { path: folder.to_path_buf(), source }.into())
-}
-
-fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
-    // Not straight to stdout: the generator panics where it cannot write.
-    let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "scanbench", &mut script);
-    print_result(String::from_utf8_lossy(&script).trim_end())
 }

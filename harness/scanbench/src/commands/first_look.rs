@@ -304,10 +304,10 @@ impl Look {
             self.labels = LabelLook::of(scans, || next_scans(opened, scans));
         }
         let doubts = &self.labels.doubts;
-        let is_place = |it: &LabelDoubt| matches!(it, LabelDoubt::Place { .. });
+        let is_known = |it: &LabelDoubt| matches!(it, LabelDoubt::Place { .. } | LabelDoubt::Holes { .. });
         let boxes = EmptyBoxes::of(scans);
         // Where it is known why, no more is said.
-        let are_empty = boxes.are_most() && !doubts.iter().any(is_place);
+        let are_empty = boxes.are_most() && !doubts.iter().any(is_known);
         self.doubts.extend(doubts.iter().copied().map(FrameDoubt::Labels));
         self.doubts.extend(are_empty.then_some(FrameDoubt::EmptyBoxes(boxes)));
     }

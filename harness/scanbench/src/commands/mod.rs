@@ -66,4 +66,5 @@ pub mod baseline;
 pub mod empty_folder;
 pub mod init;
 pub mod submit;
+pub mod completions;
 pub mod dispatch;

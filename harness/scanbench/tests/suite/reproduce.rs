@@ -90,6 +90,11 @@ fn recorded_and_simulated_scans_are_judged_apart() {
     }
     assert!(workplace.read("vm/reproduction.html").contains("scanbench reproduce vm street-narrow"));
     workplace.refuse("reproduce all --choose training-streets -o nowhere", 2, &[]);
+    for idle in ["--save-rrd=a.rrd", "--no-rrd", "--rerun-every 2", "--blueprint stages"] {
+        workplace.refuse(&format!("reproduce all --choose training-streets {idle}"), 2, &[]);
+    }
+    let shared = "reproduce all street-narrow --shard 1/2 -o shards --save-rrd=a.rrd";
+    workplace.refuse(shared, 2, &["all shards would write the same file of --save-rrd"]);
 }
 
 #[test]

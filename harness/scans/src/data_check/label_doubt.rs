@@ -33,6 +33,13 @@ pub enum LabelDoubt {
         /// Vehicles that were looked at.
         n_vehicles: usize,
     },
+    /// Boxes hold no point where others at the same range hold many.
+    Holes {
+        /// Such boxes.
+        n_empty: usize,
+        /// Vehicles among such others.
+        n_vehicles: usize,
+    },
     /// Most boxes are as a detector proposed them.
     Proposed {
         /// Such boxes.
@@ -89,6 +96,11 @@ impl fmt::Display for LabelDoubt {
                 formatter,
                 "{n_wide} of {n_vehicles} vehicles are wider than long, but points lie along their sides: swap length and width, and \
                  turn yaws by 90 degrees"
+            ),
+            Self::Holes { n_empty, n_vehicles } => write!(
+                formatter,
+                "{n_empty} of {n_vehicles} boxes of vehicles hold no point, but others at the same range hold many: leave out boxes of \
+                 what the sensor cannot see, and look for labels of other scans"
             ),
             Self::Proposed { n_proposed, n_boxes } => write!(
                 formatter,

@@ -5,9 +5,10 @@ use reports::numbers::box_points::{Across, BoxPoints, FramedPoints};
 use reports::vocabulary::class::AnnotationClass;
 
 use super::box_fit::{BetterFit, better_fit, gain, mean_fit};
+use super::empty_boxes::NEAR_M;
 use super::label_correction::Correction;
 use super::label_doubt::{LabelDoubt, TakenFor};
-use super::seen_vehicles::{SeenVehicle, SeenVehicles};
+use super::seen_vehicles::{SeenVehicle, SeenVehicles, is_vehicle};
 use crate::annotation::LabeledScan;
 use crate::dataset::proposal_list::ProposalList;
 
@@ -26,6 +27,13 @@ const FROM_GROUND_M: f64 = 0.3;
 /// Heights differ so little from a half of that of the box, in metres.
 const NEAR_HALF_M: f64 = 0.2;
 
+/// Boxes whose ranges differ by less are neighbours, in metres.
+const NEIGHBOURS_M: f32 = 5.0;
+/// So many points are many: the median of neighbours.
+const MANY_POINTS: usize = 50;
+/// So many empty boxes, and this share of those with such neighbours, may be hidden from the sensor.
+const MOST_HIDDEN: (usize, f64) = (2, 0.2);
+
 /// What the labels of a few scans look like.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LabelLook {
@@ -42,8 +50,10 @@ impl LabelLook {
         let place = place_doubt(scans, &vehicles, next);
         let is_swapped = matches!(place, Some(LabelDoubt::Place { correction: Correction::SwapSides, .. }));
         let sideways = sideways_doubt(&vehicles.seen).filter(|_| !is_swapped);
-        let doubts =
-            [degrees_doubt(scans), place, sideways, height_doubt(&vehicles.seen)].into_iter().flatten();
+        let holes = holes_doubt(scans).filter(|_| place.is_none());
+        let doubts = [degrees_doubt(scans), place, sideways, height_doubt(&vehicles.seen), holes]
+            .into_iter()
+            .flatten();
         Self { doubts: doubts.collect(), vehicles }
     }
 
@@ -193,6 +203,25 @@ fn height_doubt(vehicles: &[SeenVehicle]) -> Option<LabelDoubt> {
     };
     let doubt = LabelDoubt::Height { above_ground_m, taken_for, n_vehicles };
     (above_ground_m.abs() >= FROM_GROUND_M).then_some(doubt)
+}
+
+fn holes_doubt(scans: &[LabeledScan]) -> Option<LabelDoubt> {
+    let vehicles = scans.iter().flat_map(|it| &it.annotations).filter(|it| is_vehicle(it.class));
+    let boxes = vehicles.filter_map(|it| Some((it.bounding_box?.range_m(), it.point_indices.len())));
+    let boxes: Vec<(f32, usize)> = boxes.filter(|it| it.0 < NEAR_M).collect();
+    let has_full_neighbours = |(box_idx, it): &(usize, &(f32, usize))| {
+        let others = boxes.iter().enumerate().filter(|(other_idx, _)| other_idx != box_idx);
+        let near = others.filter(|(_, other)| (other.0 - it.0).abs() < NEIGHBOURS_M);
+        let mut n_points: Vec<usize> = near.map(|(_, other)| other.1).collect();
+        n_points.sort_unstable();
+        n_points.len() > 1 && n_points[n_points.len() / 2] >= MANY_POINTS
+    };
+    let among_full: Vec<usize> =
+        boxes.iter().enumerate().filter(has_full_neighbours).map(|(_, it)| it.1).collect();
+    let (n_empty, n_vehicles) = (among_full.iter().filter(|it| **it == 0).count(), among_full.len());
+    let (most, most_share) = MOST_HIDDEN;
+    (n_empty > most && n_empty as f64 > most_share * n_vehicles as f64)
+        .then_some(LabelDoubt::Holes { n_empty, n_vehicles })
 }
 
 /// Whether most labels of `scans` are as `list` has them.

@@ -61,7 +61,8 @@ impl SeenVehicles {
     }
 }
 
-fn is_vehicle(class: AnnotationClass) -> bool {
+/// Whether labels of this class are compared with points.
+pub(super) fn is_vehicle(class: AnnotationClass) -> bool {
     use AnnotationClass as Class;
     matches!(class, Class::Car | Class::Van | Class::Truck | Class::Bus)
 }

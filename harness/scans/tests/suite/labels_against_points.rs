@@ -71,6 +71,15 @@ impl Looked {
         LabelLook::of(&scans, next).doubts
     }
 
+    /// What is doubtful if one box in so many holds no point.
+    fn doubts_with_holes(&self, one_in: usize) -> Vec<LabelDoubt> {
+        let mut scans = self.scans.clone();
+        let boxes =
+            scans.iter_mut().flat_map(|it| &mut it.annotations).filter(|it| it.bounding_box.is_some());
+        boxes.step_by(one_in).for_each(|it| it.point_indices.clear());
+        LabelLook::of(&scans, Vec::new).doubts
+    }
+
     /// What is doubtful if each scan has the labels of the one before it.
     fn doubts_if_late(&self) -> Vec<LabelDoubt> {
         // The points of the next scan with the labels of this one, and those of this one for the next, which are the right ones.
@@ -160,6 +169,8 @@ fn check_all(looked: &Looked) {
     has_height(TakenFor::Unknown, looked.doubts(raised(|_| 1.73)));
     let degrees = looked.doubts(|it| OrientedBox { yaw_rad: it.yaw_rad.to_degrees() + 20.0, ..*it });
     assert!(degrees.iter().any(|it| matches!(it, LabelDoubt::Degrees { .. })), "{degrees:?}");
+    let holes = looked.doubts_with_holes(3);
+    assert!(holes.iter().any(|it| matches!(it, LabelDoubt::Holes { .. })), "{}: {holes:?}", looked.name);
     let sideways = looked.doubts(|it| Correction::Yaw(FRAC_PI_2).of(&Correction::SwapSides.of(it)));
     assert!(sideways.iter().any(|it| matches!(it, LabelDoubt::Sideways { .. })), "{sideways:?}");
 }
@@ -247,6 +258,9 @@ fn how_small_a_damage_is_heard() {
             })
             .collect();
         cells.push(format!("height {} m", first(&heights, &|size| looked.doubts(raised(move |_| size)))));
+        let is_heard = |one_in: &usize| !looked.doubts_with_holes(*one_in).is_empty();
+        let holes = (2..=10).rev().find(is_heard).map_or_else(|| "–".to_owned(), |it| it.to_string());
+        cells.push(format!("empty 1 in {holes}"));
         let n = corrections(&looked.doubts(|it| Correction::Turn(PI).of(it))).len();
         let late = corrections(&looked.doubts_if_late());
         eprintln!(

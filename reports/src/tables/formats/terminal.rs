@@ -63,7 +63,9 @@ impl<T: Tabular + ?Sized> Format<T> for Terminal {
                 text.push('\n');
             }
             match self.width {
-                Some(width) => write_folded(&mut text, grid, &notes, width),
+                Some(width) => {
+                    write_folded(&mut text, &with_broken_words(grid, &notes, width), &notes, width)
+                }
                 None => write_grid(&mut text, grid, &notes),
             }
             text.push('\n');
@@ -128,6 +130,30 @@ fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
         });
         write_grid(text, &piece, notes);
     }
+}
+
+/// A table of words with its last column broken into lines where it does not fit into `width`.
+fn with_broken_words(grid: &Grid, notes: &Notes, width: usize) -> Grid {
+    let widths = widths(grid, notes);
+    let is_of_words = grid.columns.iter().all(|it| it.alignment == Alignment::Left);
+    let (true, Some(last)) = (is_of_words, widths.last()) else { return grid.clone() };
+    let rest = width.saturating_sub(grid_width(grid, &widths) - last.total);
+    if last.total <= rest {
+        return grid.clone();
+    }
+    let last_idx = widths.len() - 1;
+    let broken = |line: &Line| -> Vec<Line> {
+        let pieces = wrapped_to(&line.cells[last_idx].text, rest);
+        let pieces = pieces.lines().map(str::to_owned).enumerate();
+        let piece = |(piece_idx, text): (usize, String)| {
+            let next = || Line { kind: LineKind::Detail, cells: vec![Cell::default(); widths.len()] };
+            let mut piece = if piece_idx == 0 { line.clone() } else { next() };
+            piece.cells[last_idx].text = text;
+            piece
+        };
+        pieces.map(piece).collect()
+    };
+    Grid { columns: grid.columns.clone(), lines: grid.lines.iter().flat_map(broken).collect() }
 }
 
 /// How wide a column is.
@@ -428,6 +454,19 @@ mod tests {
         let mut text = String::new();
         write_folded(&mut text, &sheet.parts[0].grid, &sheet.notes, 80);
         assert!(text.contains("sky") && text.contains("is blue"), "{text}");
+    }
+
+    #[test]
+    fn words_that_do_not_fit_are_broken_into_lines() {
+        let cells = ["the more is seen, the better", &"many words ".repeat(20)].map(Cell::new);
+        let line = Line { kind: LineKind::Dataset, cells: cells.to_vec() };
+        let grid = Grid { columns: ["claim", "measured"].map(Column::left).to_vec(), lines: vec![line] };
+        let sheet = crate::tables::sheet::Sheet::of("Words.".to_owned(), grid, Vec::new());
+        let mut text = String::new();
+        let grid = with_broken_words(&sheet.parts[0].grid, &sheet.notes, 80);
+        write_folded(&mut text, &grid, &sheet.notes, 80);
+        assert!(text.lines().all(|it| it.chars().count() <= 80), "{text}");
+        assert_eq!(text.matches("many").count(), 20, "{text}");
     }
 
     #[test]

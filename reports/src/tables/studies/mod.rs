@@ -12,6 +12,7 @@ pub mod box_table;
 pub mod robustness_table;
 pub mod curve_row;
 pub mod agreement;
+pub mod partial_findings;
 pub mod partial_table;
 pub mod claims_table;
 pub mod open_values_table;

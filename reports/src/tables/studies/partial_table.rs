@@ -19,6 +19,8 @@ pub struct PartialTable<'a> {
     pub curves: &'a [PartialCurve],
     /// The method of which there is more.
     pub method: &'a str,
+    /// What was found, in sentences.
+    pub found: &'a [String],
 }
 
 /// Steps of which the confusion and intervals are shown.
@@ -48,12 +50,13 @@ impl Tabular for PartialTable<'_> {
                 grid: claim_grid(curve),
             });
         }
-        let sentences = vec![
+        let mut sentences = vec![
             "Columns 1 to 10: steps, each a tenth of the largest extent more. kept: of the objects that are right at the last step, the mean \
              share of steps after which they are right and stay so. end: share that is right at the last step."
                 .to_owned(),
             format!("95 %: from a bootstrap of {N_RESAMPLES} resamples of objects, each with all its steps."),
         ];
+        sentences.extend(self.found.iter().cloned());
         Sheet::of_parts(parts, sentences)
     }
 }
@@ -177,7 +180,8 @@ mod tests {
     #[test]
     fn every_format_has_the_recalls_the_confusion_and_the_claims() {
         let curves = PartialCurve::all(&rows());
-        let table = PartialTable { title: "Objects (simulated).", curves: &curves, method: "graphs" };
+        let table =
+            PartialTable { title: "Objects (simulated).", curves: &curves, method: "graphs", found: &[] };
         let text = Markdown.text(&table);
         for part in [
             "Mean of recalls",
@@ -197,7 +201,8 @@ mod tests {
             row(PartialClass::Other, &format!("fence-{it}"), 3, told, [1.0; 4])
         });
         let rows: Vec<_> = rows().into_iter().chain(strangers).collect();
-        let table = PartialTable { title: "Objects.", curves: &PartialCurve::all(&rows), method: "graphs" };
+        let curves = PartialCurve::all(&rows);
+        let table = PartialTable { title: "Objects.", curves: &curves, method: "graphs", found: &[] };
         let text = Markdown.text(&table);
         let line = text.lines().find(|it| it.contains("| strangers |")).unwrap();
         assert!(line.contains("75.0") && line.contains(" to "), "{line}");

@@ -8,13 +8,17 @@ use crate::numbers::sweep_score::{SweepScore, SweepScores};
 /// there is none.
 pub type Paired<'a> = &'a dyn Fn([&SweepScore; 2]) -> Option<[f64; 2]>;
 
+/// The rate of the scores of one curve where each block of scans is judged at the value that the others choose; `None` where there is
+/// none.
+pub type HeldOut<'a> = &'a dyn Fn(&[&SweepScore]) -> Option<f64>;
+
 /// What is said of every sweep that has a best value.
 const OPTIMISTIC: &str = "The best value of a sweep looks better on the scans that chose it than it is: run it on other scans before you \
                           rely on its rate.";
 
 /// A text for every detector and task: the best value over all data sets of one origin with its rate, and the values that cannot be told
 /// from it. Then what holds for all of them.
-pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>) -> Vec<String> {
+pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>, held_out: HeldOut<'_>) -> Vec<String> {
     let curves = sweep.curves();
     let is_widest = |it: &&SweepCurve<'_>| {
         let ours = &it.points[0].score.subject;
@@ -24,15 +28,22 @@ pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>) -> Vec<String> {
         };
         ours.extent.is_overall() || !curves.iter().any(is_wider)
     };
-    let mut texts: Vec<String> =
-        curves.iter().filter(is_widest).filter_map(|it| recommendation(sweep, it, paired)).collect();
+    let mut texts: Vec<String> = curves
+        .iter()
+        .filter(is_widest)
+        .filter_map(|it| recommendation(sweep, it, (paired, held_out)))
+        .collect();
     if !texts.is_empty() {
         texts.push(OPTIMISTIC.to_owned());
     }
     texts
 }
 
-fn recommendation(sweep: &SweepScores, curve: &SweepCurve<'_>, paired: Paired<'_>) -> Option<String> {
+fn recommendation(
+    sweep: &SweepScores,
+    curve: &SweepCurve<'_>,
+    (paired, held_out): (Paired<'_>, HeldOut<'_>),
+) -> Option<String> {
     let first = curve.points[0].score;
     let best = &curve.points[curve.best()?];
     let percent = |it: f64| fixed_decimals(100.0 * it, 1);
@@ -40,13 +51,17 @@ fn recommendation(sweep: &SweepScores, curve: &SweepCurve<'_>, paired: Paired<'_
         let caveat = first.blocks.caveat_of_conclusions().map_or_else(String::new, |it| format!(", {it}"));
         format!(" ({} to {}{caveat})", percent(low), percent(high))
     });
+    let scores: Vec<&SweepScore> = curve.points.iter().map(|it| it.score).collect();
+    let elsewhere = held_out(&scores).map_or_else(String::new, |it| {
+        format!("; {} % if each block of scans is judged at the value that the others choose", percent(it))
+    });
     let detector = [vec![first.subject.detector.clone()], curve.others.clone()].concat().join(", ");
     let is_best =
         |it: &&String| *it == best.x_text || it.parse::<f64>().is_ok_and(|it| (it - best.x).abs() < 1e-9);
     let configured = sweep.configured.as_ref().filter(|it| !is_best(it));
     let configured = configured.map_or_else(String::new, |it| format!(" (configured: {it})"));
     Some(format!(
-        "Best for {detector}, {}, {}: {} = {}{configured}, {} {} %{within}. {}",
+        "Best for {detector}, {}, {}: {} = {}{configured}, {} {} %{within}{elsewhere}. {}",
         first.task,
         first.subject.extent.name(),
         sweep.parameters[0],
@@ -92,7 +107,7 @@ mod tests {
     }
 
     fn told(n_blocks: u64, paired: Paired<'_>) -> String {
-        recommendations(&sweep(n_blocks), paired).remove(0)
+        recommendations(&sweep(n_blocks), paired, &|_| None).remove(0)
     }
 
     #[test]
@@ -122,7 +137,8 @@ mod tests {
             told(4, &|_| Some([0.1, 0.2]))
                 .ends_with("4 blocks of scans are too few to tell any other value from it.")
         );
-        let all = recommendations(&sweep(12), &|_| None);
+        let all = recommendations(&sweep(12), &|_| None, &|scores| (scores.len() == 3).then_some(0.7));
+        assert!(all[0].contains("(10.0 to 90.0); 70.0 % if each block of scans is judged at"), "{all:?}");
         assert_eq!(all.iter().filter(|it| *it == OPTIMISTIC).count(), 1);
     }
 }

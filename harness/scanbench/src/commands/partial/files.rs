@@ -14,6 +14,7 @@ use reports::run_folder::partial_manifest::{
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::tables::formats::format::Format as _;
+use reports::tables::studies::partial_findings::partial_findings;
 use reports::tables::studies::partial_table::PartialTable;
 use reports::vocabulary::partial_class::PartialClass;
 use scans::dataset::checksum::sha256;
@@ -94,7 +95,8 @@ pub fn write_files(
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     let title = &manifest.title();
     let curves = PartialCurve::all(rows);
-    let table = PartialTable { title, curves: &curves, method: OURS };
+    let found = partial_findings(manifest, &curves, OURS);
+    let table = PartialTable { title, curves: &curves, method: OURS, found: &found };
     write_table(directory, "partial", &table)?;
     write_figure(directory, "accuracy", &partial_accuracy_plot(&curves, title).svg())?;
     write_figure(directory, "calibration", &partial_calibration_plot(&curves, title).svg())?;

@@ -38,7 +38,7 @@ use crate::commands::recorder::serve_until_interrupted;
 use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::run_manifest::refuse_other_scans;
 use crate::commands::scan_study::ScanStudy;
-use crate::commands::shards::place::Place;
+use crate::commands::shards::place::{Place, refuse_what_is_for_whole_runs};
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::standard_streams::{print_diagnostic, print_result_in, terminal};
@@ -72,6 +72,7 @@ const MOST_RECORDED: usize = 30;
 
 /// Runs the method, its variants and its rivals, judges the claims, and writes and prints what comes of them; or makes a shard of the run.
 pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
+    refuse_what_is_for_whole_runs(arguments.shard.shard, &arguments.stream)?;
     let place = Place::claim(Study::Reproduce, arguments.shard.shard, &arguments.output)?;
     let (config, datasets) = open(arguments)?;
     let mut stream = arguments.stream.clone();

@@ -13,14 +13,14 @@ use scans::conversion::results::result_folder::ResultFolder;
 use serde_json::Value;
 
 use crate::cli::{ResultFilesArgs, RunArgs};
-use crate::commands::failure::{Failure, Usage};
+use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::RunProgress;
 use crate::commands::recorder::{Recorder, begin_recording, serve_until_interrupted};
 use crate::commands::run::ending::print_ending;
 use crate::commands::run::setup::{ChosenRun, OpenedRun};
-use crate::commands::shards::place::Place;
+use crate::commands::shards::place::{Place, refuse_what_is_for_whole_runs};
 use crate::commands::shards::watched_study::{WatchedStudy, execute_watched};
 use crate::commands::sinks::detection_files::DetectionFiles;
 use crate::commands::sinks::mcap_results::McapResults;
@@ -28,9 +28,7 @@ use crate::commands::watched_run::WatchedRun;
 
 /// Runs detectors on labelled scans, writes the run directory and prints the tables; or makes a shard of that.
 pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
-    if arguments.shard.shard.is_some() {
-        refuse_what_is_for_whole_runs(arguments)?;
-    }
+    refuse_what_is_for_whole_runs(arguments.shard.shard, &arguments.stream)?;
     let chosen = ChosenRun::of(arguments)?;
     let place = Place::claim(Study::Run, arguments.shard.shard, &arguments.output)?;
     let started = place.started;
@@ -40,20 +38,6 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     print_ending(&run, &finished)?;
     if let Some(served) = served {
         serve_until_interrupted(&*served, interruption_flag());
-    }
-    Ok(())
-}
-
-/// Options that shards would have to share, or that have no end.
-fn refuse_what_is_for_whole_runs(arguments: &RunArgs) -> Result<(), Usage> {
-    let stream = &arguments.stream;
-    if matches!(stream.save_rrd, Some(Some(_))) {
-        return Err(Usage(
-            "all shards would write the same file of --save-rrd; leave out its name".to_owned(),
-        ));
-    }
-    if stream.serve.is_some() {
-        return Err(Usage("a shard ends, and nobody is served by it: leave out --serve".to_owned()));
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use reports::vocabulary::study::Study;
 
 use super::finished_shard::finished_shard;
 use super::share_of_work::ShareOfWork;
-use crate::cli::OutputArgs;
+use crate::cli::{OutputArgs, StreamArgs};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::provenance::{compact_utc, program_checksum, program_stamp, rfc3339_utc};
 use crate::commands::run_directory::{claim_named, claim_unnamed};
@@ -67,6 +67,20 @@ impl Place {
             worst_recorded: Vec::new(),
         }
     }
+}
+
+/// Refuses options that shards would have to share, or that have no end; nothing if it is no `shard`.
+pub fn refuse_what_is_for_whole_runs(shard: Option<Shard>, stream: &StreamArgs) -> Result<(), Usage> {
+    let problem = match (shard, stream) {
+        (Some(_), StreamArgs { save_rrd: Some(Some(_)), .. }) => {
+            "all shards would write the same file of --save-rrd; leave out its name"
+        }
+        (Some(_), StreamArgs { serve: Some(_), .. }) => {
+            "a shard ends, and nobody is served by it: leave out --serve"
+        }
+        _ => return Ok(()),
+    };
+    Err(Usage(problem.to_owned()))
 }
 
 fn claim_for_shard(shard: Shard, output: &OutputArgs) -> Result<ClaimedTarget, Failure> {

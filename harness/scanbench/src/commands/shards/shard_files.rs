@@ -139,7 +139,7 @@ impl ShardFiles {
         let worst = &mut self.worst;
         let lines = [csv_head::<MatchRow>(), scan.matches.into_bytes()].concat();
         each_row_of(&lines[..], &self.matches.path, |row: MatchRow| {
-            let of = |it: &&Patch| ObjectName::of_mistake(&row).as_ref() == Some(&it.object);
+            let of = |it: &&Patch| ObjectName::shown_of(&row).as_ref() == Some(&it.object);
             let cells = || scan.patches.iter().find(of).map(|it| it.cells.clone()).unwrap_or_default();
             worst.add(&row, |_| (cells(), scan.number));
         })?;

@@ -25,7 +25,7 @@ pub struct ShardJournal<'a> {
     dataset_idx: usize,
     // Of each data set, how many of the scans that were skipped are in the journal.
     n_skipped: Vec<usize>,
-    // Which mistakes may be among the worst.
+    // Which mistakes may be among the worst, and which matches among the best.
     worst: WorstPlaces<()>,
     // `None` without protocols of others.
     official: Option<OfficialEvaluation>,
@@ -69,14 +69,14 @@ impl<'a> ShardJournal<'a> {
         Ok(official.rows(judged)?.to_lines()?)
     }
 
-    /// What the sensor saw around the mistakes that are worse than those before.
+    /// What the sensor saw around the mistakes that are worse than those before, and the matches that are better.
     fn patches(&mut self, judged: &JudgedScan<'_>) -> Vec<Patch> {
         let cloud = &judged.results.scan.cloud;
         let sensor_height_m = judged.dataset().sensor_height_m;
         let mut patches: Vec<Patch> = Vec::new();
         for row in judged.rows.iter().flat_map(|it| &it.tasks).flat_map(|it| &it.matches) {
             self.worst.add(row, |window| {
-                let Some(object) = ObjectName::of_mistake(row) else { return };
+                let Some(object) = ObjectName::shown_of(row) else { return };
                 // Both tasks may show it.
                 if patches.iter().all(|it| it.object != object) {
                     patches.push(Patch { object, cells: plan_cells(cloud, window, sensor_height_m) });

@@ -70,7 +70,7 @@ pub fn write_best(
     sweep: &SweepScores,
 ) -> Result<Vec<String>, Failure> {
     let points = PairedPoints::draw(tally);
-    let mut texts = recommendations(sweep, &|it| points.difference(it));
+    let mut texts = recommendations(sweep, &|it| points.difference(it), &|it| points.held_out(it));
     texts.extend(fitness_sentences(&fitness_verdicts(sweep)));
     let changes = changes_of_shipped(manifest)?;
     if !changes.is_empty() {

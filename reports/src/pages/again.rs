@@ -1,0 +1,102 @@
+//! How a result is made again, and how it is cited.
+
+use maud::{Markup, html};
+
+use super::markup::commands;
+use crate::run_folder::command_line::shell_word;
+use crate::run_folder::manifest::{GitState, Manifest};
+use crate::run_folder::partial_manifest::PartialManifest;
+
+/// What made a result.
+pub(super) struct Made<'a> {
+    argv: &'a [String],
+    version: &'a str,
+    created: &'a str,
+    git: Option<&'a GitState>,
+    /// What else a citation says.
+    note: String,
+}
+
+impl<'a> Made<'a> {
+    /// A run.
+    pub(super) fn run(it: &'a Manifest) -> Self {
+        let note = format!("scoring version {}", it.scoring_version);
+        Self {
+            argv: &it.argv,
+            version: &it.scanbench_version,
+            created: &it.created,
+            git: it.git.as_ref(),
+            note,
+        }
+    }
+
+    /// A result of `scanbench partial`.
+    pub(super) fn partial(it: &'a PartialManifest) -> Self {
+        let note = "partial clouds".to_owned();
+        Self {
+            argv: &it.argv,
+            version: &it.scanbench_version,
+            created: &it.created,
+            git: it.git.as_ref(),
+            note,
+        }
+    }
+
+    /// The command for whoever has the program, the same for whoever has the source, and what to cite.
+    pub(super) fn markup(&self) -> Markup {
+        let arguments: Vec<String> = self.argv.iter().skip(1).map(|it| shell_word(it)).collect();
+        let arguments = arguments.join(" ");
+        let checkout = self.git.map_or_else(String::new, |it| format!("git checkout {}\n", it.commit));
+        html! {
+            p { "With scanbench " (self.version) " installed (" code { "scanbench --version" } "):" }
+            (commands(&format!("scanbench {arguments}"), "The command that repeats it"))
+            details {
+                summary { "From the source" }
+                (commands(&format!("{checkout}cargo run --release -- {arguments}"), "The same in a checkout"))
+            }
+            details {
+                summary { "Cite it" }
+                p { "The address is that of where you have the program from." }
+                (commands(&self.bibtex(), "An entry for BibTeX"))
+            }
+        }
+    }
+
+    fn bibtex(&self) -> String {
+        let Self { version, note, .. } = self;
+        let date = self.created.split('T').next().unwrap_or_default();
+        let year = date.split('-').next().unwrap_or_default();
+        let commit = self.git.map_or_else(String::new, |it| format!(", commit {}", it.commit));
+        format!(
+            "@software{{scanbench,
+  author  = {{{{The scanbench developers}}}},
+  title   = {{scanbench: evaluation and benchmarking of {{LiDAR}} object detection}},
+  version = {{{version}}},
+  year    = {{{year}}},
+  url     = {{https://HOST/OWNER/scanbench}},
+  urldate = {{{date}}},
+  note    = {{{note}{commit}}}
+}}"
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run_folder::partial_manifest::tests::manifest;
+
+    #[test]
+    fn whoever_has_the_program_can_repeat_and_cite_it() {
+        let mut manifest = manifest();
+        manifest.git = Some(GitState { commit: "f00d".to_owned(), dirty: false });
+        let made = Made::partial(&manifest);
+        let text = made.markup().into_string();
+        let command = "<code>scanbench partial 'it'\\''s &lt;here&gt;'</code>";
+        assert!(text.contains(command) && text.contains("git checkout f00d"), "{text}");
+        let bibtex = made.bibtex();
+        for part in ["version = {0.1.0}", "urldate = {2026-01-01}", "year    = {2026}", "commit f00d}"] {
+            assert!(bibtex.contains(part), "no {part} in {bibtex}");
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! What speaks against the times of a run: a busy machine, and single scans that took long.
+
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::numbers::run_report::{RunReport, Subject};
+use crate::run_folder::manifest::Manifest;
+use crate::vocabulary::metric::{LatencyStatistic, Metric};
+
+/// A built-in detector waits for nothing but processors: a smaller share of its time on them means a busy machine.
+const BUSY: f64 = 0.9;
+/// A scan that takes so many times the median is an outlier.
+const OUTLIER: f64 = 5.0;
+
+/// The most that speaks against the times of each kind, in sentences; none if nothing does.
+pub fn times_doubts(manifest: &Manifest, report: &RunReport) -> Vec<String> {
+    let mut least_share: Option<(f64, String)> = None;
+    let mut longest: Option<(f64, String)> = None;
+    for dataset in &manifest.datasets {
+        for detector in &manifest.detectors {
+            let value = |metric: Metric| {
+                let subject = Subject::of_all(&dataset.id, report.first_task()?, &detector.name);
+                report.row(&subject, &metric)?.value().filter(|it| *it > 0.0)
+            };
+            let about = || format!("{} on {}", detector.name, dataset.id);
+            let on_processors = value(Metric::CpuMean).zip(value(Metric::FpsMean));
+            if let Some(share) = on_processors.map(|(cpu_ms, fps)| cpu_ms * fps / 1e3)
+                && detector.foreign.is_none()
+                && share < least_share.as_ref().map_or(BUSY, |it| it.0)
+            {
+                least_share = Some((share, about()));
+            }
+            let [median, most] =
+                [LatencyStatistic::P50, LatencyStatistic::Max].map(|it| value(Metric::Latency(it)));
+            if let Some(times) = median.zip(most).map(|(median, most)| most / median)
+                && times > longest.as_ref().map_or(OUTLIER, |it| it.0)
+            {
+                longest = Some((times, about()));
+            }
+        }
+    }
+    let busy = least_share.map(|(share, about)| {
+        let percent = fixed_decimals(100.0 * share, 0);
+        format!("Times are doubtful: the machine was busy. {about} was on a processor for {percent} % of its time.")
+    });
+    let outlier = longest.map(|(times, about)| {
+        let times = fixed_decimals(times, 1);
+        format!("Times have outliers: the slowest scan of {about} took {times} times the median.")
+    });
+    busy.into_iter().chain(outlier).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::run_report::MetricRow;
+    use crate::tables::sample;
+    use crate::vocabulary::task::Task;
+
+    /// What is said of a detector with this mean time on processors and this longest time, whose mean and median are 100 ms.
+    fn doubts(cpu_ms: f64, longest_ms: f64) -> Vec<String> {
+        let mut manifest = sample::manifest();
+        manifest.datasets.truncate(1);
+        manifest.detectors.truncate(1);
+        let subject =
+            || Subject::of_all(&manifest.datasets[0].id, Task::Objects, &manifest.detectors[0].name);
+        let numbers = [
+            (Metric::FpsMean, 10.0),
+            (Metric::CpuMean, cpu_ms),
+            (Metric::Latency(LatencyStatistic::P50), 100.0),
+            (Metric::Latency(LatencyStatistic::Max), longest_ms),
+        ];
+        let rows = numbers.map(|(metric, value)| MetricRow::new(subject(), metric, Some(value), 20));
+        times_doubts(&manifest, &RunReport::new(1, rows.to_vec()).unwrap())
+    }
+
+    #[test]
+    fn a_busy_machine_and_outliers_are_said() {
+        assert_eq!(doubts(99.0, 300.0), [""; 0]);
+        let said = doubts(62.0, 830.0).join(" ");
+        assert!(said.contains("on a processor for 62 % of its time"), "{said}");
+        assert!(said.contains("took 8.3 times the median"), "{said}");
+    }
+}
