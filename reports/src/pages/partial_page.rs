@@ -1,4 +1,4 @@
-//! The page of a result of `scanbench partial`: what methods tell of objects of which more and more is seen.
+//! The page of a result of `scanbench partial`: how methods classify objects of which more and more is seen.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -165,7 +165,7 @@ fn reproduction(manifest: &PartialManifest, has_recording: bool) -> Markup {
                 p { "The results of " (name) " are those of another program; SHA-256 of its file: " code { (checksum) } }
             }
             @if has_recording {
-                p { "How objects were seen and told: " a href=(PARTIAL_RRD) { (PARTIAL_RRD) } ", a recording for Rerun." }
+                p { "How objects were seen and classified: " a href=(PARTIAL_RRD) { (PARTIAL_RRD) } ", a recording for Rerun." }
             }
         }
     }
@@ -194,7 +194,7 @@ mod tests {
         assert!(PartialArchive::is_partial(folder.path()));
         let page = PartialPage::of(folder.path(), "graphs").unwrap();
         for part in [
-            "street (simulated), told by the shipped model",
+            "street (simulated), classified by the shipped model",
             "3 objects",
             "Mean of recalls in %",
             "claims of the paper",

@@ -81,10 +81,10 @@ impl CheckReport {
         );
     }
 
-    /// Adds what is doubtful beyond heights and empty boxes, which all scans tell of.
+    /// Adds what is doubtful beyond heights and empty boxes, which all scans show.
     fn add_doubts(&mut self, doubts: &[FrameDoubt]) {
-        let is_told = |it: &&FrameDoubt| matches!(it, FrameDoubt::Height { .. } | FrameDoubt::EmptyBoxes(_));
-        self.warnings.extend(doubts.iter().filter(|it| !is_told(it)).map(ToString::to_string));
+        let is_shown = |it: &&FrameDoubt| matches!(it, FrameDoubt::Height { .. } | FrameDoubt::EmptyBoxes(_));
+        self.warnings.extend(doubts.iter().filter(|it| !is_shown(it)).map(ToString::to_string));
     }
 
     fn line(&mut self, name: &'static str, value: String) {

@@ -57,7 +57,7 @@ impl LabelLook {
         Self { doubts: doubts.collect(), vehicles }
     }
 
-    /// Whether there are enough vehicles to tell.
+    /// Whether there are enough vehicles to decide.
     pub fn is_enough(&self) -> bool {
         self.vehicles.seen.len() >= FEWEST
     }

@@ -35,7 +35,7 @@ pub struct ScanFacts {
     pub n_labeled: usize,
     /// The annotations.
     pub annotations: Vec<AnnotationFacts>,
-    /// Tells scans apart: the same points in the same order have the same.
+    /// Distinguishes scans: the same points in the same order have the same.
     pub fingerprint: u64,
 }
 

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, UnitVector3, Ve
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// Height is told by squares nearer than this, in metres: roads are not quite plane.
+/// Height is measured on squares nearer than this, in metres: roads are not quite plane.
 const NEAR_M: f64 = 9.0;
 /// The ground is looked for between these distances, in metres: nearer there is the car, farther there are slopes.
 const RANGE_M: [f64; 2] = [2.0, 20.0];

@@ -9,7 +9,7 @@ use crate::annotation::Annotation;
 const MAX_RANGE_M: f32 = 40.0;
 /// What is looked at around a box, beyond half its diagonal, in metres.
 const AROUND_M: f32 = 2.0;
-/// Fewer points above the ground tell nothing.
+/// Fewer points above the ground say nothing.
 const MIN_POINTS: usize = 20;
 /// More points of a vehicle are not needed.
 const ENOUGH_POINTS: usize = 200;

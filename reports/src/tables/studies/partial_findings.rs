@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::partial_study::partial_curves::{ClassAtStep, PartialCurve};
-use crate::rows::partial_row::Told;
+use crate::rows::partial_row::Predicted;
 use crate::run_folder::partial_manifest::{PartialManifest, PartialSet};
 use crate::vocabulary::partial_class::PartialClass;
 
@@ -47,8 +47,14 @@ pub fn partial_findings(manifest: &PartialManifest, curves: &[PartialCurve], met
 fn confusion(curve: &PartialCurve) -> Option<String> {
     let step = curve.steps.last()?;
     let of_class = |(class, at_step): (&PartialClass, &ClassAtStep)| {
-        let told = Told::ALL.into_iter().zip(at_step.told).filter(|(told, _)| *told != Told::from(*class));
-        told.map(|(told, n)| (n as f64 / at_step.n_objects as f64, n, at_step.n_objects, *class, told))
+        let predicted = Predicted::ALL
+            .into_iter()
+            .zip(at_step.predicted)
+            .filter(|(predicted, _)| *predicted != Predicted::from(*class));
+        predicted
+            .map(|(predicted, n)| {
+                (n as f64 / at_step.n_objects as f64, n, at_step.n_objects, *class, predicted)
+            })
             .collect()
     };
     let all = step.classes.iter().flat_map(|it| -> Vec<_> { of_class(it) });
@@ -57,14 +63,14 @@ fn confusion(curve: &PartialCurve) -> Option<String> {
     let PartialCurve { data, direction, trained_on, .. } = curve;
     let mistake = match most {
         (_, 0, ..) => "every object is right".to_owned(),
-        (_, n, of, class, Told::NotJudged) => {
+        (_, n, of, class, Predicted::NotJudged) => {
             format!("the most frequent fault: {n} of {of} {} show too little to be judged", several(class))
         }
-        (_, n, of, class, told) => {
+        (_, n, of, class, predicted) => {
             format!(
                 "the most frequent mistake: {n} of {of} {} are classified as {}",
                 several(class),
-                taken_for(told)
+                taken_for(predicted)
             )
         }
     };
@@ -106,13 +112,13 @@ fn several(class: PartialClass) -> &'static str {
     }
 }
 
-fn taken_for(told: Told) -> &'static str {
-    match told {
-        Told::Tree => "trees",
-        Told::Car => "cars",
-        Told::Pole => "poles",
-        Told::Pedestrian => "pedestrians",
-        Told::NoneOfThese | Told::NotJudged => told.name(),
+fn taken_for(predicted: Predicted) -> &'static str {
+    match predicted {
+        Predicted::Tree => "trees",
+        Predicted::Car => "cars",
+        Predicted::Pole => "poles",
+        Predicted::Pedestrian => "pedestrians",
+        Predicted::NoneOfThese | Predicted::NotJudged => predicted.name(),
     }
 }
 
@@ -127,8 +133,8 @@ mod tests {
     /// Ten trees, of which so many are right at each step.
     fn curves(n_right: &[usize]) -> Vec<PartialCurve> {
         let tree = |step: usize, it: usize| {
-            let told = if it < n_right[step] { Told::Tree } else { Told::Car };
-            row(PartialClass::Tree, &format!("tree-{it}"), step as u32 + 1, told, [1.0; 4])
+            let predicted = if it < n_right[step] { Predicted::Tree } else { Predicted::Car };
+            row(PartialClass::Tree, &format!("tree-{it}"), step as u32 + 1, predicted, [1.0; 4])
         };
         let rows = (0..n_right.len()).flat_map(|step| (0..10).map(move |it| tree(step, it)));
         PartialCurve::all(&rows.collect::<Vec<PartialRow>>())

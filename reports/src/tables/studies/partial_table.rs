@@ -1,4 +1,4 @@
-//! The tables of how objects are told of which a part has been seen.
+//! The tables of how partly seen objects are classified.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::Interval;
@@ -41,8 +41,7 @@ impl Tabular for PartialTable<'_> {
         }
         for curve in self.curves.iter().filter(|it| it.method == self.method) {
             for step in curve.steps.iter().filter(|it| SHOWN_AT.contains(&it.step)) {
-                let title =
-                    format!("{} at step {}: what objects were told to be.", name_of(curve), step.step);
+                let title = format!("{} at step {}: predicted classes.", name_of(curve), step.step);
                 parts.push(Part { title: Some(title), grid: confusion(step) });
             }
             parts.push(Part {
@@ -159,7 +158,7 @@ fn claim_grid(curve: &PartialCurve) -> Grid {
         let verdict = match holds {
             Some(true) => "holds",
             Some(false) => "does not hold",
-            None => "cannot be told",
+            None => "unknown",
         };
         let cells = [claim.text().to_owned(), verdict.to_owned(), number].map(Cell::new);
         Line { kind: LineKind::Dataset, cells: cells.to_vec() }
@@ -197,8 +196,8 @@ mod tests {
     #[test]
     fn what_is_rejected_of_whom_stands_with_its_interval() {
         let strangers = (0..20).map(|it| {
-            let told = if it < 15 { Predicted::NoneOfThese } else { Predicted::Tree };
-            row(PartialClass::Other, &format!("fence-{it}"), 3, told, [1.0; 4])
+            let predicted = if it < 15 { Predicted::NoneOfThese } else { Predicted::Tree };
+            row(PartialClass::Other, &format!("fence-{it}"), 3, predicted, [1.0; 4])
         });
         let rows: Vec<_> = rows().into_iter().chain(strangers).collect();
         let curves = PartialCurve::all(&rows);

@@ -16,7 +16,7 @@ pub type HeldOut<'a> = &'a dyn Fn(&[&SweepScore]) -> Option<f64>;
 const OPTIMISTIC: &str = "The best value of a sweep looks better on the scans that chose it than it is: run it on other scans before you \
                           rely on its rate.";
 
-/// A text for every detector and task: the best value over all data sets of one origin with its rate, and the values that cannot be told
+/// A text for every detector and task: the best value over all data sets of one origin with its rate, and the values that cannot be distinguished
 /// from it. Then what holds for all of them.
 pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>, held_out: HeldOut<'_>) -> Vec<String> {
     let curves = sweep.curves();
@@ -72,11 +72,11 @@ fn recommendation(
     ))
 }
 
-/// Which values the scans cannot tell from the best one.
+/// Which values the scans cannot distinguish from the best one.
 fn about_others(curve: &SweepCurve<'_>, best: &CurvePoint<'_>, paired: Paired<'_>) -> String {
     if let Some(shortfall) = best.score.blocks.shortfall() {
         let (head, rest) = shortfall.split_at(shortfall.chars().next().map_or(0, char::len_utf8));
-        return format!("{}{rest} to tell any other value from it.", head.to_uppercase());
+        return format!("{}{rest} to distinguish any other value from it.", head.to_uppercase());
     }
     let others = || curve.points.iter().filter(|it| it.x_text != best.x_text && it.score.rate().is_some());
     let is_like = |it: &&CurvePoint<'_>| {
@@ -86,8 +86,8 @@ fn about_others(curve: &SweepCurve<'_>, best: &CurvePoint<'_>, paired: Paired<'_
     match (like.len(), others().count()) {
         (_, 0) => "No other value has a rate.".to_owned(),
         (0, _) => "All other values are significantly worse on these scans.".to_owned(),
-        (n, all) if n == all => "These scans tell none of the other values from it.".to_owned(),
-        _ => format!("These scans do not tell from it: {}.", like.join(", ")),
+        (n, all) if n == all => "These scans cannot distinguish any of the other values from it.".to_owned(),
+        _ => format!("These scans cannot distinguish from it: {}.", like.join(", ")),
     }
 }
 
@@ -106,7 +106,7 @@ mod tests {
         sweep
     }
 
-    fn told(n_blocks: u64, paired: Paired<'_>) -> String {
+    fn said_of(n_blocks: u64, paired: Paired<'_>) -> String {
         recommendations(&sweep(n_blocks), paired, &|_| None).remove(0)
     }
 
@@ -120,22 +120,28 @@ mod tests {
             }
         };
         assert_eq!(
-            told(12, &within(0.2)),
+            said_of(12, &within(0.2)),
             "Best for hierarchical, objects, street: hierarchical.grid.cell_size_m = 0.4, F-rate 80.0 % (10.0 to 90.0). \
-             These scans do not tell from it: 0.6."
+             These scans cannot distinguish from it: 0.6."
         );
         assert!(
-            told(12, &within(0.01)).ends_with("All other values are significantly worse on these scans.")
+            said_of(12, &within(0.01)).ends_with("All other values are significantly worse on these scans.")
         );
-        assert!(told(12, &within(0.9)).ends_with("These scans tell none of the other values from it."));
-        assert!(told(12, &|_| None).ends_with("These scans tell none of the other values from it."));
+        assert!(
+            said_of(12, &within(0.9))
+                .ends_with("These scans cannot distinguish any of the other values from it.")
+        );
+        assert!(
+            said_of(12, &|_| None)
+                .ends_with("These scans cannot distinguish any of the other values from it.")
+        );
     }
 
     #[test]
     fn few_blocks_tell_nothing_and_the_optimism_is_said_once() {
         assert!(
-            told(4, &|_| Some([0.1, 0.2]))
-                .ends_with("4 blocks of scans are too few to tell any other value from it.")
+            said_of(4, &|_| Some([0.1, 0.2]))
+                .ends_with("4 blocks of scans are too few to distinguish any other value from it.")
         );
         let all = recommendations(&sweep(12), &|_| None, &|scores| (scores.len() == 3).then_some(0.7));
         assert!(all[0].contains("(10.0 to 90.0); 70.0 % if each block of scans is judged at"), "{all:?}");

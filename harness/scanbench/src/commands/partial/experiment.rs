@@ -41,7 +41,7 @@ pub fn with_experiment<T>(
     })
 }
 
-/// What programs of others told the same objects to be.
+/// What other people's programs predicted the same objects to be.
 pub fn peer_rows(arguments: &PartialArgs, ours: &[PartialRow]) -> Result<Vec<PartialRow>, Failure> {
     let mut rows: Vec<PartialRow> = Vec::new();
     for peer in &arguments.peer_results {

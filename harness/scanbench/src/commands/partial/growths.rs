@@ -14,7 +14,7 @@ use crate::cli::PartialArgs;
 use crate::commands::failure::Failure;
 use crate::commands::partial::sets::Compared;
 
-/// The first judged object of each class as it grows, told by `model`.
+/// The first judged object of each class as it grows, classified by `model`.
 pub fn first_growths(
     arguments: &PartialArgs,
     set: &Compared,

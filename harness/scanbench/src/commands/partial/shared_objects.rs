@@ -216,7 +216,7 @@ fn checksum_of_model(sets: &[Compared]) -> Option<String> {
     })
 }
 
-/// Rows of sets are told apart by their names when they are put together.
+/// Names distinguish the rows of several sets when these are merged.
 fn refuse_same_names(sets: &[Compared]) -> Result<(), Usage> {
     let mut names = BTreeSet::new();
     match sets.iter().map(|it| &it.judged.description().id).find(|it| !names.insert(*it)) {

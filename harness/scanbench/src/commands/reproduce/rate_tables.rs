@@ -33,7 +33,7 @@ impl RateTables<'_> {
                 rows: rows.chain(printed_rows(task, &detectors)).collect(),
                 detectors,
                 notes: vec![format!(
-                    "Vehicles among the clusters of kd-tree are told by trees that are in no paper; pca and paper have the classifiers of their \
+                    "Vehicles among the clusters of kd-tree are classified by trees that are in no paper; pca and paper have the classifiers of their \
                      papers. The papers' scans of Budapest are not public."
                 )],
             }
