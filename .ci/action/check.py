@@ -4,6 +4,7 @@ Every step is taken from its file, with the environment that the server would gi
 actions and wheels, is not: an upload only has to find its files.
 """
 
+import hashlib
 import json
 import os
 import re
@@ -193,6 +194,42 @@ def check_install(server: Server) -> None:
     assert "the folder of the baseline" in server.bash(f"{script} gate", {}).stderr
 
 
+def check_archive(server: Server) -> None:
+    """The program of a release, by its checksum alone; from source where it cannot be had."""
+    stand_ins = server.workspace / ".archive"
+    (stand_ins / "scanbench-1").mkdir(parents=True)
+    added, target = server.workspace / ".added-by-archive", server.workspace / ".target"
+    programs = {
+        "scanbench-1/scanbench": "echo scanbench of the release",
+        "curl": f'for it; do :; done\ncp "{stand_ins}/$(basename "$it")" "${{@:$#-1:1}}"\n',
+        "cargo": f'mkdir -p {target}/release\nprintf "#!/bin/sh\\necho built\\n" > {target}/release/scanbench\n'
+        f"chmod +x {target}/release/scanbench\n",
+    }
+    for name, program in programs.items():
+        (stand_ins / name).write_text(f"#!/bin/bash\n{program}")
+        (stand_ins / name).chmod(0o755)
+    archive = stand_ins / "a release.tar.gz"
+    subprocess.run(["tar", "-czf", archive, "-C", stand_ins, "scanbench-1"], check=True)
+    sum_of_it = hashlib.sha256(archive.read_bytes()).hexdigest()
+    other = sum_of_it[::-1]
+    for from_where, code, said in (
+        (f".archive/a release.tar.gz#sha256={sum_of_it}", 0, "scanbench of the release\n"),
+        (f"https://example.org/a release.tar.gz#sha256={sum_of_it}", 0, "scanbench of the release\n"),
+        (f"https://example.org/none.tar.gz#sha256={sum_of_it}", 0, "built\n"),
+        (f".archive/none.tar.gz#sha256={sum_of_it}", 0, "built\n"),
+        (f".archive/a release.tar.gz#sha256={other}", 2, ""),
+        (f"http://example.org/a release.tar.gz#sha256={sum_of_it}", 2, ""),
+        (".archive/a release.tar.gz", 2, ""),
+    ):
+        variables = {"PATH": f"{stand_ins}:/usr/bin:/bin", "CARGO_TARGET_DIR": str(target), "GITHUB_PATH": str(added)}
+        variables |= {"RUNNER_TEMP": str(server.workspace / ".temporary"), "ARCHIVE": from_where}
+        added.write_text("")
+        ended = server.bash(f"{ROOT}/.github/action/gate.sh install", variables)
+        assert (ended.returncode, ended.stdout) == (code, said), (from_where, ended)
+        assert (added.read_text() != "") == (code == 0), (from_where, added.read_text())
+        shutil.rmtree(server.workspace / ".temporary", ignore_errors=True)
+
+
 def check_gitlab(server: Server) -> None:
     job = yaml.safe_load((ROOT / ".gitlab/gate.yml").read_text())["scanbench"]
     variables = job["variables"] | {"RUN": SCANS.replace("'", ""), "BASELINE": "first"}
@@ -232,7 +269,7 @@ def main() -> None:
     server = Server(program, workspace.resolve())
     ended = server.bash(f"scanbench run {SCANS} -o first", {})
     assert ended.returncode == 0, ended
-    checks = [check_action, check_install, check_gitlab, check_written_workflow]
+    checks = [check_action, check_install, check_archive, check_gitlab, check_written_workflow]
     for check in checks:
         check(server)
         shutil.rmtree(server.workspace / "runs", ignore_errors=True)

@@ -69,6 +69,30 @@ class Release(unittest.TestCase):
             Path(scratch, "SHA256SUMS").write_text(packed("sums", scratch))
             subprocess.run(["sha256sum", "--check", "--strict", "--quiet", "SHA256SUMS"], cwd=scratch, check=True)
 
+    def test_a_wheel_has_program_and_package_and_says_which_c_library_it_needs(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            wheels = []
+            for index in range(2):
+                folder = Path(scratch, str(index), "scanbench-1.2-any")
+                folder.mkdir(parents=True)
+                for name in ("LICENSE", "LICENCES.txt", "sbom"):
+                    (folder / name).write_text(name)
+                elf = b"\x7fELF" + 14 * b"\0" + (62).to_bytes(2, "little")
+                elf += b"\0GLIBC_2.2.5\0GLIBC_2.28\0libc.so.6\0GLIBC_2.9\0"
+                (folder / "scanbench").write_bytes(elf)
+                place = packed("wheel", folder, folder / "sbom", folder.parent, SOURCE_DATE_EPOCH="1000000000")
+                wheels.append(Path(place.strip()))
+                self.assertEqual(wheels[-1].name, "scanbench-1.2-py3-none-manylinux_2_28_x86_64.whl")
+            self.assertEqual(*(it.read_bytes() for it in wheels))
+            pip = [sys.executable, "-m", "pip", "install", "--quiet", "--root-user-action=ignore"]
+            subprocess.run([*pip, "--no-index", "--no-deps", "--target", scratch, wheels[0]], check=True)
+            self.assertEqual(Path(scratch, "bin/scanbench").read_bytes(), elf)
+            self.assertTrue(os.access(Path(scratch, "bin/scanbench"), os.X_OK))
+            sources = {it.name for it in (ROOT / "harness/python/src/scanbench").iterdir() if it.is_file()}
+            self.assertLessEqual(sources, {it.name for it in Path(scratch, "scanbench").iterdir()})
+            stated = Path(scratch, "scanbench-1.2.dist-info/METADATA").read_text()
+            self.assertIn("\nRequires-Dist: numpy>=1.24\n", stated)
+
     def test_what_is_compiled_in_is_listed_with_licences_and_checksums(self):
         target = "x86_64-unknown-linux-gnu"
         bom = json.loads(packed("sbom", target, ""))

@@ -1,11 +1,13 @@
-"""What a release is packed into, the same bytes each time: pack.py licences|sbom|archive|sums ARGUMENT…
+"""What a release is packed into, the same bytes each time: pack.py licences|sbom|archive|wheel|sums ARGUMENT…
 
     licences TARGET FEATURES           licences and their texts, of every crate that is compiled in
     sbom TARGET FEATURES               these crates as CycloneDX
     archive FOLDER ARCHIVE             FOLDER as a .tar.gz, its files of the time SOURCE_DATE_EPOCH
+    wheel FOLDER SBOM OUT              the Python package with the program of FOLDER, as a wheel in OUT, whose path it prints
     sums FOLDER                        SHA-256 of its files, as sha256sum -c reads it
 """
 
+import base64
 import gzip
 import hashlib
 import json
@@ -14,8 +16,12 @@ import re
 import subprocess
 import sys
 import tarfile
+import time
+import tomllib
+import zipfile
 from pathlib import Path
 
+PYTHON = Path(__file__).resolve().parents[2] / "harness/python"
 TEXTS = re.compile(r"(licen[cs]e|copying|notice|unlicense|copyright)", re.IGNORECASE)
 
 
@@ -92,6 +98,64 @@ def archive(folder, name):
                 tar.add(path, path.relative_to(folder.parent).as_posix(), recursive=False, filter=plain)
 
 
+def tag(program):
+    """What the program runs on: the machine, and the newest version of GNU's C library that it asks for, at least 2.17."""
+    machine = {62: "x86_64", 183: "aarch64"}[int.from_bytes(program[18:20], "little")]
+    minor = max([17, *(int(it) for it in re.findall(rb"\0GLIBC_2\.(\d+)", program))])
+    return f"py3-none-manylinux_2_{minor}_{machine}"
+
+
+def metadata(version):
+    project = tomllib.loads((PYTHON / "pyproject.toml").read_text())["project"]
+    fields = [
+        ("Metadata-Version", "2.4"),
+        ("Name", project["name"]),
+        ("Version", version),
+        ("Summary", project["description"]),
+        ("License-Expression", project["license"]["text"]),
+        *(("License-File", it) for it in ("LICENSE", "LICENCES.txt")),
+        *(("Classifier", it) for it in project["classifiers"]),
+        ("Requires-Python", project["requires-python"]),
+        *(("Requires-Dist", it) for it in project["dependencies"]),
+    ]
+    for extra, packages in project["optional-dependencies"].items():
+        fields += [("Provides-Extra", extra), *(("Requires-Dist", f"{it} ; extra == '{extra}'") for it in packages)]
+    head = "".join(f"{name}: {value}\n" for name, value in fields)
+    return f"{head}Description-Content-Type: text/markdown\n\n{(PYTHON / project['readme']).read_text()}"
+
+
+def wheel(folder, sbom, out):
+    # Maturin, which makes the wheel from the source, would compile the program once more.
+    folder = Path(folder)
+    version, program = folder.name.split("-")[1], (folder / "scanbench").read_bytes()
+    name, info, of = f"scanbench-{version}", f"scanbench-{version}.dist-info", tag(program)
+    written = {f"scanbench/{it.name}": it.read_bytes() for it in PYTHON.glob("src/scanbench/*") if it.is_file()}
+    written |= {
+        f"{name}.data/scripts/scanbench": program,
+        f"{info}/METADATA": metadata(version).encode(),
+        f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: pack.py\nRoot-Is-Purelib: false\nTag: {of}\n".encode(),
+        f"{info}/sboms/scanbench.cdx.json": Path(sbom).read_bytes(),
+        **{f"{info}/licenses/{it}": (folder / it).read_bytes() for it in ("LICENSE", "LICENCES.txt")},
+    }
+
+    def line(path, content):
+        digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
+        return f"{path},sha256={digest},{len(content)}\n"
+
+    # Installers look at the end of the archive for what the wheel says of itself.
+    order = sorted(written, key=lambda it: (it.startswith(info), it))
+    record = "".join(line(it, written[it]) for it in order) + f"{info}/RECORD,,\n"
+    path = Path(out, f"{name}-{of}.whl")
+    made_at = time.gmtime(int(os.environ["SOURCE_DATE_EPOCH"]))[:6]
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for it in [*order, f"{info}/RECORD"]:
+            entry = zipfile.ZipInfo(it, made_at)
+            entry.compress_type, entry.create_system = zipfile.ZIP_DEFLATED, 3
+            entry.external_attr = (0o100755 if "/scripts/" in it else 0o100644) << 16
+            archive.writestr(entry, written.get(it, record.encode()))
+    print(path)
+
+
 def sums(folder):
     for file in sorted(Path(folder).iterdir()):
         if file.is_file() and not file.name.startswith("SHA256SUMS"):
@@ -99,4 +163,4 @@ def sums(folder):
 
 
 if __name__ == "__main__":
-    {it.__name__: it for it in (licences, sbom, archive, sums)}[sys.argv[1]](*sys.argv[2:])
+    {it.__name__: it for it in (licences, sbom, archive, wheel, sums)}[sys.argv[1]](*sys.argv[2:])

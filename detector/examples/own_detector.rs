@@ -15,8 +15,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufRead as _, BufReader, Write as _};
-use std::os::unix::fs::FileExt as _;
+use std::io::{self, BufRead as _, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 
 use detector::detector::StageClock;
 use detector::stage_product::Shape;
@@ -146,12 +145,13 @@ impl Session {
 }
 
 /// Reads `n` numbers of the shared memory.
-fn column(memory: &File, columns: &Value, name: &str, n: usize) -> Result<Vec<f32>, String> {
+fn column(mut memory: &File, columns: &Value, name: &str, n: usize) -> Result<Vec<f32>, String> {
     let of_name = columns.as_array().and_then(|it| it.iter().find(|it| it["name"] == name));
     let offset =
         of_name.and_then(|it| it["offset"].as_u64()).ok_or_else(|| format!("there is no column {name}"))?;
     let mut bytes = vec![0; 4 * n];
-    memory.read_exact_at(&mut bytes, offset).map_err(|error| format!("cannot read {name}: {error}"))?;
+    let read = memory.seek(SeekFrom::Start(offset)).and_then(|_| memory.read_exact(&mut bytes));
+    read.map_err(|error| format!("cannot read {name}: {error}"))?;
     Ok(bytes.as_chunks().0.iter().map(|it| f32::from_le_bytes(*it)).collect())
 }
 
