@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use detector::PointCloud;
-use evaluation::partial::growth::{Growth, GrowthMoment, ScannerPlace};
+use evaluation::partial::growth::{Growth, GrowthMoment, ScannerPosition};
 use re_sdk_types::archetypes::{BarChart, LineStrips3D, Points3D, Scalars, SeriesLines, ViewCoordinates};
 use re_sdk_types::components::Radius;
 use re_sdk_types::datatypes::Rgba32;
@@ -205,7 +205,7 @@ fn decision(of: &Growth, moment: &GrowthMoment) -> Points3D {
 }
 
 /// The plane of the scanner as a triangle that ends at the object.
-fn scanner(ScannerPlace { position_m, slope }: ScannerPlace) -> LineStrips3D {
+fn scanner(ScannerPosition { position_m, slope }: ScannerPosition) -> LineStrips3D {
     let [x, y, z] = position_m;
     let reach_m = -x;
     let corner = |aside: f32| [0.0, y + aside * reach_m, z + slope * reach_m];

@@ -237,10 +237,10 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
 /// The drive or the track of each pair, numbered from 0, and how many there are. What has no track is one of its own.
 fn blocks(pairs: &[&(&str, BoxPair)], kind: BlockKind) -> (Vec<usize>, BlockCount) {
     let mut numbers = BTreeMap::new();
-    let of_pairs = pairs.iter().enumerate().map(|(place, (dataset, pair))| {
-        let own_place = if pair.track.is_none() { Some(place) } else { None };
+    let of_pairs = pairs.iter().enumerate().map(|(index, (dataset, pair))| {
+        let own_idx = if pair.track.is_none() { Some(index) } else { None };
         let are_drives = matches!(kind, BlockKind::Drives | BlockKind::Named);
-        let within_drive = if are_drives { None } else { Some((pair.track, own_place)) };
+        let within_drive = if are_drives { None } else { Some((pair.track, own_idx)) };
         let next = numbers.len();
         *numbers.entry((*dataset, pair.second.drive(), within_drive)).or_insert(next)
     });
