@@ -52,7 +52,7 @@ pub fn log_scan(
     log_title(stream, format!("{}\n{n_points}, {} annotations", scan.id, scan.annotations.len()))
 }
 
-/// Points at places from above. Where nothing ever is, the entity is not there.
+/// Points at positions from above. Where nothing ever is, the entity is not there.
 fn log_marks(stream: &RecordingStream, marks: &[Mark]) -> Result<(), StreamError> {
     if marks.is_empty() {
         return Ok(());
