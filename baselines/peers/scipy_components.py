@@ -36,12 +36,12 @@ class ScipyComponents:
         return cluster_above_ground(points, self.ground, self.cluster)
 
     def cluster(self, points: NDArray[np.float32]) -> NDArray[np.integer]:
-        places = np.floor(points[:, :3].astype(np.float64) / self.voxel_m).astype(np.int64)
+        indices = np.floor(points[:, :3].astype(np.float64) / self.voxel_m).astype(np.int64)
         # One empty voxel on each side: no neighbour is one of the next row.
-        places -= places.min(axis=0) - 1
-        _, n_rows, n_levels = places.max(axis=0) + 2
+        indices -= indices.min(axis=0) - 1
+        _, n_rows, n_levels = indices.max(axis=0) + 2
         steps = np.array([n_rows * n_levels, n_levels, 1])
-        voxels, voxel_of_point = np.unique(places @ steps, return_inverse=True)
+        voxels, voxel_of_point = np.unique(indices @ steps, return_inverse=True)
         ends = [self._neighbours(voxels, int(np.dot(step, steps))) for step in product((-1, 0, 1), repeat=3) if step > (0, 0, 0)]
         rows, columns = np.concatenate(ends, axis=1)
         graph = coo_array((np.ones(len(rows), np.bool_), (rows, columns)), shape=(len(voxels), len(voxels)))

@@ -17,7 +17,7 @@ from reference_host import Host, Limits, ReportedFailure, columns_of
 
 HERE = Path(__file__).parent
 DETECTORS = tomllib.loads((HERE / "scanbench.toml").read_text())["detector"]
-CAR_PLACES_M = [(8.0, 3.0), (12.0, -4.0), (20.0, 2.0)]
+CAR_POSITIONS_M = [(8.0, 3.0), (12.0, -4.0), (20.0, 2.0)]
 
 
 def street() -> np.ndarray:
@@ -26,7 +26,7 @@ def street() -> np.ndarray:
     # About as many points at each range, as a sensor that turns sees them.
     range_m, turn = 3 + 37 * random.random(30_000), 2 * np.pi * random.random(30_000)
     road = np.column_stack([range_m * np.cos(turn), range_m * np.sin(turn), np.full(30_000, -1.73)])
-    cars = [random.random((800, 3)) * [1.0, 1.8, 1.0] + [x, y, -1.2] for x, y in CAR_PLACES_M]
+    cars = [random.random((800, 3)) * [1.0, 1.8, 1.0] + [x, y, -1.2] for x, y in CAR_POSITIONS_M]
     positions = np.concatenate([road, *cars])
     return np.column_stack([positions, np.full(len(positions), 0.3)]).astype(np.float32)
 

@@ -45,7 +45,7 @@ impl<F: ClusterFit> Stage for ClusterBoxes<F> {
         dropped.clear();
         fitted.clear();
         for (cluster_idx, members) in clusters.iter().enumerate() {
-            let point_indices = members.iter().map(|&place| foreground.point_indices()[place as usize]);
+            let point_indices = members.iter().map(|&index| foreground.point_indices()[index as usize]);
             positions_m.clear();
             positions_m.extend(point_indices.clone().map(|point_idx| cloud.position_m(point_idx as usize)));
             match fit.fit(positions_m) {
@@ -66,7 +66,7 @@ impl<F: ClusterFit> Stage for ClusterBoxes<F> {
         let point_indices = frame.foreground.point_indices();
         let product = |name, clusters: &[usize]| {
             let members = clusters.iter().map(|&cluster_idx| frame.clusters.members(cluster_idx));
-            let points = members.map(|it| it.iter().map(|&place| point_indices[place as usize]));
+            let points = members.map(|it| it.iter().map(|&index| point_indices[index as usize]));
             StageProduct { stage: COMPONENTS, name, shape: point_clusters(cloud.len(), points) }
         };
         let mut products = vec![product("dropped_clusters", &self.dropped), product("clusters", &self.kept)];

@@ -29,7 +29,7 @@ const SEARCH_MARGIN: f32 = 1.000_01;
 /// that is not finite has no neighbours, and a tolerance that is not positive connects nothing.
 ///
 /// Components grow as in PCL's Euclidean cluster extraction: every point is looked up in the tree once, except that
-/// points at the very same place share one look-up. The cost follows the number of pairs of neighbours.
+/// points at the very same position share one look-up. The cost follows the number of pairs of neighbours.
 ///
 /// Paper: HG section 5, "connected component analysis".
 ///
@@ -96,7 +96,7 @@ impl Neighborhoods<'_> {
             search.visit(|found| {
                 let found_idx = found.item as usize;
                 let found_m = &self.positions_m[found_idx];
-                if found.distance == 0.0 && is_same_place(position_m, found_m) {
+                if found.distance == 0.0 && is_same_position(position_m, found_m) {
                     is_searched[found_idx] = true;
                 }
                 if labels[found_idx] == NO_LABEL
@@ -116,7 +116,7 @@ fn is_finite(position_m: &[f32; 3]) -> bool {
 
 /// Compares coordinates: squared distances of very near points round to 0.
 #[expect(clippy::float_cmp, reason = "only points with the very same neighbours may share a search")]
-fn is_same_place(a: &[f32; 3], b: &[f32; 3]) -> bool {
+fn is_same_position(a: &[f32; 3], b: &[f32; 3]) -> bool {
     a == b
 }
 
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn very_many_points_at_one_place_are_one_component() {
+    fn very_many_points_at_one_position_are_one_component() {
         let mut positions_m = vec![[3.0, -1.0, 0.5]; 60_000];
         positions_m[59_999] = [3.4, -1.0, 0.5];
         check(&positions_m, 0.5, &vec![0; 60_000]);

@@ -12,7 +12,7 @@ pub const MOST_SAMPLES: usize = 128;
 pub const N_BINS: usize = 4;
 /// A neighbourhood of fewer points, the point itself included, always lies in a plane, and so has no shape.
 const LEAST_NEIGHBORS: f32 = 4.0;
-/// Below this spread, in square metres, all neighbours lie at one place: a tenth of a millimetre.
+/// Below this spread, in square metres, all neighbours lie at one position: a tenth of a millimetre.
 const LEAST_SPREAD_M2: f32 = 1e-8;
 /// Neighbours that are looked at side by side. Ten sums of four each is what registers hold.
 const SIDE_BY_SIDE: usize = 4;
@@ -89,11 +89,11 @@ impl NeighborhoodShapes {
         }
         let columns = points.along_m().iter().zip(points.across_m()).zip(points.up_m());
         for (&strip, ((&along_m, &across_m), &up_m)) in strip_of_point.iter().zip(columns) {
-            let place = &mut starts[strip as usize + 1];
+            let index = &mut starts[strip as usize + 1];
             for (column, coordinate_m) in sorted_m.iter_mut().zip([along_m, across_m, up_m]) {
-                column[*place as usize] = coordinate_m;
+                column[*index as usize] = coordinate_m;
             }
-            *place += 1;
+            *index += 1;
         }
     }
 
@@ -291,7 +291,7 @@ mod tests {
         }
 
         #[test]
-        fn histograms_do_not_depend_on_place_and_turn(
+        fn histograms_do_not_depend_on_position_and_turn(
             positions_m in cloud(), yaw_rad in -3.1_f32..3.1, x in -40.0_f32..40.0, y in -40.0_f32..40.0,
         ) {
             let (sin, cos) = yaw_rad.sin_cos();

@@ -22,7 +22,7 @@ pub struct NestedComponents {
 struct Cell {
     // Steps from the origin, moved so that they are not negative.
     steps: [u32; 3],
-    // Places in the list of points.
+    // Indices in the list of points.
     start: usize,
     end: usize,
     // One of the points.

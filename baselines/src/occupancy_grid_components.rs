@@ -33,8 +33,8 @@ pub fn occupied_cells(grid: &HierarchicalGrid, params: &OccupancyParams) -> impl
 #[derive(Debug, Clone, Default)]
 pub struct OccupancyGridComponents {
     occupied: Vec<u32>,
-    // Place in `occupied` of every cell of the grid.
-    place_of_cell: Vec<u32>,
+    // Index in `occupied` of every cell of the grid.
+    index_of_cell: Vec<u32>,
     components: DisjointSets,
     // Ascending; the second has one entry for each of the first.
     point_indices: Vec<u32>,
@@ -42,38 +42,38 @@ pub struct OccupancyGridComponents {
 }
 
 /// Marks cells that are not occupied.
-const NO_PLACE: u32 = u32::MAX;
+const NO_INDEX: u32 = u32::MAX;
 
 impl OccupancyGridComponents {
     /// Connects `occupied` cells of `grid`, ascending, that share a side or a corner, and hands the points above them to their components.
     pub fn connect(&mut self, grid: &HierarchicalGrid, occupied: &[u32]) {
         for &cell_idx in &self.occupied {
-            self.place_of_cell[cell_idx as usize] = NO_PLACE;
+            self.index_of_cell[cell_idx as usize] = NO_INDEX;
         }
-        self.place_of_cell.resize(grid.cells().len(), NO_PLACE);
+        self.index_of_cell.resize(grid.cells().len(), NO_INDEX);
         self.occupied.clear();
         self.occupied.extend_from_slice(occupied);
-        for (place, &cell_idx) in (0..).zip(occupied) {
-            self.place_of_cell[cell_idx as usize] = place;
+        for (index, &cell_idx) in (0..).zip(occupied) {
+            self.index_of_cell[cell_idx as usize] = index;
         }
         self.components.reset(occupied.len());
         let n = grid.n_columns();
-        for (place, &cell_idx) in (0..).zip(occupied) {
+        for (index, &cell_idx) in (0..).zip(occupied) {
             // The other four neighbours see this pair from their side.
             for neighbor_idx in [cell_idx + 1, cell_idx + n - 1, cell_idx + n, cell_idx + n + 1] {
-                let neighbor = self.place_of_cell[neighbor_idx as usize];
-                if neighbor != NO_PLACE {
-                    self.components.join(place, neighbor);
+                let neighbor = self.index_of_cell[neighbor_idx as usize];
+                if neighbor != NO_INDEX {
+                    self.components.join(index, neighbor);
                 }
             }
         }
         self.point_indices.clear();
         self.component_of_point.clear();
         for (point_idx, &cell_idx) in (0..).zip(grid.cell_of_point()) {
-            let place = if cell_idx == NO_CELL { NO_PLACE } else { self.place_of_cell[cell_idx as usize] };
-            if place != NO_PLACE {
+            let index = if cell_idx == NO_CELL { NO_INDEX } else { self.index_of_cell[cell_idx as usize] };
+            if index != NO_INDEX {
                 self.point_indices.push(point_idx);
-                self.component_of_point.push(self.components.representative(place));
+                self.component_of_point.push(self.components.representative(index));
             }
         }
     }

@@ -286,11 +286,11 @@ fn a_scan_gives_the_same_whatever_came_before() {
         [road(), car([-9.0, -4.0], -1.2), car([5.0, 0.0], 1.0)].concat(),
     ];
     let fresh = every_detector();
-    for (place, mut detector) in fresh.into_iter().enumerate() {
+    for (index, mut detector) in fresh.into_iter().enumerate() {
         for scan in &scans {
             let cloud = scan.iter().copied().collect();
             let mut again = detected(&mut detector, &cloud);
-            let mut first = detected(&mut every_detector()[place], &cloud);
+            let mut first = detected(&mut every_detector()[index], &cloud);
             (again.stage_times, first.stage_times) = (Vec::new(), Vec::new());
             assert_eq!(again, first, "{}", detector.name());
         }

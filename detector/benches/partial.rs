@@ -60,14 +60,14 @@ fn trained(params: &PartialParams) -> Result<PartialClassifier, TrainingError> {
 /// A trunk of 2 m, and above it points all over a ball of 2 m radius.
 fn tree(n_points: usize, seed: usize) -> Vec<[f32; 3]> {
     let mut draws = draws(seed);
-    let mut place = || loop {
+    let mut position = || loop {
         let [x, y, z] = [draws(), draws(), draws()].map(|it| 2.0 * it - 1.0);
         if x * x + y * y + z * z < 1.0 {
             let is_trunk = x.abs() < 0.1 && y.abs() < 0.1;
             break if is_trunk { [x, y, 1.0 + z] } else { [2.0 * x, 2.0 * y, 4.0 + 2.0 * z] };
         }
     };
-    (0..n_points).map(|_| place()).collect()
+    (0..n_points).map(|_| position()).collect()
 }
 
 /// A rough upright board.

@@ -45,7 +45,7 @@ impl Detector for Squares {
         }
         clock.lap("squares", &mut output.stage_times);
         for (square, point_indices) in &self.clusters {
-            let middle_m = |place: i32| (place as f32 + 0.5) * self.side_m;
+            let middle_m = |index: i32| (index as f32 + 0.5) * self.side_m;
             output.detections.push(Detection::new(
                 point_indices,
                 OrientedBox {

@@ -75,10 +75,10 @@ impl PointCloud {
         self.time_offset_s = Some(time_offset_s);
     }
 
-    /// Moves every point to where `place_m` says, in metres; whatever else is known of it stays.
-    pub fn move_points(&mut self, place_m: impl Fn([f32; 3]) -> [f32; 3]) {
+    /// Moves every point to where `position_m` says, in metres; whatever else is known of it stays.
+    pub fn move_points(&mut self, position_m: impl Fn([f32; 3]) -> [f32; 3]) {
         for point_idx in 0..self.len() {
-            let moved_m = place_m(self.position_m(point_idx));
+            let moved_m = position_m(self.position_m(point_idx));
             [self.x_m[point_idx], self.y_m[point_idx], self.z_m[point_idx]] = moved_m;
         }
     }

@@ -52,7 +52,7 @@ pub enum Shape {
 /// One link of [`Shape::Links`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProductLink {
-    /// Between which places, in metres.
+    /// Between which positions, in metres.
     pub ends_m: [[f32; 3]; 2],
     /// What became of it.
     pub fate: LinkFate,

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use baselines::kd_tree_components::{KdTreeScratch, kd_tree_components};
 
-use crate::{TOLERANCE_M, median, ms, place_of, read_positions};
+use crate::{TOLERANCE_M, median, ms, path_of, read_positions};
 
 /// A scan, and the milliseconds that PCL 1.13 takes for its foreground at 0.5 m on one core of a machine like that on
 /// which this was written: built for that machine, with unsorted searches, tree included. As its tutorial builds it,
@@ -39,7 +39,7 @@ pub fn measure(out: &mut impl Write) -> std::io::Result<()> {
 
 /// How many components PCL found at 0.5 m, from what was kept of its run.
 fn n_components_of_pcl(scan: &str) -> Option<usize> {
-    let text = std::fs::read_to_string(place_of(&format!("oracle/{scan}_pcl.json"))).ok()?;
+    let text = std::fs::read_to_string(path_of(&format!("oracle/{scan}_pcl.json"))).ok()?;
     let (_, at_tolerance) = text.split_once("\"tolerance\":0.5,\"components_min1\":")?;
     at_tolerance.split(',').next()?.parse().ok()
 }

@@ -51,12 +51,12 @@ pub fn measure(out: &mut impl Write) -> std::io::Result<()> {
 fn four_walls(spacing_m: f32) -> Vec<[f32; 3]> {
     let n_along = (12.0 / spacing_m) as usize;
     let n_up = (1.5 / spacing_m) as usize;
-    let wall = |place: fn(f32, f32) -> [f32; 2]| {
+    let wall = |position: fn(f32, f32) -> [f32; 2]| {
         (0..n_along).flat_map(move |along| {
             (0..n_up).map(move |up| {
                 // A perfect plane would have all its points on its outline.
                 let away_m = 10.0 + 0.02 * ((7 * along + 13 * up) % 5) as f32;
-                let [x, y] = place(along as f32 * spacing_m - 6.0, away_m);
+                let [x, y] = position(along as f32 * spacing_m - 6.0, away_m);
                 [x, y, up as f32 * spacing_m - 1.5]
             })
         })

@@ -23,7 +23,7 @@ fn main() -> std::io::Result<()> {
 
 /// Positions from little-endian f32 x, y, z, intensity per point; `None` and a line in `out` where there is no such file.
 fn read_positions(path: &str, out: &mut impl std::io::Write) -> std::io::Result<Option<Vec<[f32; 3]>>> {
-    let bytes = match std::fs::read(place_of(path)) {
+    let bytes = match std::fs::read(path_of(path)) {
         Ok(bytes) => bytes,
         Err(error) => {
             writeln!(out, "skipped: {path} in the folder that SCANBENCH_TEST_DATA names: {error}")?;
@@ -38,7 +38,7 @@ fn read_positions(path: &str, out: &mut impl std::io::Write) -> std::io::Result<
 }
 
 /// Where real data of this path are, if they are anywhere.
-fn place_of(path: &str) -> PathBuf {
+fn path_of(path: &str) -> PathBuf {
     PathBuf::from(std::env::var_os("SCANBENCH_TEST_DATA").unwrap_or_default()).join(path)
 }
 

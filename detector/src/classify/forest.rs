@@ -8,7 +8,7 @@ pub const N_SPLITS: usize = (1 << DEPTH) - 1;
 pub const N_LEAVES: usize = 1 << DEPTH;
 
 /// A tree of decisions, all of them equally deep: decision i is followed by 2i + 1 if its value is less than the threshold,
-/// and by 2i + 2 if not. The place behind the last decision is there so that an index is masked and not checked.
+/// and by 2i + 2 if not. The index behind the last decision is there so that an index is masked and not checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecisionTree {
     /// Which value each decision looks at.
@@ -91,28 +91,28 @@ impl DecisionTree {
     /// Where these values lead.
     #[inline(always)]
     fn leaf<const D: usize>(&self, values: &[f32; D]) -> usize {
-        let mut place = 0;
+        let mut index = 0;
         for _ in 0..DEPTH {
-            let is_left = values[usize::from(self.value_of_split[place])] < self.thresholds[place];
-            place = 2 * place + 1 + usize::from(!is_left);
+            let is_left = values[usize::from(self.value_of_split[index])] < self.thresholds[index];
+            index = 2 * index + 1 + usize::from(!is_left);
         }
-        place - N_SPLITS
+        index - N_SPLITS
     }
 
     /// Adds to each of `sums` what the examples from `first` on lead to.
     #[inline(always)]
     fn add(&self, block: &Block, first: usize, sums: &mut [f32]) {
-        let mut places = [0; N_ABREAST];
+        let mut indices = [0; N_ABREAST];
         for _ in 0..DEPTH {
-            for (lane, place) in places.iter_mut().enumerate() {
+            for (lane, index) in indices.iter_mut().enumerate() {
                 // The remainders change nothing: they prove to the compiler that no index is out of bounds.
-                let value = usize::from(self.value_of_split[*place % N_LEAVES]) % MAX_VALUES;
-                let is_left = block[(first + lane) % N_IN_BLOCK][value] < self.thresholds[*place % N_LEAVES];
-                *place = 2 * *place + 1 + usize::from(!is_left);
+                let value = usize::from(self.value_of_split[*index % N_LEAVES]) % MAX_VALUES;
+                let is_left = block[(first + lane) % N_IN_BLOCK][value] < self.thresholds[*index % N_LEAVES];
+                *index = 2 * *index + 1 + usize::from(!is_left);
             }
         }
-        for (sum, place) in sums.iter_mut().zip(places) {
-            *sum += self.leaves[(place - N_SPLITS) % N_LEAVES];
+        for (sum, index) in sums.iter_mut().zip(indices) {
+            *sum += self.leaves[(index - N_SPLITS) % N_LEAVES];
         }
     }
 }

@@ -41,8 +41,8 @@ const OF_GROUP: [&str; 22] = [
     "tall_around_share",
 ];
 
-/// The places of [`OF_GROUP`] among [`NODE_VALUES`].
-static PLACES_OF_GROUP: LazyLock<[usize; OF_GROUP.len()]> = LazyLock::new(|| {
+/// The indices of [`OF_GROUP`] among [`NODE_VALUES`].
+static INDICES_OF_GROUP: LazyLock<[usize; OF_GROUP.len()]> = LazyLock::new(|| {
     OF_GROUP.map(|name| NODE_VALUES.iter().position(|it| *it == name).expect("the list of names is tested"))
 });
 
@@ -134,8 +134,8 @@ impl GroupingModel {
 pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
     let mut values = [0.0; N_VEHICLE_VALUES];
     values[..N_FEATURES].copy_from_slice(features);
-    for (value, &place) in values[N_FEATURES..].iter_mut().zip(&*PLACES_OF_GROUP) {
-        *value = node[place];
+    for (value, &index) in values[N_FEATURES..].iter_mut().zip(&*INDICES_OF_GROUP) {
+        *value = node[index];
     }
     values
 }
@@ -148,8 +148,8 @@ mod tests {
 
     #[test]
     fn vehicles_are_classified_by_values_of_their_names_each_of_them_once() {
-        let features = std::array::from_fn(|place| place as f32);
-        let node = std::array::from_fn(|place| 100.0 + place as f32);
+        let features = std::array::from_fn(|index| index as f32);
+        let node = std::array::from_fn(|index| 100.0 + index as f32);
         let values = vehicle_values(&features, &node);
         for (value, name) in values.into_iter().zip(VEHICLE_VALUES) {
             let found = if value < 100.0 {

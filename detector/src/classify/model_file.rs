@@ -119,7 +119,7 @@ impl ModelFile {
         Self { head, parts: Vec::new() }
     }
 
-    /// The same, trained with these parameters in place of the shipped ones, by their full names.
+    /// The same, trained with these parameters instead of the shipped ones, by their full names.
     pub fn with_parameters(mut self, parameters: toml::Table) -> Self {
         self.head.parameters = parameters;
         self
@@ -227,7 +227,7 @@ impl ModelFile {
         &self.head.constants
     }
 
-    /// The parameters that it was trained with in place of the shipped ones, by their full names.
+    /// The parameters that it was trained with instead of the shipped ones, by their full names.
     pub fn parameters(&self) -> &toml::Table {
         &self.head.parameters
     }
@@ -381,10 +381,10 @@ mod tests {
         assert_eq!(read(b"format = 1"), Err(ModelFileError::Magic));
         assert_eq!(read(MAGIC), Err(ModelFileError::Checksum));
         assert_eq!(read(&bytes[..bytes.len() - 1]), Err(ModelFileError::Checksum));
-        for place in (MAGIC.len()..bytes.len()).step_by(97) {
+        for index in (MAGIC.len()..bytes.len()).step_by(97) {
             let mut changed = bytes.clone();
-            changed[place] ^= 4;
-            assert_eq!(read(&changed), Err(ModelFileError::Checksum), "byte {place}");
+            changed[index] ^= 4;
+            assert_eq!(read(&changed), Err(ModelFileError::Checksum), "byte {index}");
         }
         let message = |result: Result<ModelFile, ModelFileError>| result.unwrap_err().to_string();
         assert_eq!(

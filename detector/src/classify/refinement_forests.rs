@@ -1,4 +1,5 @@
-//! The expected intersection over union of groups with objects: rounds over all groups of a tree, each with the results of the one before.
+//! The expected intersection over union of groups with objects: rounds over all groups of a tree, each with the results of
+//! the one before.
 
 use crate::classify::forest::Forest;
 use crate::group::node_context::{N_REFINEMENT_VALUES, NodeContexts};
@@ -35,7 +36,7 @@ pub struct RefinementBuffers {
     contexts: NodeContexts,
     seen: Vec<[f32; N_REFINEMENT_VALUES]>,
     // Of the groups that are refined: their indices among all, and their new expected IoU.
-    places: Vec<usize>,
+    indices: Vec<usize>,
     sums: Vec<f32>,
 }
 
@@ -52,24 +53,24 @@ impl RefinementForests {
     ) {
         self.first.sums(described.clone().map(|it| it.1), expected_ious);
         for forest in self.more.iter().take(usize::from(rounds).saturating_sub(1)) {
-            let RefinementBuffers { contexts, seen, places, sums } = &mut *buffers;
+            let RefinementBuffers { contexts, seen, indices, sums } = &mut *buffers;
             contexts.find(
                 upward,
                 &whole_of,
                 described.clone().map(|it| it.0).zip(expected_ious.iter().copied()),
             );
             seen.clear();
-            places.clear();
+            indices.clear();
             let all = described.clone().zip(&*expected_ious).enumerate();
-            for (place, ((node_idx, values), _)) in
+            for (index, ((node_idx, values), _)) in
                 all.filter(|(_, (_, expected_iou))| is_refined(**expected_iou))
             {
                 seen.push(contexts.seen(node_idx, values));
-                places.push(place);
+                indices.push(index);
             }
             forest.sums(seen.iter(), sums);
-            for (&place, &sum) in places.iter().zip(&*sums) {
-                expected_ious[place] = sum;
+            for (&index, &sum) in indices.iter().zip(&*sums) {
+                expected_ious[index] = sum;
             }
         }
     }
@@ -91,7 +92,7 @@ mod tests {
         let again = DecisionTree { thresholds: [3.0; N_LEAVES], leaves: leaves_again, ..tree.clone() };
         let more = [Forest::new(vec![again], 0.0).unwrap(), Forest::new(Vec::new(), 0.9).unwrap()];
         let forests = RefinementForests { first: Forest::new(vec![tree], 0.0).unwrap(), more };
-        let of_value = |value| std::array::from_fn(|place| if place == 0 { value } else { 0.0 });
+        let of_value = |value| std::array::from_fn(|index| if index == 0 { value } else { 0.0 });
         let values: [[f32; N_NODE_VALUES]; 4] = [0.5, 2.0, 4.0, 0.5].map(of_value);
         let described = [(0, &values[0]), (1, &values[1]), (2, &values[2]), (3, &values[3])];
         let expected_ious = |rounds| {

@@ -79,7 +79,7 @@ impl Footprint {
         z_m > low_m && z_m <= high_m && self.is_over([x_m, y_m], 0.0)
     }
 
-    /// Whether a place on the ground plan is no farther than `margin_m` beside it, along and across.
+    /// Whether a position on the ground plan is no farther than `margin_m` beside it, along and across.
     fn is_over(&self, [x_m, y_m]: [f32; 2], margin_m: f32) -> bool {
         let (dx, dy) = (x_m - self.center_m[0], y_m - self.center_m[1]);
         let along_m = (self.cos * dx + self.sin * dy).abs();
@@ -249,11 +249,11 @@ mod tests {
         #[test]
         fn no_cell_is_overlooked(
             positions_m in prop::collection::vec((-5.0_f32..25.0, -8.0_f32..14.0, -2.0_f32..0.5), 1..200),
-            places in prop::collection::vec((0.0_f32..20.0, -3.2_f32..3.2, 0_u8..4), 1..6),
+            positions in prop::collection::vec((0.0_f32..20.0, -3.2_f32..3.2, 0_u8..4), 1..6),
         ) {
             let cloud: PointCloud = positions_m.iter().map(|&(x, y, z)| [x, y, z]).collect();
-            let boxes: Vec<OrientedBox> = places.iter().map(|&(x, yaw, _)| car(x, yaw)).collect();
-            let own: Vec<Vec<u32>> = places.iter().map(|&(_, _, n)| (0..u32::from(n)).collect()).collect();
+            let boxes: Vec<OrientedBox> = positions.iter().map(|&(x, yaw, _)| car(x, yaw)).collect();
+            let own: Vec<Vec<u32>> = positions.iter().map(|&(_, _, n)| (0..u32::from(n)).collect()).collect();
             let own_of = |object_idx: usize| own[object_idx].iter().copied().filter(|&it| it < cloud.len() as u32);
             let own: Vec<Vec<u32>> = (0..own.len()).map(|it| own_of(it).collect()).collect();
             let taken = |point_idx: u32| own.iter().flatten().any(|&it| it == point_idx);

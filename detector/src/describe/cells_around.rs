@@ -114,7 +114,8 @@ mod tests {
     use super::*;
     use crate::params::HierarchicalParams;
 
-    /// What is around a lorry of 4 m by 2 m, 12 m before the sensor, where `class_at` says what each place of the ground plan is.
+    /// What is around a lorry of 4 m by 2 m, 12 m before the sensor, where `class_at` says what each position of the ground
+    /// plan is.
     fn around_lorry(class_at: impl Fn([f32; 2]) -> SurfaceClass) -> CellsAround {
         let grid = HierarchicalGrid::new(HierarchicalParams::shipped().grid);
         let n_cells = grid.cells().len() as u32;
@@ -172,8 +173,8 @@ mod tests {
         let grid = HierarchicalGrid::new(HierarchicalParams::shipped().grid);
         let classes = vec![SurfaceClass::Unseen; grid.cells().len()];
         let extent_m = grid.params().extent_m;
-        for place_m in [[extent_m, 0.0], [-extent_m, -extent_m], [3.0 * extent_m, 0.0]] {
-            assert_eq!(CellsAround::of(&lorry(place_m, 0.3), &grid, &classes), CellsAround::default());
+        for position_m in [[extent_m, 0.0], [-extent_m, -extent_m], [3.0 * extent_m, 0.0]] {
+            assert_eq!(CellsAround::of(&lorry(position_m, 0.3), &grid, &classes), CellsAround::default());
         }
     }
 }

@@ -66,7 +66,7 @@ impl OrderedRadii {
     }
 }
 
-/// From a place in the frame of the box to the nearest of the points.
+/// From a position in the frame of the box to the nearest of the points.
 #[inline(always)]
 fn nearest_m(points: &BoxFramePoints, [front, left]: [f32; 2], top_m: f32) -> f32 {
     let squared = |along: f32, across: f32, up: f32| {

@@ -38,7 +38,7 @@ pub enum Facing {
 /// The prototype that an object is most like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NearestPrototype {
-    /// Its place in the library.
+    /// Its index in the library.
     pub prototype_idx: usize,
     /// Which way the object looks if it is this.
     pub facing: Facing,
@@ -61,7 +61,7 @@ pub enum PrototypeLibraryError {
     /// A prototype that is no outline.
     #[error("the contour of prototype {prototype_idx}, {name:?}, is not a simple closed curve")]
     Contour {
-        /// Its place.
+        /// Its index.
         prototype_idx: usize,
         /// What it is called.
         name: String,

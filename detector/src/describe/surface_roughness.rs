@@ -20,7 +20,7 @@ pub struct RoughnessSquares {
     /// On the ends, whose depth is along.
     on_ends: Vec<Square>,
     // For every point, where its squares stand in both.
-    places: Vec<[u32; 2]>,
+    indices: Vec<[u32; 2]>,
 }
 
 impl RoughnessSquares {
@@ -36,20 +36,22 @@ impl RoughnessSquares {
             squares.resize(n * n_up, (0.0, 0.0));
         }
         // Rounding may leave points outside.
-        let place = |offset_m: f32, n: usize| ((offset_m / SQUARE_M) as usize).min(n - 1);
-        let places = |along_m: f32, across_m: f32, up_m: f32| {
-            let row = place(up_m - low_m, n_up);
+        let index = |offset_m: f32, n: usize| ((offset_m / SQUARE_M) as usize).min(n - 1);
+        let indices = |along_m: f32, across_m: f32, up_m: f32| {
+            let row = index(up_m - low_m, n_up);
             let [column, end_column] =
-                [place(along_m + 0.5 * length_m, n_along), place(across_m + 0.5 * width_m, n_across)];
+                [index(along_m + 0.5 * length_m, n_along), index(across_m + 0.5 * width_m, n_across)];
             [row * n_along + column, row * n_across + end_column].map(|it| it as u32)
         };
         let depths = || points.along_m().iter().zip(points.across_m());
-        self.places.clear();
-        self.places.extend(
-            depths().zip(points.up_m()).map(|((&along_m, &across_m), &up_m)| places(along_m, across_m, up_m)),
+        self.indices.clear();
+        self.indices.extend(
+            depths()
+                .zip(points.up_m())
+                .map(|((&along_m, &across_m), &up_m)| indices(along_m, across_m, up_m)),
         );
-        for ((&along_m, &across_m), places) in depths().zip(&self.places) {
-            let [on_side, on_end] = places.map(|it| it as usize);
+        for ((&along_m, &across_m), indices) in depths().zip(&self.indices) {
+            let [on_side, on_end] = indices.map(|it| it as usize);
             let (side, end) = (&mut self.on_sides[on_side], &mut self.on_ends[on_end]);
             *side = (side.0 + 1.0, side.1 + across_m);
             *end = (end.0 + 1.0, end.1 + along_m);
@@ -58,8 +60,8 @@ impl RoughnessSquares {
             square.1 /= square.0;
         }
         let (mut n_points, mut n_rough) = (0_u32, 0_u32);
-        for ((&along_m, &across_m), places) in depths().zip(&self.places) {
-            let [on_side, on_end] = places.map(|it| it as usize);
+        for ((&along_m, &across_m), indices) in depths().zip(&self.indices) {
+            let [on_side, on_end] = indices.map(|it| it as usize);
             let distance_m = |(n, mean_m): Square, depth_m: f32| {
                 if n > 1.0 { (depth_m - mean_m).abs() } else { f32::INFINITY }
             };

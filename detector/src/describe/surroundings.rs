@@ -61,13 +61,13 @@ impl ObjectRaster {
         self.fill_by_cell(positions_m.map(|[x_m, y_m, _]| ([x_m, y_m], 1)));
     }
 
-    /// Replaces the content by so many points in the cells of these places.
+    /// Replaces the content by so many points in the cells at these positions.
     pub fn fill_by_cell(&mut self, counts: impl Iterator<Item = ([f32; 2], u32)>) {
         for cell in self.occupied.drain(..) {
             self.n_points[cell as usize] = 0;
         }
-        for (place_m, n_more) in counts {
-            let [column, row] = place_m.map(|it| (it + self.half_side_m) / CELL_M);
+        for (position_m, n_more) in counts {
+            let [column, row] = position_m.map(|it| (it + self.half_side_m) / CELL_M);
             let last = self.n_along_side as f32;
             // False for what is not a number.
             if column >= 0.0 && row >= 0.0 && column < last && row < last {
@@ -89,8 +89,8 @@ impl ObjectRaster {
         let [long_m, wide_m] = [half_length_m + REACH_M, half_width_m + REACH_M];
         let reach_m = [cos.abs() * long_m + sin.abs() * wide_m, sin.abs() * long_m + cos.abs() * wide_m];
         let cells = |center_m: f32, reach_m: f32| {
-            let place = |it: f32| ((it + self.half_side_m) / CELL_M).clamp(0.0, self.n_along_side as f32);
-            place(center_m - reach_m) as usize..place(center_m + reach_m).ceil() as usize
+            let column = |it: f32| ((it + self.half_side_m) / CELL_M).clamp(0.0, self.n_along_side as f32);
+            column(center_m - reach_m) as usize..column(center_m + reach_m).ceil() as usize
         };
         let middle_m = |cell: usize| (cell as f32 + 0.5) * CELL_M - self.half_side_m;
         let columns = cells(center_x_m, reach_m[0]);
@@ -169,7 +169,7 @@ mod tests {
         OrientedBox { center_m: [10.0, 3.0, -0.9], length_width_height_m: [4.0, 1.8, 1.4], yaw_rad }
     }
 
-    /// Where this place of the frame of the box is.
+    /// Where this position in the frame of the box is.
     fn at(it: &OrientedBox, along_m: f32, across_m: f32) -> [f32; 3] {
         let (sin, cos) = it.yaw_rad.sin_cos();
         let [x, y, z] = it.center_m;
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn of_the_scan_before_nothing_is_left_and_what_is_no_place_is_left_out() {
+    fn of_the_scan_before_nothing_is_left_and_what_is_no_position_is_left_out() {
         let it = car(0.0);
         let mut raster = ObjectRaster::new(12.1);
         raster.fill([at(&it, -2.4, 0.0); 3].into_iter());
@@ -220,7 +220,8 @@ mod tests {
         let [before, beside] = [at(&it, 2.4, 0.1), at(&it, 0.2, -1.3)];
         let (mut raster, mut by_cell) = (ObjectRaster::new(40.0), ObjectRaster::new(40.0));
         for n in [2, 70_000] {
-            raster.fill([before, beside].into_iter().flat_map(|place| std::iter::repeat_n(place, n)));
+            raster
+                .fill([before, beside].into_iter().flat_map(|position_m| std::iter::repeat_n(position_m, n)));
             by_cell.fill_by_cell([before, beside].into_iter().map(|[x, y, _]| ([x, y], n as u32)));
             let around = by_cell.around(&it, 0.0);
             assert_eq!(around, raster.around(&it, 0.0));
@@ -232,11 +233,11 @@ mod tests {
         #[test]
         fn points_of_the_box_itself_are_not_counted(
             yaw_rad in -1.6_f32..1.6, x in -30.0_f32..30.0, y in -30.0_f32..30.0,
-            places in prop::collection::vec((-2.0_f32..2.0, -0.9_f32..0.9), 1..60),
+            positions in prop::collection::vec((-2.0_f32..2.0, -0.9_f32..0.9), 1..60),
         ) {
             let it = OrientedBox { center_m: [x, y, 0.0], ..car(yaw_rad) };
             let mut raster = ObjectRaster::new(40.0);
-            raster.fill(places.iter().map(|&(along, across)| at(&it, along, across)));
+            raster.fill(positions.iter().map(|&(along, across)| at(&it, along, across)));
             let around = raster.around(&it, 0.0);
             prop_assert_eq!(around, Surroundings::default());
         }

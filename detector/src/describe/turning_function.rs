@@ -37,10 +37,10 @@ impl TurningFunction {
             return None;
         }
         // Always from the same corner and counter-clockwise, so that sums round alike.
-        let by_place = |a: &(usize, &[f32; 2]), b: &(usize, &[f32; 2])| {
+        let by_position = |a: &(usize, &[f32; 2]), b: &(usize, &[f32; 2])| {
             a.1[0].total_cmp(&b.1[0]).then(a.1[1].total_cmp(&b.1[1]))
         };
-        let (start, _) = corners.iter().enumerate().min_by(by_place)?;
+        let (start, _) = corners.iter().enumerate().min_by(by_position)?;
         if area > 0.0 {
             Self::along(edges(corners, start))
         } else {
@@ -76,9 +76,9 @@ impl TurningFunction {
         }
         let mean_rad = directions_rad.iter().sum::<f32>() / N_PARTS as f32;
         let directions_rad: [f32; 2 * N_PARTS] = std::array::from_fn(|idx| {
-            let place = idx as i32 - MAX_SHIFT;
-            let turns = place.div_euclid(N_PARTS as i32);
-            directions_rad[place.rem_euclid(N_PARTS as i32) as usize] + turns as f32 * TAU
+            let index = idx as i32 - MAX_SHIFT;
+            let turns = index.div_euclid(N_PARTS as i32);
+            directions_rad[index.rem_euclid(N_PARTS as i32) as usize] + turns as f32 * TAU
         });
         Some(Self { directions_rad, mean_rad })
     }
@@ -169,7 +169,7 @@ fn turn_rad(a: [f32; 2], b: [f32; 2]) -> f32 {
     portable_math::atan2(sine, cosine) as f32
 }
 
-/// Adds an edge from place `from` to place `until`, in parts, to the means of the parts it runs through.
+/// Adds an edge from position `from` to position `until`, in parts, to the means of the parts it runs through.
 fn add_edge(directions_rad: &mut [f32; N_PARTS], [from, until]: [f32; 2], direction_rad: f32) {
     let first = (from as usize).min(N_PARTS - 1);
     let last = (until as usize).min(N_PARTS - 1);
@@ -243,7 +243,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn start_sense_place_and_size_do_not_matter(
+        fn start_sense_position_and_size_do_not_matter(
             corners in star(), start in 0_usize..30, dx in -4096_i16..4096, dy in -4096_i16..4096,
         ) {
             let original = function(&corners);

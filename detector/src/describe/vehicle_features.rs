@@ -59,10 +59,10 @@ pub(crate) const fn joined<T: Copy, const M: usize, const N: usize, const BOTH: 
     second: [T; N],
 ) -> [T; BOTH] {
     let mut both = [first[0]; BOTH];
-    let mut place = 0;
-    while place < M + N {
-        both[place] = if place < M { first[place] } else { second[place - M] };
-        place += 1;
+    let mut index = 0;
+    while index < M + N {
+        both[index] = if index < M { first[index] } else { second[index - M] };
+        index += 1;
     }
     both
 }

@@ -12,10 +12,10 @@ pub fn wall_segments(
     walls: &[Segment],
     above_ground_m: f32,
 ) -> Shape {
-    let place_m = |[column, row]: [i32; 2]| {
+    let position_m = |[column, row]: [i32; 2]| {
         let cell_idx = row as u32 * grid.n_columns() + column as u32;
         let [x_m, y_m] = grid.center_m(cell_idx);
         [x_m, y_m, terrain.elevation_m(grid.column_and_row(cell_idx)) + above_ground_m]
     };
-    Shape::Segments(walls.iter().map(|it| [it.start, it.end].map(place_m)).collect())
+    Shape::Segments(walls.iter().map(|it| [it.start, it.end].map(position_m)).collect())
 }

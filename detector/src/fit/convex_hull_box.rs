@@ -248,15 +248,15 @@ mod tests {
             let mut least: Option<(f32, [f32; 2])> = None;
             for (idx, from_m) in hull_m.iter().enumerate() {
                 let [ux, uy] = direction(*from_m, hull_m[(idx + 1) % hull_m.len()]);
-                let places = || hull_m.iter().map(|&[x, y]| [x * ux + y * uy, y * ux - x * uy]);
+                let positions = || hull_m.iter().map(|&[x, y]| [x * ux + y * uy, y * ux - x * uy]);
                 let range = |axis: usize| {
-                    places().fold([f32::INFINITY, f32::NEG_INFINITY], |it, place| {
-                        [it[0].min(place[axis]), it[1].max(place[axis])]
+                    positions().fold([f32::INFINITY, f32::NEG_INFINITY], |it, position| {
+                        [it[0].min(position[axis]), it[1].max(position[axis])]
                     })
                 };
                 let [along, across] = [range(0), range(1)];
                 let to_side = |value: f32, sides: [f32; 2]| (value - sides[0]).min(sides[1] - value);
-                let sum: f32 = places().map(|[u, v]| to_side(u, along).min(to_side(v, across))).sum();
+                let sum: f32 = positions().map(|[u, v]| to_side(u, along).min(to_side(v, across))).sum();
                 let mean_m = sum / hull_m.len() as f32;
                 if least.is_none_or(|(least_m, _)| mean_m < least_m) {
                     least = Some((mean_m, [along[1] - along[0], across[1] - across[0]]));

@@ -17,7 +17,7 @@ pub struct FittedObjects {
     values: Vec<f32>,
 }
 
-/// An object: places in the buffers of [`FittedObjects`].
+/// An object: indices in the buffers of [`FittedObjects`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedObject {
     /// Its points among the members.

@@ -14,7 +14,7 @@ use crate::segment::object_points::ObjectPoint;
 #[derive(Debug, Clone)]
 pub struct Outline {
     xi: usize,
-    // For each of the nine blocks around a block: its dense cells that touch that block, and their places in `around`.
+    // For each of the nine blocks around a block: its dense cells that touch that block, and their indices in `around`.
     touching: [Vec<[usize; 2]>; 9],
     // Objects of the dense cells of a block and of those that touch it, row by row.
     around: Vec<u32>,
@@ -29,11 +29,11 @@ impl Outline {
     pub fn new(xi: u32) -> Self {
         let side = xi as i32 + 2;
         let mut touching = [const { Vec::new() }; 9];
-        for place in 0..side * side {
-            let (column, row) = (place % side - 1, place / side - 1);
+        for index in 0..side * side {
+            let (column, row) = (index % side - 1, index / side - 1);
             let [across, along] = [column, row].map(|step| step.div_euclid(xi as i32) + 1);
             let within = row.rem_euclid(xi as i32) * xi as i32 + column.rem_euclid(xi as i32);
-            touching[(3 * along + across) as usize].push([within as usize, place as usize]);
+            touching[(3 * along + across) as usize].push([within as usize, index as usize]);
         }
         Self {
             xi: xi as usize,
@@ -56,8 +56,8 @@ impl Outline {
                 let block_idx = dense.block_of_cell(neighbor_idx);
                 if block_idx != NO_BLOCK {
                     let objects = &object_of_dense[block_idx as usize * n_dense..][..n_dense];
-                    for &[within, place] in touching {
-                        self.around[place] = objects[within];
+                    for &[within, index] in touching {
+                        self.around[index] = objects[within];
                     }
                 }
             }

@@ -24,7 +24,7 @@ const N_ABREAST: usize = 16;
 /// A box along the sides that are seen, with buffers for one object after another.
 #[derive(Debug, Clone)]
 pub struct OutlineBox {
-    /// Squared range and place of the nearest point of each azimuth.
+    /// Squared range and index of the nearest point of each azimuth.
     nearest: Vec<(f32, u32)>,
     /// Squared range and azimuth of each point.
     polar: Vec<(f32, u32)>,
@@ -60,7 +60,8 @@ impl OutlineBox {
     /// Length is the longer side and the yaw lies in (−π/2, π/2]. One point gives a box of no length and no width at yaw 0, points
     /// on a line one along it. `None` without points. All must be finite.
     ///
-    /// In place of the mean distance of the hull's corners (VM section 4), which is the same for a square's corners in any direction.
+    /// Instead of the mean distance of the hull's corners (VM section 4), which is the same for a square's corners in any
+    /// direction.
     pub fn fit(&mut self, positions_m: &[[f32; 3]]) -> Option<OrientedBox> {
         if positions_m.is_empty() {
             return None;
@@ -88,19 +89,19 @@ impl OutlineBox {
     fn find_outline(&mut self, positions_m: &[[f32; 3]]) {
         self.azimuths.clear();
         vectorised(Polar { positions_m, polar: &mut self.polar });
-        for (place, &(squared, azimuth)) in self.polar.iter().enumerate() {
+        for (index, &(squared, azimuth)) in self.polar.iter().enumerate() {
             let nearest = &mut self.nearest[azimuth as usize];
             if nearest.0 == f32::INFINITY {
                 self.azimuths.push(azimuth);
             }
             if squared < nearest.0 {
-                *nearest = (squared, place as u32);
+                *nearest = (squared, index as u32);
             }
         }
         self.outline_m.clear();
         for azimuth in &self.azimuths {
-            let (_, place) = std::mem::replace(&mut self.nearest[*azimuth as usize], (f32::INFINITY, 0));
-            let [x_m, y_m, _] = positions_m[place as usize];
+            let (_, index) = std::mem::replace(&mut self.nearest[*azimuth as usize], (f32::INFINITY, 0));
+            let [x_m, y_m, _] = positions_m[index as usize];
             self.outline_m.push([x_m, y_m]);
         }
         self.hull_points_m.clear();
@@ -129,7 +130,8 @@ impl OutlineBox {
     }
 }
 
-/// Which of [`N_AZIMUTHS`] a place is at: by the share of y in |x| + |y|, which grows as the angle does and needs no arc tangent.
+/// Which of [`N_AZIMUTHS`] a position is at: by the share of y in |x| + |y|, which grows as the angle does and needs no arc
+/// tangent.
 #[inline(always)]
 fn azimuth_of([x_m, y_m]: [f32; 2]) -> u32 {
     let sum_m = x_m.abs() + y_m.abs();
@@ -190,8 +192,8 @@ impl Extremes {
     #[inline(always)]
     fn add(&mut self, mut numbers: Lanes, n_kept: usize) {
         let mut others = numbers;
-        for place in 0..n_kept {
-            let (least, greatest) = (&mut self.least[place], &mut self.greatest[place]);
+        for index in 0..n_kept {
+            let (least, greatest) = (&mut self.least[index], &mut self.greatest[index]);
             for lane in 0..N_ABREAST {
                 let (low, high) = (lesser(numbers[lane], least[lane]), greater(numbers[lane], least[lane]));
                 (least[lane], numbers[lane]) = (low, high);
@@ -274,7 +276,7 @@ mod tests {
         OutlineBox::default().fit(positions_m)
     }
 
-    /// `n` points from one place to another, both included.
+    /// `n` points from one position to another, both included.
     fn line(from_m: [f32; 2], to_m: [f32; 2], n: u16) -> impl Iterator<Item = [f32; 3]> {
         (0..n).map(move |it| {
             let share = f32::from(it) / f32::from(n - 1);
@@ -373,8 +375,8 @@ mod tests {
             let mut fitter = OutlineBox::default();
             let found = fitter.fit(&positions_m).unwrap();
             let mean_m = |[cos, sin]: [f32; 2]| {
-                let place = |&[x, y]: &[f32; 2]| [x * cos + y * sin, y * cos - x * sin];
-                let all: Vec<[f32; 2]> = positions_m.iter().map(|&[x, y, _]| place(&[x, y])).collect();
+                let position = |&[x, y]: &[f32; 2]| [x * cos + y * sin, y * cos - x * sin];
+                let all: Vec<[f32; 2]> = positions_m.iter().map(|&[x, y, _]| position(&[x, y])).collect();
                 let end = |axis: usize, pick: fn(f32, f32) -> f32| all.iter().map(|it| it[axis]).reduce(pick).unwrap();
                 let ends = [0, 1].map(|axis| [end(axis, f32::min), end(axis, f32::max)]);
                 let distance_m = |it: [f32; 2]| {
@@ -382,7 +384,7 @@ mod tests {
                     to_ends[0].min(to_ends[1]).min(MOST_DISTANCE_M)
                 };
                 let outline_m = &fitter.outline_m;
-                outline_m.iter().map(|it| distance_m(place(it))).sum::<f32>() / outline_m.len() as f32
+                outline_m.iter().map(|it| distance_m(position(it))).sum::<f32>() / outline_m.len() as f32
             };
             let taken_m = mean_m([found.yaw_rad.cos(), found.yaw_rad.sin()]);
             let edges = fitter.hull_m.iter().zip(fitter.hull_m.iter().cycle().skip(1));

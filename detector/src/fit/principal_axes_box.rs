@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn points_at_one_place_have_a_box_without_size() {
+    fn points_at_one_position_have_a_box_without_size() {
         let point = OrientedBox { center_m: [3.0, -4.0, 0.5], length_width_height_m: [0.0; 3], yaw_rad: 0.0 };
         assert_eq!(fit(&[[3.0, -4.0, 0.5]]), Some(point));
         assert_eq!(fit(&[[3.0, -4.0, 0.5]; 7]), Some(point));

@@ -109,9 +109,9 @@ impl CellTally {
 
 /// Cells of the smallest rectangle around the occupied ones.
 fn n_cells_of_rectangle(grid: &HierarchicalGrid) -> u64 {
-    let places = grid.occupied().iter().map(|&cell_idx| grid.column_and_row(cell_idx));
-    let ends = places.fold([[u32::MAX, 0]; 2], |ends, place| {
-        [0, 1].map(|axis| [ends[axis][0].min(place[axis]), ends[axis][1].max(place[axis])])
+    let positions = grid.occupied().iter().map(|&cell_idx| grid.column_and_row(cell_idx));
+    let ends = positions.fold([[u32::MAX, 0]; 2], |ends, position| {
+        [0, 1].map(|axis| [ends[axis][0].min(position[axis]), ends[axis][1].max(position[axis])])
     });
     if grid.occupied().is_empty() {
         return 0;
@@ -160,7 +160,7 @@ impl FitnessReading {
     }
 }
 
-/// Knuth 2006 with the volume of a cell in the place of that of all M cells over M.
+/// Knuth 2006 with the volume of a cell instead of that of all M cells over M.
 fn knuth(tally: &CellTally) -> f64 {
     if tally.n_points == 0 {
         return 0.0;
@@ -172,7 +172,7 @@ fn knuth(tally: &CellTally) -> f64 {
         + tally.ln_gamma_sum
 }
 
-/// Rudemo 1982 with the area of a cell in the place of its width; `None` of fewer than two points.
+/// Rudemo 1982 with the area of a cell instead of its width; `None` of fewer than two points.
 fn rudemo(tally: &CellTally) -> Option<f64> {
     let n = tally.n_points as f64;
     let area_m2 = f64::from(tally.cell_size_m).powi(2);

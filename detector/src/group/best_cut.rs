@@ -67,10 +67,10 @@ mod tests {
     proptest! {
         #[test]
         fn it_is_worth_as_much_as_the_best_of_all(
-            places in prop::collection::btree_set(0_u8..30, 1..8),
+            positions in prop::collection::btree_set(0_u8..30, 1..8),
             gains in prop::collection::vec(-8_i8..9, 20),
         ) {
-            let steps: Vec<[u8; 2]> = places.into_iter().map(|it| [it, 0]).collect();
+            let steps: Vec<[u8; 2]> = positions.into_iter().map(|it| [it, 0]).collect();
             let (_, tree, _) = tree_over(&steps);
             // Whole eighths, so that sums are exact.
             let gain: Vec<f32> = gains.iter().cycle().map(|&it| f32::from(it) / 8.0).take(tree.nodes().len()).collect();

@@ -81,7 +81,7 @@ pub struct Candidates {
     doubts: Vec<Doubts>,
     // Whether all of a cell hangs over the street, but for its ground.
     hangs: Vec<bool>,
-    // For every cell, the place of its column of heights.
+    // For every cell, the index of its column of heights.
     column_of_cell: Vec<u32>,
     // Where in steps of [`STEP_M`] above the terrain there are points, for every cell that is looked into.
     heights: Vec<u64>,
@@ -315,13 +315,13 @@ mod tests {
     use crate::pipeline::frame::Frame;
     use crate::segment::drawn_ground::{SENSOR_HEIGHT_M, road, segmented};
 
-    /// A place, and heights above the road in decimetres.
+    /// A position, and heights above the road in decimetres.
     type Column = ([f32; 2], std::ops::Range<i8>);
 
     /// Far from all else, and so high that the field of view ends far above everything else.
     const MAST: Column = ([-15.3, -15.3], 0..120);
 
-    /// A level road with columns of points, each at a place and at heights above the road.
+    /// A level road with columns of points, each at a position and at heights above the road.
     fn candidates_of(columns: &[Column]) -> (PointCloud, HierarchicalGrid, Candidates) {
         let params = HierarchicalParams::shipped();
         let mut cloud: PointCloud = road(100).collect();

@@ -102,9 +102,9 @@ pub struct DenseCells {
     dense_of_point: Vec<u32>,
     // For the cells behind those of the blocks.
     block_of_other: Vec<u32>,
-    // Which part each cell holds, and the next cell at the same place.
+    // Which part each cell holds, and the next cell at the same position.
     part_of_dense: Vec<u32>,
-    next_at_place: Vec<u32>,
+    next_at_position: Vec<u32>,
 }
 
 const NO_BLOCK: u32 = u32::MAX;
@@ -130,7 +130,7 @@ impl DenseCells {
         }
     }
 
-    /// The same, but that candidates of different parts are in different cells, though they stand over the same place:
+    /// The same, but that candidates of different parts are in different cells, though they stand over the same position:
     /// `part_of_candidate` says of which each is, in their order.
     pub fn fill_apart(
         &mut self,
@@ -140,7 +140,7 @@ impl DenseCells {
         part_of_candidate: &[u32],
     ) {
         self.clear(grid, terrain, candidates);
-        for cells in [&mut self.part_of_dense, &mut self.next_at_place] {
+        for cells in [&mut self.part_of_dense, &mut self.next_at_position] {
             cells.clear();
             cells.resize(self.statistics.len(), NOTHING);
         }
@@ -148,29 +148,29 @@ impl DenseCells {
         for (&point_idx, &part) in candidates.point_indices().iter().zip(part_of_candidate) {
             let point_idx = point_idx as usize;
             let block_idx = self.block_of_cell[cell_of_point[point_idx] as usize];
-            let place = block_idx as usize * self.n_per_block + usize::from(within_of_point[point_idx]);
-            let dense_idx = self.cell_of_part(place, block_idx, part);
+            let index = block_idx as usize * self.n_per_block + usize::from(within_of_point[point_idx]);
+            let dense_idx = self.cell_of_part(index, block_idx, part);
             self.statistics[dense_idx].add(cloud.position_m(point_idx), self.ground_m[block_idx as usize]);
             self.dense_of_point.push(dense_idx as u32);
         }
     }
 
-    /// The cell that holds a part at a place: that of the place, or one behind those of the blocks.
-    fn cell_of_part(&mut self, place: usize, block_idx: u32, part: u32) -> usize {
-        let mut dense_idx = place;
+    /// The cell that holds a part at a position: that of the position, or one behind those of the blocks.
+    fn cell_of_part(&mut self, index: usize, block_idx: u32, part: u32) -> usize {
+        let mut dense_idx = index;
         loop {
             if [NOTHING, part].contains(&self.part_of_dense[dense_idx]) {
                 self.part_of_dense[dense_idx] = part;
                 return dense_idx;
             }
-            if self.next_at_place[dense_idx] == NOTHING {
-                self.next_at_place[dense_idx] = self.statistics.len() as u32;
+            if self.next_at_position[dense_idx] == NOTHING {
+                self.next_at_position[dense_idx] = self.statistics.len() as u32;
                 self.statistics.push(CellStatistics::EMPTY);
                 self.block_of_other.push(block_idx);
                 self.part_of_dense.push(NOTHING);
-                self.next_at_place.push(NOTHING);
+                self.next_at_position.push(NOTHING);
             }
-            dense_idx = self.next_at_place[dense_idx] as usize;
+            dense_idx = self.next_at_position[dense_idx] as usize;
         }
     }
 
@@ -285,14 +285,14 @@ mod tests {
         }
 
         #[test]
-        fn parts_over_one_place_are_in_cells_of_their_own(
+        fn parts_over_one_position_are_in_cells_of_their_own(
             steps in prop::collection::btree_set((0_u8..8, 0_u8..4), 1..12),
             n_parts in 1_u32..4,
         ) {
             let steps: Vec<[u8; 2]> = steps.into_iter().map(<[u8; 2]>::from).collect();
             let DrawnGroups { mut dense, grid, terrain, candidates, cloud, .. } = groups_over(&steps);
             let as_one = dense.clone();
-            let part_of = |place: usize| place as u32 % n_parts;
+            let part_of = |index: usize| index as u32 % n_parts;
             let parts: Vec<u32> = (0..candidates.point_indices().len()).map(part_of).collect();
             dense.fill_apart(&cloud, (&grid, &terrain), &candidates, &parts);
             let mut part_of_dense = vec![None; dense.statistics().len()];
@@ -303,7 +303,7 @@ mod tests {
             }
             let n_points: u32 = dense.statistics().iter().map(|it| it.n_points).sum();
             prop_assert_eq!(n_points as usize, parts.len());
-            // Each place has a cell of every part, since each of its 16 candidates' parts come in turn.
+            // Each position has a cell of every part, since each of its 16 candidates' parts come in turn.
             let n_occupied = |it: &DenseCells| it.statistics().iter().filter(|it| it.n_points > 0).count();
             prop_assert_eq!(n_occupied(&dense), n_occupied(&as_one) * n_parts as usize);
             if n_parts == 1 {

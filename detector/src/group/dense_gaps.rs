@@ -57,7 +57,7 @@ pub struct DenseGaps {
     links: Links,
 }
 
-/// The dense cell that reached a place first, and its group.
+/// The dense cell that reached a position first, and its group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Reached {
     label: u32,
@@ -101,12 +101,12 @@ impl DenseGaps {
             self.queue.clear();
             self.steps = vec![0; n_along * n_along];
             let is_outermost = |step: usize| step == 0 || step == n_along - 1;
-            let is_border = |place: usize| is_outermost(place % n_along) || is_outermost(place / n_along);
-            let at_first = |place| if is_border(place) { Reached::BORDER } else { Reached::NOTHING };
+            let is_border = |index: usize| is_outermost(index % n_along) || is_outermost(index / n_along);
+            let at_first = |index| if is_border(index) { Reached::BORDER } else { Reached::NOTHING };
             self.reached = (0..n_along * n_along).map(at_first).collect();
         }
-        for place in self.queue.drain(..) {
-            self.reached[place as usize] = Reached::NOTHING;
+        for index in self.queue.drain(..) {
+            self.reached[index as usize] = Reached::NOTHING;
         }
         self.place_cells(grid, dense, candidates);
         self.join_touching(candidates);
@@ -140,9 +140,9 @@ impl DenseGaps {
             let mut statistics = statistics.iter();
             for along in 0..self.xi {
                 let start = (row * self.xi + along) as usize * self.n_along + (column * self.xi) as usize;
-                for (place, statistics) in (start..start + self.xi as usize).zip(&mut statistics) {
+                for (index, statistics) in (start..start + self.xi as usize).zip(&mut statistics) {
                     self.block.push(block_idx as u32);
-                    self.at.push(place as u32);
+                    self.at.push(index as u32);
                     self.is_conducting.push(statistics.n_points as f32 >= least);
                 }
             }
@@ -152,10 +152,10 @@ impl DenseGaps {
         self.groups.reset(n_dense);
         for dense_idx in 0..n_dense {
             if self.is_conducting[dense_idx] {
-                let place = self.at[dense_idx];
-                self.reached[place as usize].label = dense_idx as u32;
-                self.steps[place as usize] = 0;
-                self.queue.push(place);
+                let index = self.at[dense_idx];
+                self.reached[index as usize].label = dense_idx as u32;
+                self.steps[index as usize] = 0;
+                self.queue.push(index);
             }
         }
     }
@@ -168,8 +168,8 @@ impl DenseGaps {
             if !self.is_conducting[dense_idx as usize] {
                 continue;
             }
-            let place = self.at[dense_idx as usize] as usize;
-            for neighbor in [place + 1, place + n - 1, place + n, place + n + 1] {
+            let index = self.at[dense_idx as usize] as usize;
+            for neighbor in [index + 1, index + n - 1, index + n, index + n + 1] {
                 let other = self.reached[neighbor].label;
                 if other == NO_LABEL {
                     continue;
@@ -217,9 +217,9 @@ impl DenseGaps {
         let mut front = 0..self.queue.len();
         for round in 0..self.params.n_rounds as u8 {
             for at in front.clone() {
-                let place = self.queue[at] as usize;
-                let own = self.reached[place];
-                for first in [place - n - 1, place - 1, place + n - 1] {
+                let index = self.queue[at] as usize;
+                let own = self.reached[index];
+                for first in [index - n - 1, index - 1, index + n - 1] {
                     let three: [Reached; 3] = std::array::from_fn(|step| self.reached[first + step]);
                     for (other, neighbor) in three.into_iter().zip(first..) {
                         if other.group == own.group {
@@ -230,7 +230,7 @@ impl DenseGaps {
                             self.steps[neighbor] = round + 1;
                             self.queue.push(neighbor as u32);
                         } else {
-                            self.meet(candidates, round, [(place, own), (neighbor, other)]);
+                            self.meet(candidates, round, [(index, own), (neighbor, other)]);
                         }
                     }
                 }
@@ -239,17 +239,18 @@ impl DenseGaps {
         }
     }
 
-    /// Records that two groups meet at neighbouring places, the first of which was reached in `own_steps`. If both were reached in as
-    /// many, only the one with the lower number records it. Not inlined, so that the loop that calls it keeps its values in registers.
+    /// Records that two groups meet at neighbouring positions, the first of which was reached in `own_steps`. If both were
+    /// reached in as many, only the one with the lower number records it. Not inlined, so that the loop that calls it keeps
+    /// its values in registers.
     #[inline(never)]
     fn meet(
         &mut self,
         candidates: &Candidates,
         own_steps: u8,
-        [(place, own), (neighbor, other)]: [(usize, Reached); 2],
+        [(index, own), (neighbor, other)]: [(usize, Reached); 2],
     ) {
         let other_steps = self.steps[neighbor];
-        if other_steps > own_steps || (other_steps == own_steps && own_steps > 0 && neighbor > place) {
+        if other_steps > own_steps || (other_steps == own_steps && own_steps > 0 && neighbor > index) {
             let steps = u32::from(own_steps) + u32::from(other_steps) + 1;
             let level = self.level(candidates, [own.label, other.label], steps);
             self.links.between[level].push([own.group, other.group]);

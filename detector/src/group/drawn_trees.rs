@@ -30,13 +30,13 @@ pub(crate) struct DrawnGroups {
 /// How high the sensor of drawn scans is above the road.
 const SENSOR_HEIGHT_M: f32 = 1.73;
 
-/// Where the dense cell of 20 cm begins that is so many steps from a place in front of the sensor.
+/// Where the dense cell of 20 cm begins that is so many steps from a position in front of the sensor.
 pub(crate) fn corner_m(step: [u8; 2]) -> [f32; 2] {
     step.map(|it| 6.0 + f32::from(it) * 0.2)
 }
 
-/// The tree over dense cells of 20 cm at these steps from a place in front of the sensor, 20 points in each, of which the lowest four are
-/// taken for the road.
+/// The tree over dense cells of 20 cm at these steps from a position in front of the sensor, 20 points in each, of which the
+/// lowest four are taken for the road.
 pub fn tree_over(steps: &[[u8; 2]]) -> (DenseCells, GroupingTree, PointCloud) {
     let DrawnGroups { dense, tree, cloud, .. } = groups_over(steps);
     (dense, tree, cloud)

@@ -23,7 +23,7 @@ pub struct Node {
     pub joined_at: u8,
     /// How many cuts made it, one within the other.
     pub n_cuts: u8,
-    // Places in the list of cells.
+    // Indices in the list of cells.
     start: u32,
     end: u32,
 }
@@ -122,8 +122,8 @@ impl GroupingTree {
         }
         self.touched.sort_unstable();
         self.touched.dedup();
-        for place in 0..self.touched.len() {
-            let set = self.touched[place];
+        for index in 0..self.touched.len() {
+            let set = self.touched[index];
             let whole = self.sets.representative(set);
             let child = self.node_of_set[set as usize];
             // The whole has the smallest number of all that it joins, and so comes first.
@@ -180,9 +180,9 @@ impl GroupingTree {
         for (&leaf, dense_idx) in self.leaf_of_dense.iter().zip(0..) {
             if leaf != NO_NODE {
                 debug_assert!((leaf as usize) < n_leaves);
-                let place = &mut self.next_free[leaf as usize];
-                self.cells[*place as usize] = dense_idx;
-                *place += 1;
+                let index = &mut self.next_free[leaf as usize];
+                self.cells[*index as usize] = dense_idx;
+                *index += 1;
             }
         }
     }
@@ -194,12 +194,12 @@ impl GroupingTree {
         let cells = &mut self.cells[node.cells()];
         let mut of_parts = [CellStatistics::EMPTY; 2];
         let mut n_first = 0;
-        for place in 0..cells.len() {
-            let statistics = &dense.statistics()[cells[place] as usize];
+        for index in 0..cells.len() {
+            let statistics = &dense.statistics()[cells[index] as usize];
             let is_first = is_first(statistics);
             of_parts[usize::from(!is_first)].merge(statistics);
             if is_first {
-                cells.swap(n_first, place);
+                cells.swap(n_first, index);
                 n_first += 1;
             }
         }
@@ -301,7 +301,7 @@ mod tests {
         ) {
             let steps: Vec<[u8; 2]> = steps.into_iter().map(<[u8; 2]>::from).collect();
             let (dense, tree, _) = tree_over(&steps);
-            let place = |dense_idx: u32| {
+            let step_idx_of = |dense_idx: u32| {
                 let [x_m, y_m] = dense.statistics()[dense_idx as usize].middle_m();
                 let step = [x_m, y_m].map(|it| ((it - 6.0) / 0.2) as u8);
                 steps.iter().position(|it| *it == step).expect("it was drawn")
@@ -318,7 +318,7 @@ mod tests {
                 let at_level = tree.nodes().iter().filter(|it| it.level <= level && it.joined_at > level);
                 let mut found: Vec<Vec<usize>> = at_level
                     .map(|node| {
-                        let mut members: Vec<usize> = tree.cells(node).iter().map(|&it| place(it)).collect();
+                        let mut members: Vec<usize> = tree.cells(node).iter().map(|&it| step_idx_of(it)).collect();
                         members.sort_unstable();
                         members
                     })

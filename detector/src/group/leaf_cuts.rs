@@ -54,7 +54,7 @@ impl Plane {
 }
 
 impl LeafCuts {
-    /// Cuts every leaf of `tree` that is longer or wider than one person across the place with the fewest points, and the
+    /// Cuts every leaf of `tree` that is longer or wider than one person across the position with the fewest points, and the
     /// parts again, until there are as many groups as there may be: groups of many points are cut before those of few.
     /// Returns how many were left uncut for that reason.
     pub fn cut(&mut self, tree: &mut GroupingTree, dense: &DenseCells, params: &LeafCutsParams) -> usize {
@@ -127,7 +127,7 @@ impl LeafCuts {
     }
 
     /// The plane across `normal` that cuts the fewest points, and what it costs; at least `min_end_m` from both ends. `None` if
-    /// there is no such place, or the cells reach less than `least_m` along it.
+    /// there is no such position, or the cells reach less than `least_m` along it.
     fn cheapest(
         &mut self,
         cells: &[u32],

@@ -66,11 +66,11 @@ mod tests {
     proptest! {
         #[test]
         fn no_group_holds_another_and_nothing_is_left_that_could_be_added(
-            places in prop::collection::btree_set(0_u8..30, 1..8),
+            positions in prop::collection::btree_set(0_u8..30, 1..8),
             expected_ious in prop::collection::vec(0_u8..9, 20),
             taken_idx in 0_usize..20,
         ) {
-            let steps: Vec<[u8; 2]> = places.into_iter().map(|it| [it, 0]).collect();
+            let steps: Vec<[u8; 2]> = positions.into_iter().map(|it| [it, 0]).collect();
             let (_, tree, _) = tree_over(&steps);
             let n_nodes = tree.nodes().len() as u32;
             let expected_iou = |it: u32| f32::from(expected_ious[it as usize % expected_ious.len()]);
@@ -84,8 +84,8 @@ mod tests {
             };
             let shares = |a: u32, b: u32| holds(a, b) || holds(b, a);
             prop_assert!(taken.contains(&before[0]) && taken.is_sorted());
-            for (place, &a) in taken.iter().enumerate() {
-                prop_assert!(taken[place + 1..].iter().all(|&b| !shares(a, b)));
+            for (index, &a) in taken.iter().enumerate() {
+                prop_assert!(taken[index + 1..].iter().all(|&b| !shares(a, b)));
                 prop_assert_eq!(doubtful.is_added(a), a != before[0]);
                 prop_assert!(a == before[0] || is_offered(&a));
             }

@@ -49,10 +49,10 @@ impl NodePoints {
         for (&point_idx, &dense_idx) in candidates.point_indices().iter().zip(dense.dense_of_point()) {
             let group = self.group_of_dense[dense_idx as usize];
             if group != NO_GROUP {
-                let place = &mut self.next_free[group as usize];
-                self.point_indices[*place as usize] = point_idx;
-                self.positions_m[*place as usize] = cloud.position_m(point_idx as usize);
-                *place += 1;
+                let index = &mut self.next_free[group as usize];
+                self.point_indices[*index as usize] = point_idx;
+                self.positions_m[*index as usize] = cloud.position_m(point_idx as usize);
+                *index += 1;
             }
         }
     }
@@ -133,8 +133,8 @@ mod tests {
                 prop_assert_eq!(point_indices.len(), drawn.tree.nodes()[leaf as usize].statistics.n_points as usize);
                 for (&point_idx, position_m) in point_indices.iter().zip(points.positions_m(group)) {
                     prop_assert_eq!(*position_m, drawn.cloud.position_m(point_idx as usize));
-                    let place = drawn.candidates.point_indices().binary_search(&point_idx).unwrap();
-                    let dense_idx = drawn.dense.dense_of_point()[place];
+                    let index = drawn.candidates.point_indices().binary_search(&point_idx).unwrap();
+                    let dense_idx = drawn.dense.dense_of_point()[index];
                     prop_assert!(drawn.tree.cells(&drawn.tree.nodes()[leaf as usize]).contains(&dense_idx));
                 }
                 all.extend_from_slice(point_indices);

@@ -72,9 +72,9 @@ pub const NODE_VALUES: [&str; 42] = [
     "tall_around_share",
 ];
 
-/// The place of the level of the widest gap within a group.
+/// The index of the level of the widest gap within a group.
 pub const LEVEL: usize = 18;
-/// The place of the level at which it is joined with others.
+/// The index of the level at which it is joined with others.
 pub const JOINED_AT: usize = 19;
 const _: () =
     assert!(NODE_VALUES[LEVEL].len() == "level".len() && NODE_VALUES[JOINED_AT].len() == "joined_at".len());
@@ -130,7 +130,7 @@ struct Shape {
 
 /// Where the nodes are.
 #[derive(Debug, Clone, Copy)]
-pub struct NodePlaces<'a> {
+pub struct NodeScene<'a> {
     /// The grid.
     pub grid: &'a HierarchicalGrid,
     /// The ground.
@@ -157,10 +157,10 @@ impl NodeDescriber {
     pub fn describe(
         &mut self,
         tree: &GroupingTree,
-        places: &NodePlaces<'_>,
+        scene: &NodeScene<'_>,
         (bounds, min_points): (&NodeBoundsParams, usize),
     ) {
-        self.find_shapes(tree, places, (bounds, min_points));
+        self.find_shapes(tree, scene, (bounds, min_points));
         self.described.clear();
         for (node, node_idx) in tree.nodes().iter().zip(0..) {
             let Shape { bounding_box: Some(bounding_box), .. } = self.shapes[node_idx as usize] else {
@@ -168,15 +168,15 @@ impl NodeDescriber {
             };
             let [x_m, y_m, z_m] = bounding_box.center_m;
             let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
-            let terrain_m = places.terrain.elevation_m(places.grid.nearest_column_and_row([x_m, y_m]));
+            let terrain_m = scene.terrain.elevation_m(scene.grid.nearest_column_and_row([x_m, y_m]));
             let is_looked_at = length_m <= bounds.max_length_m
                 && width_m <= bounds.max_width_m
                 && z_m + 0.5 * height_m - terrain_m >= bounds.min_top_m;
             if is_looked_at {
-                let (surroundings, cells_around) = match places.raster {
+                let (surroundings, cells_around) = match scene.raster {
                     Some(raster) => (
                         raster.around(&bounding_box, terrain_m),
-                        CellsAround::of(&bounding_box, places.grid, places.classes),
+                        CellsAround::of(&bounding_box, scene.grid, scene.classes),
                     ),
                     None => (
                         Surroundings { ground_m: terrain_m, ..Surroundings::default() },
@@ -184,7 +184,7 @@ impl NodeDescriber {
                     ),
                 };
                 let around = (&surroundings, &cells_around);
-                let values = self.values(tree, (node, node_idx), around, places.n_points);
+                let values = self.values(tree, (node, node_idx), around, scene.n_points);
                 self.described.push(DescribedNode { node_idx, bounding_box, surroundings, values });
             }
         }
@@ -192,8 +192,8 @@ impl NodeDescriber {
 
     /// What was said of a node; `None` if it was not described.
     pub fn of_node(&self, node_idx: u32) -> Option<&DescribedNode> {
-        let place = self.described.binary_search_by_key(&node_idx, |it| it.node_idx);
-        place.ok().map(|it| &self.described[it])
+        let index = self.described.binary_search_by_key(&node_idx, |it| it.node_idx);
+        index.ok().map(|it| &self.described[it])
     }
 
     /// The nodes that were described, ascending.
@@ -204,7 +204,7 @@ impl NodeDescriber {
     fn find_shapes(
         &mut self,
         tree: &GroupingTree,
-        places: &NodePlaces<'_>,
+        scene: &NodeScene<'_>,
         (bounds, min_points): (&NodeBoundsParams, usize),
     ) {
         self.shapes.clear();
@@ -214,7 +214,7 @@ impl NodeDescriber {
         tree.upward(&mut self.order);
         for &node_idx in &self.order {
             let node = &tree.nodes()[node_idx as usize];
-            let mut shape = self.sums(tree, node, places);
+            let mut shape = self.sums(tree, node, scene);
             let [across_m, along_m] =
                 [0, 1].map(|axis| node.statistics.high_m[axis] - node.statistics.low_m[axis]);
             if single::hypot(across_m, along_m) <= most_m {
@@ -222,7 +222,7 @@ impl NodeDescriber {
                 match node.first_child {
                     None => {
                         let statistics =
-                            tree.cells(node).iter().map(|&it| &places.dense.statistics()[it as usize]);
+                            tree.cells(node).iter().map(|&it| &scene.dense.statistics()[it as usize]);
                         self.outline_m.extend(statistics.flat_map(CellStatistics::corners_m));
                     }
                     Some(_) => {
@@ -247,7 +247,7 @@ impl NodeDescriber {
         }
     }
 
-    fn sums(&self, tree: &GroupingTree, node: &Node, places: &NodePlaces<'_>) -> Shape {
+    fn sums(&self, tree: &GroupingTree, node: &Node, scene: &NodeScene<'_>) -> Shape {
         let mut shape = Shape::default();
         if node.first_child.is_some() {
             for part in tree.parts_of(node) {
@@ -261,11 +261,11 @@ impl NodeDescriber {
             return shape;
         }
         for &dense_idx in tree.cells(node) {
-            let cell_idx = places.dense.cell_of_block()[places.dense.block_of_dense(dense_idx)];
-            let doubts = places.candidates.doubts(cell_idx);
-            let n_points = places.dense.statistics()[dense_idx as usize].n_points;
+            let cell_idx = scene.dense.cell_of_block()[scene.dense.block_of_dense(dense_idx)];
+            let doubts = scene.candidates.doubts(cell_idx);
+            let n_points = scene.dense.statistics()[dense_idx as usize].n_points;
             shape.n_cells += 1;
-            shape.wall_length_m = shape.wall_length_m.max(places.walls.length_of_wall_m(cell_idx));
+            shape.wall_length_m = shape.wall_length_m.max(scene.walls.length_of_wall_m(cell_idx));
             for (sum, doubt) in shape.n_in_doubt.iter_mut().zip(Doubt::ALL) {
                 *sum += if doubts.has(doubt) { n_points } else { 0 };
             }
@@ -412,10 +412,10 @@ mod tests {
         raster.fill(drawn.candidates.point_indices().iter().map(|&it| drawn.cloud.position_m(it as usize)));
         let DrawnGroups { cloud, grid, terrain, classes, walls, candidates, dense, tree, .. } = drawn;
         let n_points = cloud.len();
-        let places =
-            NodePlaces { grid, terrain, candidates, dense, raster: Some(&raster), classes, walls, n_points };
+        let scene =
+            NodeScene { grid, terrain, candidates, dense, raster: Some(&raster), classes, walls, n_points };
         let mut describer = NodeDescriber::default();
-        describer.describe(tree, &places, (&HierarchicalParams::shipped().grouping.bounds, min_points));
+        describer.describe(tree, &scene, (&HierarchicalParams::shipped().grouping.bounds, min_points));
         describer.described().to_vec()
     }
 
@@ -436,8 +436,8 @@ mod tests {
     #[track_caller]
     fn check_values(node: &DescribedNode, expected: &[(&str, f32)]) {
         for &(name, value) in expected {
-            let place = NODE_VALUES.iter().position(|it| *it == name).expect("a value has this name");
-            let found = node.values[place];
+            let index = NODE_VALUES.iter().position(|it| *it == name).expect("a value has this name");
+            let found = node.values[index];
             assert!((found - value).abs() < 2e-3, "{name} is {found}, not {value}");
         }
     }

@@ -90,9 +90,9 @@ impl ByColumn {
         let mut entries = vec![(0, 0.0); starts[n_columns]];
         for (bag_idx, bag) in (0..).zip(bags) {
             for &(column, value) in &bag.entries {
-                let place = &mut next[column as usize];
-                entries[*place] = (bag_idx, value);
-                *place += 1;
+                let index = &mut next[column as usize];
+                entries[*index] = (bag_idx, value);
+                *index += 1;
             }
         }
         Self { starts, entries }

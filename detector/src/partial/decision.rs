@@ -117,7 +117,7 @@ pub enum Verdict {
     TooLittleSeen,
     /// Something else than was learned.
     NoneOfThese,
-    /// The class with this place.
+    /// The class with this index.
     Class(usize),
 }
 

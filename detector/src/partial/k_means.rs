@@ -34,7 +34,7 @@ pub fn k_means<const D: usize>(vectors: &[[f64; D]], n_groups: usize, seed: u64)
     centers
 }
 
-/// The place of the nearest of `centers`, the first of equally near ones; 0 without centres.
+/// The index of the nearest of `centers`, the first of equally near ones; 0 without centres.
 #[inline(always)]
 pub fn nearest_center<const D: usize>(vector: &[f64; D], centers: &[[f64; D]]) -> usize {
     let mut best = (0, f64::INFINITY);

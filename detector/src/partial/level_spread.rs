@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn one_place_and_none_have_no_spread() {
+    fn one_position_and_none_have_no_spread() {
         check(&[[1.0, 2.0, 3.0]; 2], [0.0; 4]);
         check(&[], [0.0; 4]);
     }

@@ -1,4 +1,4 @@
-//! The points around a place.
+//! The points around a position.
 
 use super::thinned_points::{CELL_OFFSET, cell_of};
 
@@ -8,13 +8,13 @@ pub struct Neighborhoods {
     cube_m: f64,
     sorted: Vec<(u64, [f64; 3])>,
     points_m: Vec<[f64; 3]>,
-    /// Every cube that holds points, ascending, and the place of its first point.
+    /// Every cube that holds points, ascending, and the index of its first point.
     cubes: Vec<(u64, u32)>,
     n_fills: u64,
 }
 
-/// The points found around a place. It remembers which cubes were searched, and the next search takes these if they are the same. To be
-/// used with one [`Neighborhoods`] only.
+/// The points found around a position. It remembers which cubes were searched, and the next search takes these if they are
+/// the same. To be used with one [`Neighborhoods`] only.
 #[derive(Debug, Clone, Default)]
 pub struct Nearby {
     /// Which cloud was searched, and the corners of its cubes that were.
@@ -39,9 +39,9 @@ impl Neighborhoods {
         self.points_m.clear();
         self.points_m.extend(self.sorted.iter().map(|it| it.1));
         self.cubes.clear();
-        for (&(cube, _), place) in self.sorted.iter().zip(0..) {
+        for (&(cube, _), index) in self.sorted.iter().zip(0..) {
             if self.cubes.last().is_none_or(|it| it.0 != cube) {
-                self.cubes.push((cube, place));
+                self.cubes.push((cube, index));
             }
         }
         self.n_fills += 1;
@@ -81,7 +81,7 @@ impl Neighborhoods {
                 let column = x << 42 | y << 21;
                 let [first, last] = [column | low[2], (column | high[2]) + 1]
                     .map(|cube| self.cubes.partition_point(|it| it.0 < cube))
-                    .map(|place| self.cubes.get(place).map_or(self.points_m.len() as u32, |it| it.1));
+                    .map(|index| self.cubes.get(index).map_or(self.points_m.len() as u32, |it| it.1));
                 if first < last {
                     runs.push([first, last]);
                 }
@@ -99,8 +99,8 @@ impl Neighborhoods {
 pub fn keep_evenly(found: &mut Vec<u32>, max: usize) {
     if found.len() > max {
         let n_found = found.len();
-        for place in 0..max {
-            found[place] = found[place * n_found / max];
+        for index in 0..max {
+            found[index] = found[index * n_found / max];
         }
         found.truncate(max);
     }

@@ -112,11 +112,11 @@ impl PartialClassifier {
 
     /// The graphs of the last cloud as line strips in metres: out to each neighbour and back to the keypoint.
     pub fn graph_strips_m(&self) -> impl Iterator<Item = Vec<[f32; 3]>> + '_ {
-        let place =
+        let position =
             |it: u32| self.keypoints.get(it as usize).map(|it| it.position_m.map(|value| value as f32));
         self.patterns.graphs().iter().map(move |graph: &[u32; N_VERTICES]| {
-            let center_m = place(graph[0]);
-            let neighbors = graph[1..].iter().filter_map(|&it| place(it));
+            let center_m = position(graph[0]);
+            let neighbors = graph[1..].iter().filter_map(|&it| position(it));
             center_m.into_iter().chain(neighbors.flat_map(|it| [Some(it), center_m]).flatten()).collect()
         })
     }

@@ -74,18 +74,17 @@ impl PatchDescriber {
         around.within(center_m, surface.radius_m, &mut self.nearby);
         let neighbors = &mut self.nearby.found;
         keep_evenly(neighbors, params.max_points);
-        let mut keypoint_place = neighbors.partition_point(|&it| it < point_idx);
-        if params.angles.pairs == Pairs::OfKeypoint && neighbors.get(keypoint_place) != Some(&point_idx) {
+        let mut keypoint_idx = neighbors.partition_point(|&it| it < point_idx);
+        if params.angles.pairs == Pairs::OfKeypoint && neighbors.get(keypoint_idx) != Some(&point_idx) {
             // The keypoint was not kept. It replaces a point beside it, because all pairs are with the keypoint.
-            keypoint_place = keypoint_place.min(neighbors.len() - 1);
-            neighbors[keypoint_place] = point_idx;
+            keypoint_idx = keypoint_idx.min(neighbors.len() - 1);
+            neighbors[keypoint_idx] = point_idx;
         }
         self.positions_m.clear();
         self.positions_m.extend(neighbors.iter().map(|&it| around.points_m()[it as usize]));
         self.normals.clear();
         self.normals.extend(neighbors.iter().map(|&it| surfaces[it as usize].normal));
-        let angles =
-            point_feature_histogram(keypoint_place, &self.positions_m, &self.normals, &params.angles);
+        let angles = point_feature_histogram(keypoint_idx, &self.positions_m, &self.normals, &params.angles);
         let LocalSurface { harris, curvatures, .. } = surfaces[point_idx as usize];
         let volume_m3 = self.hull.of(&self.positions_m);
         let mut values = [0.0; N_DESCRIPTOR_VALUES];

@@ -168,12 +168,12 @@ fn graph_of(center_idx: usize, keypoints: &[LabeledKeypoint]) -> [u32; N_VERTICE
         if keypoint_idx == center_idx || squared_m >= nearest[N_VERTICES - 2].0 {
             continue;
         }
-        let mut place = N_VERTICES - 2;
-        while place > 0 && squared_m < nearest[place - 1].0 {
-            nearest[place] = nearest[place - 1];
-            place -= 1;
+        let mut index = N_VERTICES - 2;
+        while index > 0 && squared_m < nearest[index - 1].0 {
+            nearest[index] = nearest[index - 1];
+            index -= 1;
         }
-        nearest[place] = (squared_m, keypoint_idx as u32);
+        nearest[index] = (squared_m, keypoint_idx as u32);
     }
     [center_idx as u32, nearest[0].1, nearest[1].1, nearest[2].1]
 }
@@ -261,8 +261,8 @@ fn patterns_of_form(form: &SeenForm, edges_m: &[f64]) -> impl Iterator<Item = Pa
         (0..N_DIVISIONS).map(move |division| {
             let [first, second, third] = three.map(|it| wide_bin_of(it, edges_m, division));
             let fourth = fourth.map_or(ANY, |it| wide_bin_of(it, edges_m, division));
-            let place = group * N_DIVISIONS as u8 + division as u8;
-            Pattern::new(PatternKind::Form, [third, fourth], [place, first, second, MISSING])
+            let index = group * N_DIVISIONS as u8 + division as u8;
+            Pattern::new(PatternKind::Form, [third, fourth], [index, first, second, MISSING])
         })
     })
 }

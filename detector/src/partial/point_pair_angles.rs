@@ -42,11 +42,11 @@ pub enum AngleSigns {
 ///
 /// Of two points, the source is the one whose normal is nearer to the line between them (Rusu 2009), the first if both are as
 /// near. With `d` from source to target, `u = n_s; v = u × d; w = u × v` and `α = v·n_t; φ = u·d; θ = atan(w·n_t, u·n_t)`. v
-/// is a unit vector; a pair whose d lies along u has none and is left out, and so is one of the same place.
+/// is a unit vector; a pair whose d lies along u has none and is left out, and so is one of the same position.
 ///
 /// Paper: BG section 3.1, equations 2 and 3 (which print `w·n_t` for α).
 pub fn point_feature_histogram(
-    keypoint_place: usize,
+    keypoint_idx: usize,
     positions_m: &[[f64; 3]],
     normals: &[[f64; 3]],
     params: &AngleParams,
@@ -66,8 +66,8 @@ pub fn point_feature_histogram(
             }
         }
         Pairs::OfKeypoint => {
-            for other in (0..positions_m.len()).filter(|&it| it != keypoint_place) {
-                count(keypoint_place, other);
+            for other in (0..positions_m.len()).filter(|&it| it != keypoint_idx) {
+                count(keypoint_idx, other);
             }
         }
     }

@@ -88,9 +88,9 @@ impl FormMeter {
         self.by_slice.clear();
         self.by_slice.resize(n_points, [0.0; 3]);
         for point_m in points_m {
-            let place = &mut next[slice_of(point_m[2])];
-            self.by_slice[*place] = point_m;
-            *place += 1;
+            let index = &mut next[slice_of(point_m[2])];
+            self.by_slice[*index] = point_m;
+            *index += 1;
         }
         std::array::from_fn(|slice| {
             let inside = &self.by_slice[starts[slice]..starts[slice] + counts[slice]];

@@ -133,7 +133,7 @@ mod tests {
         let grid = (0..40).flat_map(|x| (0..40).map(move |y| [x as f32 * 0.1, y as f32 * 0.1, 0.0]));
         thinned.fill(grid.clone(), &ThinningParams { cube_m: 0.0, max_points: 100 });
         assert!((30..=100).contains(&thinned.points_m().len()), "{}", thinned.points_m().len());
-        // However many lie on one place, they are one point of a cube.
+        // However many lie on one position, they are one point of a cube.
         thinned.fill(std::iter::repeat_n([1.0; 3], 1000), &ThinningParams { cube_m: 0.0, max_points: 1 });
         assert_eq!(thinned.points_m(), [[1.0; 3]]);
     }

@@ -46,7 +46,7 @@ pub struct Frame {
     pub object_of_dense: Vec<u32>,
     /// The points of these objects.
     pub object_points: ObjectPoints,
-    /// The places of foreground points in their list, cluster by cluster.
+    /// The indices of foreground points in their list, cluster by cluster.
     pub clusters: Clusters,
     /// Groups within groups, of which some are objects.
     pub groups: Groups,
@@ -56,7 +56,7 @@ pub struct Frame {
 
 /// Groups within groups.
 pub struct Groups {
-    /// The points that are grouped, in place of a foreground.
+    /// The points that are grouped, instead of a foreground.
     pub candidates: Candidates,
     /// Their dense cells.
     pub dense: DenseCells,

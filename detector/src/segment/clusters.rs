@@ -38,9 +38,9 @@ impl Clusters {
         self.members.clear();
         self.members.resize(self.starts.last().map_or(0, |&n| n as usize), 0);
         for (label, element) in labels.zip(0..) {
-            let place = &mut self.next_free[self.cluster_of_label[label as usize] as usize];
-            self.members[*place as usize] = element;
-            *place += 1;
+            let index = &mut self.next_free[self.cluster_of_label[label as usize] as usize];
+            self.members[*index as usize] = element;
+            *index += 1;
         }
     }
 

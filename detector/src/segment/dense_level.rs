@@ -5,7 +5,7 @@ use crate::grid::hierarchical_grid::HierarchicalGrid;
 /// The dense level of the grid, kept only where there is foreground.
 ///
 /// *Blocks* are the coarse cells with foreground points, numbered by ascending cell; block b holds the dense cells
-/// `b·ξ² .. (b+1)·ξ²`, row by row. Foreground points are reached from here by their place in the foreground list.
+/// `b·ξ² .. (b+1)·ξ²`, row by row. Foreground points are reached from here by their index in the foreground list.
 ///
 /// Paper: HG section 3.
 #[derive(Debug, Clone, Default)]
@@ -18,7 +18,7 @@ pub struct DenseLevel {
     z_max_m: Vec<f32>,
     // For every dense cell.
     n_points: Vec<u32>,
-    first_place: Vec<u32>,
+    first_idx: Vec<u32>,
     // For every foreground point.
     dense_of_point: Vec<u32>,
 }
@@ -35,21 +35,21 @@ impl DenseLevel {
         let n_dense = self.cell_of_block.len() * self.n_dense_per_block;
         self.n_points.clear();
         self.n_points.resize(n_dense, 0);
-        self.first_place.resize(n_dense, 0);
+        self.first_idx.resize(n_dense, 0);
         self.dense_of_point.resize(point_indices.len(), 0);
         let (cell_of_point, dense_within) = (grid.cell_of_point(), grid.dense_within_of_point());
         let block_of_cell = &self.block_of_cell[..];
-        let (n_points, first_place) = (&mut self.n_points[..], &mut self.first_place[..n_dense]);
-        // Backward, so that the first place is the one that is written last.
-        let places = (0..point_indices.len() as u32).rev();
+        let (n_points, first_idx) = (&mut self.n_points[..], &mut self.first_idx[..n_dense]);
+        // Backward, so that the first index is the one that is written last.
+        let indices = (0..point_indices.len() as u32).rev();
         let points = point_indices.iter().rev().zip(self.dense_of_point.iter_mut().rev());
-        for (place, (&point_idx, dense_of_point)) in places.zip(points) {
+        for (index, (&point_idx, dense_of_point)) in indices.zip(points) {
             let point_idx = point_idx as usize;
             let block_idx = block_of_cell[cell_of_point[point_idx] as usize] as usize;
             let dense_idx = block_idx * self.n_dense_per_block + usize::from(dense_within[point_idx]);
             *dense_of_point = dense_idx as u32;
             n_points[dense_idx] += 1;
-            first_place[dense_idx] = place;
+            first_idx[dense_idx] = index;
         }
     }
 
@@ -103,9 +103,9 @@ impl DenseLevel {
         &self.n_points
     }
 
-    /// The place in the foreground list of the first point of dense cell `dense_idx`, which must not be empty.
-    pub fn first_place(&self, dense_idx: usize) -> u32 {
-        self.first_place[dense_idx]
+    /// The index in the foreground list of the first point of dense cell `dense_idx`, which must not be empty.
+    pub fn first_idx(&self, dense_idx: usize) -> u32 {
+        self.first_idx[dense_idx]
     }
 
     /// The dense cell of each foreground point, in the order of the foreground list.

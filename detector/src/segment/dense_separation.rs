@@ -204,7 +204,7 @@ mod tests {
         let geometry = GridParams { cell_size_m: 0.6, xi: 3, extent_m: 60.0 };
         let mut grid = HierarchicalGrid::new(geometry.clone());
         let mut cloud = PointCloud::default();
-        let mut place_of_point = Vec::new();
+        let mut position_of_point = Vec::new();
         for (row, line) in drawing.lines().enumerate() {
             for (column, mark) in line.chars().enumerate() {
                 let n_points = match mark {
@@ -215,7 +215,7 @@ mod tests {
                 for _ in 0..n_points {
                     let at_m = |step: usize| (step as f32 + 0.5) * 0.2;
                     cloud.push([forward_m + at_m(column), at_m(row), 0.0], 0.0);
-                    place_of_point.push((row, column));
+                    position_of_point.push((row, column));
                 }
             }
         }
@@ -234,7 +234,7 @@ mod tests {
         separation.separate(&grid, &dense, &links);
         let mut lines: Vec<Vec<char>> = drawing.lines().map(|line| vec!['.'; line.len()]).collect();
         let mut seen = Vec::new();
-        for (&dense_idx, (row, column)) in dense.dense_of_point().iter().zip(place_of_point) {
+        for (&dense_idx, (row, column)) in dense.dense_of_point().iter().zip(position_of_point) {
             let object = separation.object_of_dense()[dense_idx as usize];
             let letter = seen.iter().position(|&it| it == object).unwrap_or_else(|| {
                 seen.push(object);

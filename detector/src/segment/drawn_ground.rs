@@ -25,11 +25,11 @@ pub(crate) fn segmented(params: &HierarchicalParams, cloud: &PointCloud) -> Fram
     frame
 }
 
-/// The class of the occupied cell around a place.
-pub(crate) fn class_around(frame: &Frame, place_m: [f32; 2]) -> SurfaceClass {
+/// The class of the occupied cell around a position.
+pub(crate) fn class_around(frame: &Frame, position_m: [f32; 2]) -> SurfaceClass {
     let is_near = |&&cell_idx: &&u32| {
         let [x, y] = frame.grid.center_m(cell_idx);
-        (x - place_m[0]).abs() <= 0.3 && (y - place_m[1]).abs() <= 0.3
+        (x - position_m[0]).abs() <= 0.3 && (y - position_m[1]).abs() <= 0.3
     };
     let cell_idx = frame.grid.occupied().iter().find(is_near).expect("a point was drawn there");
     frame.classes[*cell_idx as usize]

@@ -53,7 +53,7 @@ impl GroundPlane {
         Some(Self { middle_m, slope: slope.map(|it| share * it) })
     }
 
-    /// Its elevation at a place that is so far from the block that is asked for, in metres.
+    /// Its elevation at a position that is so far from the block that is asked for, in metres.
     pub fn elevation_m(&self, offset_m: [f32; 2]) -> f32 {
         let [x_m, y_m] = [0, 1].map(|axis| offset_m[axis] - self.middle_m[axis]);
         self.middle_m[2] + self.slope[0] * x_m + self.slope[1] * y_m

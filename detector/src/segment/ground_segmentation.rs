@@ -31,7 +31,7 @@ pub struct GroundSegmentationParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeightOver {
-    /// The ground below the place.
+    /// The ground below the position.
     Terrain,
     /// A level road below the sensor, everywhere: as the paper measures heights from the sensor.
     LevelRoad,

@@ -82,10 +82,10 @@ struct Run {
 }
 
 impl Ray {
-    fn at(self, place: [i32; 2], n_steps: u32) -> [i32; 2] {
+    fn at(self, position: [i32; 2], n_steps: u32) -> [i32; 2] {
         let along =
             |axis: usize| (i64::from(n_steps) * i64::from(self.step[axis]) + FIXED_ONE as i64 / 2) >> 16;
-        [0, 1].map(|axis| place[axis] + along(axis) as i32)
+        [0, 1].map(|axis| position[axis] + along(axis) as i32)
     }
 }
 
@@ -142,7 +142,7 @@ impl HoughLines {
         &self.segments
     }
 
-    fn place(&self, cell_idx: u32) -> [i32; 2] {
+    fn position(&self, cell_idx: u32) -> [i32; 2] {
         [cell_idx % self.n_columns, cell_idx / self.n_columns].map(|it| it as i32)
     }
 
@@ -155,10 +155,10 @@ impl HoughLines {
 
     /// Votes for all lines through a cell; returns the votes of the line that has the most.
     fn vote(&mut self, cell_idx: u32) -> u16 {
-        let place = self.place(cell_idx);
+        let position = self.position(cell_idx);
         let mut most = 0;
         for direction in 0..self.normals.len() {
-            let bin = self.bin(direction, place);
+            let bin = self.bin(direction, position);
             self.votes[bin] += 1;
             most = most.max(self.votes[bin]);
         }
@@ -170,12 +170,12 @@ impl HoughLines {
     /// A few votes fit lines of several directions; of those with as many as any, the one that fits the most cells best is
     /// followed.
     fn take_out_segment(&mut self, cell_idx: u32, n_votes: u16) {
-        let place = self.place(cell_idx);
+        let position = self.position(cell_idx);
         let mut best = (0, 0);
         for direction in 0..self.normals.len() {
             // One less, because the votes of a line that falls between two directions are shared by both.
-            if self.votes[self.bin(direction, place)] + 1 >= n_votes {
-                let fit: u32 = self.rays(direction).map(|ray| self.follow(place, ray).fit).iter().sum();
+            if self.votes[self.bin(direction, position)] + 1 >= n_votes {
+                let fit: u32 = self.rays(direction).map(|ray| self.follow(position, ray).fit).iter().sum();
                 if fit > best.1 {
                     best = (direction, fit);
                 }
@@ -183,13 +183,13 @@ impl HoughLines {
         }
         let rays = self.rays(best.0);
         let [start, end] = rays.map(|ray| {
-            let run = self.follow(place, ray);
+            let run = self.follow(position, ray);
             for n_steps in 1..=run.n_steps {
-                for beside in self.cells_beside(place, ray, n_steps).into_iter().flatten() {
+                for beside in self.cells_beside(position, ray, n_steps).into_iter().flatten() {
                     self.take_out(beside);
                 }
             }
-            ray.at(place, run.n_steps)
+            ray.at(position, run.n_steps)
         });
         self.take_out(cell_idx);
         let length = (end[0] - start[0]).abs().max((end[1] - start[1]).abs()) + 1;
@@ -207,13 +207,13 @@ impl HoughLines {
         [-1, 1].map(|sense| Ray { step: step.map(|it| sense * it), across })
     }
 
-    /// How far there are cells of the set along a ray from `place`, or beside it, without too long a gap.
-    fn follow(&self, place: [i32; 2], ray: Ray) -> Run {
+    /// How far there are cells of the set along a ray from `position`, or beside it, without too long a gap.
+    fn follow(&self, position: [i32; 2], ray: Ray) -> Run {
         let mut run = Run { n_steps: 0, fit: 0 };
         for n_steps in 1.. {
             let is_waiting =
                 |it: Option<u32>| it.is_some_and(|it| self.states[it as usize] != CellState::Absent);
-            let [on, beside @ ..] = self.cells_beside(place, ray, n_steps).map(is_waiting);
+            let [on, beside @ ..] = self.cells_beside(position, ray, n_steps).map(is_waiting);
             if on || beside.contains(&true) {
                 run = Run { n_steps, fit: run.fit + 1 + u32::from(on) };
             } else if n_steps - run.n_steps > self.params.max_gap_cells {
@@ -224,8 +224,8 @@ impl HoughLines {
     }
 
     /// The cell after so many steps along a ray and its neighbours across, those inside the grid.
-    fn cells_beside(&self, place: [i32; 2], ray: Ray, n_steps: u32) -> [Option<u32>; 3] {
-        let at = ray.at(place, n_steps);
+    fn cells_beside(&self, position: [i32; 2], ray: Ray, n_steps: u32) -> [Option<u32>; 3] {
+        let at = ray.at(position, n_steps);
         [0, -1, 1].map(|side| {
             let [column, row] = [at[0] + side * ray.across[0], at[1] + side * ray.across[1]];
             let inside = [column, row].iter().all(|it| (0..self.n_columns as i32).contains(it));
@@ -237,9 +237,9 @@ impl HoughLines {
     fn take_out(&mut self, cell_idx: u32) {
         let state = std::mem::replace(&mut self.states[cell_idx as usize], CellState::Absent);
         if state == CellState::Voted {
-            let place = self.place(cell_idx);
+            let position = self.position(cell_idx);
             for direction in 0..self.normals.len() {
-                let bin = self.bin(direction, place);
+                let bin = self.bin(direction, position);
                 self.votes[bin] -= 1;
             }
         }
@@ -259,8 +259,8 @@ mod tests {
         HoughLines::new(params, N_COLUMNS)
     }
 
-    fn cells(places: impl Iterator<Item = (u32, u32)>) -> Vec<u32> {
-        let mut cells: Vec<u32> = places.map(|(column, row)| row * N_COLUMNS + column).collect();
+    fn cells(positions: impl Iterator<Item = (u32, u32)>) -> Vec<u32> {
+        let mut cells: Vec<u32> = positions.map(|(column, row)| row * N_COLUMNS + column).collect();
         cells.sort_unstable();
         cells.dedup();
         cells
@@ -281,8 +281,8 @@ mod tests {
 
     #[test]
     fn two_walls_at_a_corner_are_two_segments() {
-        let places = (10..40).map(|column| (column, 20)).chain((21..45).map(|row| (10, row)));
-        let found = search().find(&cells(places)).to_vec();
+        let positions = (10..40).map(|column| (column, 20)).chain((21..45).map(|row| (10, row)));
+        let found = search().find(&cells(positions)).to_vec();
         assert_eq!(found.len(), 2, "{found:?}");
     }
 

@@ -14,7 +14,7 @@ use crate::segment::dense_separation::NO_OBJECT;
 pub struct ObjectPoints {
     // By the object's old number: its points, its first point, and where its next point goes.
     n_points: Vec<u32>,
-    first_place: Vec<u32>,
+    first_idx: Vec<u32>,
     next_free: Vec<u32>,
     in_order: Vec<u32>,
     // Invariant: ascending, one longer than there are objects, the last is the length of the two below.
@@ -49,21 +49,21 @@ impl ObjectPoints {
         let (x_m, y_m, z_m) = (cloud.x_m(), cloud.y_m(), cloud.z_m());
         let (points, sorted, next_free) =
             (&mut self.points[..], &mut self.point_indices[..], &mut self.next_free[..]);
-        // A sensor that sweeps stays on an object for a while: its place is kept at hand.
+        // A sensor that sweeps stays on an object for a while: its index is kept at hand.
         let mut object = 0;
-        let mut place = next_free.first().copied().unwrap_or(0);
+        let mut index = next_free.first().copied().unwrap_or(0);
         for (&point_idx, &dense_idx) in point_indices.iter().zip(dense.dense_of_point()) {
             let next_object = object_of_dense[dense_idx as usize] as usize;
             if next_object != object {
-                next_free[object] = place;
+                next_free[object] = index;
                 object = next_object;
-                place = next_free[object];
+                index = next_free[object];
             }
-            sorted[place as usize] = point_idx;
+            sorted[index as usize] = point_idx;
             let point_idx = point_idx as usize;
             let position_m = [x_m[point_idx], y_m[point_idx], z_m[point_idx]];
-            points[place as usize] = ObjectPoint { position_m, dense_idx };
-            place += 1;
+            points[index as usize] = ObjectPoint { position_m, dense_idx };
+            index += 1;
         }
     }
 
@@ -71,19 +71,19 @@ impl ObjectPoints {
     fn order_objects(&mut self, dense: &DenseLevel, object_of_dense: &[u32], n_objects: usize) {
         self.n_points.clear();
         self.n_points.resize(n_objects, 0);
-        self.first_place.clear();
-        self.first_place.resize(n_objects, u32::MAX);
+        self.first_idx.clear();
+        self.first_idx.resize(n_objects, u32::MAX);
         for (dense_idx, (&object, &n_points)) in object_of_dense.iter().zip(dense.n_points()).enumerate() {
             if object != NO_OBJECT {
                 self.n_points[object as usize] += n_points;
-                let first_place = &mut self.first_place[object as usize];
-                *first_place = dense.first_place(dense_idx).min(*first_place);
+                let first_idx = &mut self.first_idx[object as usize];
+                *first_idx = dense.first_idx(dense_idx).min(*first_idx);
             }
         }
-        let (n_points, first_place) = (&self.n_points, &self.first_place);
+        let (n_points, first_idx) = (&self.n_points, &self.first_idx);
         self.in_order.clear();
         self.in_order.extend((0..n_objects as u32).filter(|&object| n_points[object as usize] > 0));
-        self.in_order.sort_unstable_by_key(|&object| first_place[object as usize]);
+        self.in_order.sort_unstable_by_key(|&object| first_idx[object as usize]);
         self.next_free.resize(n_objects, 0);
         self.starts.clear();
         let mut start = 0;

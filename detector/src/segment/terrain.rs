@@ -51,7 +51,7 @@ pub struct Terrain {
     elevation_m: Vec<f32>,
     knowledge: Vec<Knowledge>,
     // Where the centres of cells lie between those of blocks, by column or row.
-    places: Vec<Place>,
+    axis_positions: Vec<AxisPosition>,
     // Mean elevations of the flat cells, and the lowest ones of all cells.
     flat_m: BlockElevations,
     lowest_m: BlockElevations,
@@ -136,7 +136,7 @@ impl BlockElevations {
 
 /// Where a cell's centre lies along one axis.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct AxisPosition {
     /// The block that holds the cell.
     block: u32,
     /// The blocks with the nearest centres before and behind, the same at the ends.
@@ -179,7 +179,9 @@ impl Terrain {
             // A level road until a scan is seen.
             elevation_m: vec![-sensor_height_m; n_blocks],
             knowledge: vec![Knowledge::NONE; n_blocks],
-            places: (0..grid.n_columns()).map(|step| Place::of(step, params.block_cells, n_inner)).collect(),
+            axis_positions: (0..grid.n_columns())
+                .map(|step| AxisPosition::of(step, params.block_cells, n_inner))
+                .collect(),
             flat_m: BlockElevations::new(n_blocks, room),
             lowest_m: BlockElevations::new(n_blocks, room),
             low_of_block_m: vec![f32::INFINITY; n_blocks],
@@ -252,8 +254,8 @@ impl Terrain {
     /// How high the ground of a block may lie by the lowest things of the eight next to it, infinite if there are none.
     fn bound_by_next_m(&self, block_idx: usize, block_size_m: f32) -> f32 {
         let n = self.n_block_columns;
-        let lowest_of = |places: [usize; 4]| {
-            places.into_iter().map(|it| self.low_of_block_m[it]).fold(f32::INFINITY, f32::min)
+        let lowest_of = |indices: [usize; 4]| {
+            indices.into_iter().map(|it| self.low_of_block_m[it]).fold(f32::INFINITY, f32::min)
         };
         let beside_m = lowest_of([block_idx - n, block_idx - 1, block_idx + 1, block_idx + n]);
         let across_m =
@@ -264,7 +266,7 @@ impl Terrain {
 
     /// Elevation of the ground at the centre of a coarse cell, in metres, between the block centres linearly.
     pub fn elevation_m(&self, column_and_row: [u32; 2]) -> f32 {
-        let [x, y] = column_and_row.map(|step| self.places[step as usize]);
+        let [x, y] = column_and_row.map(|step| self.axis_positions[step as usize]);
         let along_x = |row: u32| {
             let row = &self.elevation_m[row as usize * self.n_block_columns..][..self.n_block_columns];
             let (before_m, behind_m) = (row[x.before as usize], row[x.behind as usize]);
@@ -330,7 +332,7 @@ impl Terrain {
         self.lowest_m.n.fill(0);
         for &cell_idx in grid.occupied() {
             let cell = &grid.cells()[cell_idx as usize];
-            let [x, y] = grid.column_and_row(cell_idx).map(|step| self.places[step as usize].block);
+            let [x, y] = grid.column_and_row(cell_idx).map(|step| self.axis_positions[step as usize].block);
             let block_idx = y as usize * self.n_block_columns + x as usize;
             if cell.n_points >= self.params.min_points && cell.z_extent_m() < self.params.flat_extent_m {
                 self.flat_m.push(block_idx, cell.z_mean_m());
@@ -346,7 +348,7 @@ impl Terrain {
     }
 }
 
-impl Place {
+impl AxisPosition {
     fn of(step: u32, block_cells: u32, n_inner: u32) -> Self {
         let last = n_inner - 1;
         let position = (step as f32 + 0.5) / block_cells as f32 - 0.5;
@@ -391,8 +393,8 @@ mod tests {
         (grid, terrain)
     }
 
-    /// Places on the plan every 15 cm, but for those that the roof of the car hides from its sensor.
-    fn seen_places_m() -> impl Iterator<Item = (f32, f32)> {
+    /// Positions on the plan every 15 cm, but for those that the roof of the car hides from its sensor.
+    fn seen_positions_m() -> impl Iterator<Item = (f32, f32)> {
         let steps = || (-260..260).map(|step| step as f32 * 0.15);
         steps().flat_map(move |x| steps().map(move |y| (x, y))).filter(|(x, y)| x.hypot(*y) > 3.0)
     }
@@ -410,7 +412,7 @@ mod tests {
         ground_m: impl Fn(f32, f32) -> f32,
         max_error_m: f32,
     ) {
-        let (grid, terrain) = terrain_of(params, seen_places_m().map(|(x, y)| [x, y, surface_m(x, y)]));
+        let (grid, terrain) = terrain_of(params, seen_positions_m().map(|(x, y)| [x, y, surface_m(x, y)]));
         for &cell_idx in grid.occupied() {
             let [x, y] = grid.center_m(cell_idx);
             let error_m = terrain.elevation_m(grid.column_and_row(cell_idx)) - ground_m(x, y);
@@ -448,10 +450,10 @@ mod tests {
     }
 
     /// The error of the terrain at `x_m` on a road that is level for 18 m and then falls by an eighth, out of sight. Of what stands there
-    /// only `car_m` is seen: places along the road and heights above it. All in metres.
+    /// only `car_m` is seen: positions along the road and heights above it. All in metres.
     fn above_hidden_road_m(car_m: &[(f32, f32)], x_m: f32) -> f32 {
         let road_m = |x: f32| -SENSOR_HEIGHT_M - 0.125 * (x - 18.0).max(0.0);
-        let seen = seen_places_m().filter(|(x, _)| *x < 18.0).map(|(x, y)| [x, y, road_m(x)]);
+        let seen = seen_positions_m().filter(|(x, _)| *x < 18.0).map(|(x, y)| [x, y, road_m(x)]);
         let across = || (0..12).map(|step| 0.15 * step as f32 - 0.9);
         let car = car_m.iter().flat_map(|&(x, height_m)| across().map(move |y| [x, y, road_m(x) + height_m]));
         let (grid, terrain) = terrain_of(terrain_params(), seen.chain(car));
@@ -461,7 +463,7 @@ mod tests {
     #[test]
     fn mirror_images_below_a_wet_road_make_no_roof_of_it() {
         // In every seventh cell, 40 cm below the road: deep enough for a roof above them, and not too deep for ground.
-        let road = || seen_places_m().map(|(x, y)| [x, y, -SENSOR_HEIGHT_M]);
+        let road = || seen_positions_m().map(|(x, y)| [x, y, -SENSOR_HEIGHT_M]);
         let (dry, _) = terrain_of(terrain_params(), road());
         let is_mirror = |cell_idx: &u32| {
             let [column, row] = dry.column_and_row(*cell_idx);

@@ -193,7 +193,7 @@ impl WallRefinement {
     /// Notes for every cell on a wall how long the wall is.
     fn measure(&mut self, grid: &HierarchicalGrid) {
         for &segment in &self.walls {
-            let [start_m, end_m] = [segment.start, segment.end].map(|place| center_m(grid, place));
+            let [start_m, end_m] = [segment.start, segment.end].map(|position| center_m(grid, position));
             let length_m = single::hypot(end_m[0] - start_m[0], end_m[1] - start_m[1]);
             for cell_idx in corridor(segment).flatten().filter_map(|it| cell_at(grid, it)) {
                 let longest_m = &mut self.wall_length_m[cell_idx as usize];
@@ -213,10 +213,10 @@ impl WallRefinement {
         }
     }
 
-    /// Whether a wall of the latest scan hides this place of the ground plan from the sensor. Through the gaps of a wall, where
-    /// no cell bears it, one sees the street.
-    pub fn is_behind_wall(&self, place_m: [f32; 2]) -> bool {
-        self.shadows.iter().any(|it| it.covers(place_m, &self.borne))
+    /// Whether a wall of the latest scan hides this position of the ground plan from the sensor. Through the gaps of a wall,
+    /// where no cell bears it, one sees the street.
+    pub fn is_behind_wall(&self, position_m: [f32; 2]) -> bool {
+        self.shadows.iter().any(|it| it.covers(position_m, &self.borne))
     }
 
     /// Whether the upper end of the field of view of the latest scan cuts off what reaches this height over the sensor at this
@@ -300,26 +300,26 @@ struct Shadow {
 impl Shadow {
     /// What `wall` hides; appends where `is_support` bears it to `borne`.
     fn of(wall: Segment, grid: &HierarchicalGrid, is_support: &[bool], borne: &mut Vec<bool>) -> Self {
-        let [start_m, end_m] = [wall.start, wall.end].map(|place| center_m(grid, place));
+        let [start_m, end_m] = [wall.start, wall.end].map(|position| center_m(grid, position));
         let first = borne.len();
         borne.extend(corridor(wall).map(|cells| {
             cells.into_iter().filter_map(|it| cell_at(grid, it)).any(|it| is_support[it as usize])
         }));
-        let places = first..borne.len();
+        let indices = first..borne.len();
         if cross(start_m, end_m) >= 0.0 {
-            Self { start_m, end_m, borne: places }
+            Self { start_m, end_m, borne: indices }
         } else {
-            borne[places.clone()].reverse();
-            Self { start_m: end_m, end_m: start_m, borne: places }
+            borne[indices.clone()].reverse();
+            Self { start_m: end_m, end_m: start_m, borne: indices }
         }
     }
 
-    fn covers(&self, place_m: [f32; 2], borne: &[bool]) -> bool {
+    fn covers(&self, position_m: [f32; 2], borne: &[bool]) -> bool {
         let minus = |a: [f32; 2], b: [f32; 2]| [a[0] - b[0], a[1] - b[1]];
-        let (before, after) = (cross(self.start_m, place_m), cross(place_m, self.end_m));
+        let (before, after) = (cross(self.start_m, position_m), cross(position_m, self.end_m));
         let is_behind = before > 0.0
             && after > 0.0
-            && cross(minus(self.end_m, self.start_m), minus(place_m, self.start_m)) < 0.0;
+            && cross(minus(self.end_m, self.start_m), minus(position_m, self.start_m)) < 0.0;
         // Where the line of sight meets the wall; it passes by the cells to either side, too.
         let steps = &borne[self.borne.clone()];
         is_behind && {
@@ -368,7 +368,7 @@ fn ground_behind_share(segment: Segment, grid: &HierarchicalGrid, classes: &[Sur
         let range_m = single::hypot(x, y);
         let is_ground = |behind_m: &f32| {
             let stretch = (range_m + behind_m) / range_m.max(grid.params().cell_size_m);
-            let cell_idx = cell_at(grid, place_at(grid, [x * stretch, y * stretch]));
+            let cell_idx = cell_at(grid, position_at(grid, [x * stretch, y * stretch]));
             cell_idx.is_some_and(|it| classes[it as usize] == SurfaceClass::Ground)
         };
         n += 1;
@@ -377,10 +377,10 @@ fn ground_behind_share(segment: Segment, grid: &HierarchicalGrid, classes: &[Sur
     n_seen as f32 / n as f32
 }
 
-/// The column and row of the cell over a place on the ground plan.
-fn place_at(grid: &HierarchicalGrid, place_m: [f32; 2]) -> [i32; 2] {
+/// The column and row of the cell over a position on the ground plan.
+fn position_at(grid: &HierarchicalGrid, position_m: [f32; 2]) -> [i32; 2] {
     let GridParams { cell_size_m, extent_m, .. } = *grid.params();
-    place_m.map(|it| ((it + extent_m) / cell_size_m).floor() as i32 + 1)
+    position_m.map(|it| ((it + extent_m) / cell_size_m).floor() as i32 + 1)
 }
 
 /// The cell at a column and row, if it is inside the grid's frame.
@@ -391,9 +391,9 @@ fn cell_at(grid: &HierarchicalGrid, [column, row]: [i32; 2]) -> Option<u32> {
 }
 
 /// The centre of the cell at a column and row, in metres.
-fn center_m(grid: &HierarchicalGrid, place: [i32; 2]) -> [f32; 2] {
+fn center_m(grid: &HierarchicalGrid, position: [i32; 2]) -> [f32; 2] {
     let GridParams { cell_size_m, extent_m, .. } = *grid.params();
-    place.map(|step| (step as f32 - 0.5) * cell_size_m - extent_m)
+    position.map(|step| (step as f32 - 0.5) * cell_size_m - extent_m)
 }
 
 fn range_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
@@ -455,40 +455,44 @@ mod tests {
             self
         }
 
-        /// The class of the cell around `place_m` with walls refined.
-        fn class_at(&self, place_m: [f32; 2], enabled: bool) -> SurfaceClass {
+        /// The class of the cell around `position_m` with walls refined.
+        fn class_at(&self, position_m: [f32; 2], enabled: bool) -> SurfaceClass {
             let mut params = HierarchicalParams::shipped();
             params.walls.enabled = enabled;
-            self.class_by(&params, place_m)
+            self.class_by(&params, position_m)
         }
 
         /// The same as the paper prints it.
-        fn printed_class_at(&self, place_m: [f32; 2]) -> SurfaceClass {
-            self.class_by(&PaperParams::shipped().stages(&HierarchicalParams::shipped()), place_m)
+        fn printed_class_at(&self, position_m: [f32; 2]) -> SurfaceClass {
+            self.class_by(&PaperParams::shipped().stages(&HierarchicalParams::shipped()), position_m)
         }
 
-        fn class_by(&self, params: &HierarchicalParams, place_m: [f32; 2]) -> SurfaceClass {
-            self.class_refined(params, place_m, |walls, (grid, terrain), classes| {
+        fn class_by(&self, params: &HierarchicalParams, position_m: [f32; 2]) -> SurfaceClass {
+            self.class_refined(params, position_m, |walls, (grid, terrain), classes| {
                 walls.refine(grid, terrain, classes);
             })
         }
 
-        /// The class of the cell around `place_m` where all hangs over the street that lies to the right of `from_x_m`.
-        fn class_if_hanging(&self, place_m: [f32; 2], from_x_m: f32) -> SurfaceClass {
-            self.class_refined(&HierarchicalParams::shipped(), place_m, |walls, (grid, terrain), classes| {
-                walls.refine_on_walls(grid, terrain, |it| grid.center_m(it)[0] > from_x_m, classes);
-            })
+        /// The class of the cell around `position_m` where all hangs over the street that lies to the right of `from_x_m`.
+        fn class_if_hanging(&self, position_m: [f32; 2], from_x_m: f32) -> SurfaceClass {
+            self.class_refined(
+                &HierarchicalParams::shipped(),
+                position_m,
+                |walls, (grid, terrain), classes| {
+                    walls.refine_on_walls(grid, terrain, |it| grid.center_m(it)[0] > from_x_m, classes);
+                },
+            )
         }
 
         fn class_refined(
             &self,
             params: &HierarchicalParams,
-            place_m: [f32; 2],
+            position_m: [f32; 2],
             refine: impl Fn(&mut WallRefinement, (&HierarchicalGrid, &Terrain), &mut [SurfaceClass]),
         ) -> SurfaceClass {
             let mut frame = segmented(params, &self.0);
             refine(&mut frame.walls, (&frame.grid, &frame.terrain), &mut frame.classes);
-            class_around(&frame, place_m)
+            class_around(&frame, position_m)
         }
     }
 
@@ -581,8 +585,8 @@ mod tests {
             &HierarchicalParams::shipped(),
             [3.1, 9.1],
             |walls, (grid, terrain), classes| {
-                let cell_at = |place_m| {
-                    let [column, row] = grid.nearest_column_and_row(place_m);
+                let cell_at = |position_m| {
+                    let [column, row] = grid.nearest_column_and_row(position_m);
                     row * grid.n_columns() + column
                 };
                 walls.refine(grid, terrain, classes);

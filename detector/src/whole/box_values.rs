@@ -47,7 +47,8 @@ pub const BOX_VALUES: [&str; N_BOX_VALUES] = [
     "is_turned",
 ];
 
-/// The place of `is_turned`: whether the vehicle is longer along the width of what is seen of it. Unknown at first, and 0 then.
+/// The index of `is_turned`: whether the vehicle is longer along the width of what is seen of it. Unknown at first, and 0
+/// then.
 pub const IS_TURNED: usize = N_BOX_VALUES - 1;
 
 /// The values of an object with these points and this box around them, whose frame is `frame`, above ground of elevation `ground_m`.
@@ -64,7 +65,7 @@ pub fn box_values(
     let scale = |n: usize, half_m: f32| if half_m > 0.0 { n as f32 / (2.0 * half_m) } else { 0.0 };
     let [u_scale, v_scale] = [scale(N_ALONG, half_u_m), scale(N_ACROSS, half_v_m)];
     for &[x_m, y_m, z_m] in positions_m {
-        let [u_m, v_m] = frame.place_m([x_m, y_m]);
+        let [u_m, v_m] = frame.position_m([x_m, y_m]);
         let above_m = z_m - ground_m;
         let from_sides_m = [u_m + half_u_m, half_u_m - u_m, v_m + half_v_m, half_v_m - v_m];
         for (n_at, from_side_m) in n_at.iter_mut().zip(from_sides_m) {
@@ -72,8 +73,8 @@ pub fn box_values(
         }
         let corner = (u_m > 0.0 && v_m > 0.0).then_some(N_ALONG + N_ACROSS);
         let slices = [slice(u_m, u_scale, N_ALONG), N_ALONG + slice(v_m, v_scale, N_ACROSS)];
-        for place in slices.into_iter().chain(corner) {
-            tops_m[place] = tops_m[place].max(above_m);
+        for index in slices.into_iter().chain(corner) {
+            tops_m[index] = tops_m[index].max(above_m);
         }
         n_high += u32::from(above_m > HIGH_M);
     }
@@ -101,9 +102,10 @@ pub fn box_values(
     values
 }
 
-/// The slice, of `n`, that holds a place. Slices are 1/`scale` m wide and lie around the centre; what lies outside is in the outermost.
-fn slice(place_m: f32, scale: f32, n: usize) -> usize {
-    ((place_m * scale + 0.5 * n as f32) as usize).min(n - 1)
+/// The slice, of `n`, that holds a position. Slices are 1/`scale` m wide and lie around the centre; what lies outside is in
+/// the outermost.
+fn slice(position_m: f32, scale: f32, n: usize) -> usize {
+    ((position_m * scale + 0.5 * n as f32) as usize).min(n - 1)
 }
 
 #[cfg(test)]

@@ -34,13 +34,13 @@ impl SeenFrame {
         }
     }
 
-    /// A place of the scan in this frame, in metres.
-    pub fn place_m(&self, [x_m, y_m]: [f32; 2]) -> [f32; 2] {
+    /// A position of the scan in this frame, in metres.
+    pub fn position_m(&self, [x_m, y_m]: [f32; 2]) -> [f32; 2] {
         let (dx, dy) = (x_m - self.center_m[0], y_m - self.center_m[1]);
         self.axes.map(|[x, y]| x * dx + y * dy)
     }
 
-    /// A place of this frame in the scan, in metres.
+    /// A position of this frame in the scan, in metres.
     pub fn in_scan_m(&self, [u_m, v_m]: [f32; 2]) -> [f32; 2] {
         let [[ux, uy], [vx, vy]] = self.axes;
         [self.center_m[0] + u_m * ux + v_m * vx, self.center_m[1] + u_m * uy + v_m * vy]
@@ -64,13 +64,13 @@ mod tests {
         ) {
             let seen = OrientedBox { center_m: [x, y, 0.0], length_width_height_m: [4.0, 1.8, 1.5], yaw_rad };
             let frame = SeenFrame::of(&seen);
-            let [u_m, v_m] = frame.place_m([0.0, 0.0]);
+            let [u_m, v_m] = frame.position_m([0.0, 0.0]);
             prop_assert!(u_m <= 1e-4 && v_m <= 1e-4);
             prop_assert!((u_m + frame.from_sensor_m[0]).abs() < 1e-3 && (v_m + frame.from_sensor_m[1]).abs() < 1e-3);
-            let again_m = frame.place_m(frame.in_scan_m(at));
+            let again_m = frame.position_m(frame.in_scan_m(at));
             prop_assert!((0..2).all(|axis| (again_m[axis] - at[axis]).abs() < 1e-4));
             for [x_m, y_m] in seen.footprint_m() {
-                let [u_m, v_m] = frame.place_m([x_m, y_m]);
+                let [u_m, v_m] = frame.position_m([x_m, y_m]);
                 prop_assert!((u_m.abs() - 2.0).abs() < 1e-4 && (v_m.abs() - 0.9).abs() < 1e-4);
             }
         }

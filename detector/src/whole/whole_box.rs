@@ -141,14 +141,14 @@ impl WholeBoxes {
         model.right.sums(vehicles.iter().map(|it| &it.values), &mut self.right);
         let Self { turned, growths_m, away, right, boxes } = self;
         boxes.clear();
-        boxes.extend(vehicles.iter().enumerate().map(|(place, it)| {
-            let growth_m = growths_m.each_ref().map(|growth_m| growth_m[place]);
-            let (is_turned, is_away) = (turned[place] > 0.0, away[place] > 0.0);
+        boxes.extend(vehicles.iter().enumerate().map(|(index, it)| {
+            let growth_m = growths_m.each_ref().map(|growth_m| growth_m[index]);
+            let (is_turned, is_away) = (turned[index] > 0.0, away[index] > 0.0);
             let sides = it.sides(is_turned, growth_m, is_away);
             WholeBox {
                 bounding_box: it.grown(is_turned, growth_m, is_away),
-                seen: SeenOfVehicle { sides, is_front_sure: away[place].abs() >= SURE_LOG_ODDS },
-                right_log_odds: right[place],
+                seen: SeenOfVehicle { sides, is_front_sure: away[index].abs() >= SURE_LOG_ODDS },
+                right_log_odds: right[index],
             }
         }));
         boxes
@@ -179,7 +179,7 @@ impl Difference {
         let is_turned = along_v.abs() > along_u.abs();
         let [length_m, width_m, height_m] = whole.length_width_height_m;
         let half_m = if is_turned { [width_m, length_m] } else { [length_m, width_m] }.map(|it| 0.5 * it);
-        let [u_m, v_m] = seen.frame.place_m([whole.center_m[0], whole.center_m[1]]);
+        let [u_m, v_m] = seen.frame.position_m([whole.center_m[0], whole.center_m[1]]);
         let [half_u_m, half_v_m] = seen.frame.half_m;
         let top_m = whole.center_m[2] + 0.5 * height_m;
         let seen_top_m = seen.seen.center_m[2] + 0.5 * seen.seen.length_width_height_m[2];

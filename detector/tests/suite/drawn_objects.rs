@@ -27,7 +27,7 @@ pub fn drawn_object(class_idx: usize, n_points: usize, seed: u64) -> Vec<[f32; 3
     let mut draws = Draws(seed.wrapping_mul(97).wrapping_add(class_idx as u64));
     let height_m = draws.within(2.5, 5.0);
     let radius_m = draws.within(0.8, 1.6);
-    let place = |draws: &mut Draws| match class_idx {
+    let position = |draws: &mut Draws| match class_idx {
         // A trunk below a ball of leaves.
         0 if draws.share() < 0.2 => on_cylinder(draws, 0.15, height_m - radius_m),
         0 => loop {
@@ -39,7 +39,7 @@ pub fn drawn_object(class_idx: usize, n_points: usize, seed: u64) -> Vec<[f32; 3
         1 => on_cylinder(draws, 0.06 + 0.02 * radius_m, height_m),
         _ => on_box(draws, [2.5 * radius_m, 1.2 * radius_m, 1.4]),
     };
-    (0..n_points).map(|_| place(&mut draws)).collect()
+    (0..n_points).map(|_| position(&mut draws)).collect()
 }
 
 fn on_cylinder(draws: &mut Draws, radius_m: f32, height_m: f32) -> [f32; 3] {

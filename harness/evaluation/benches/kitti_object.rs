@@ -1,5 +1,5 @@
-//! How long KITTI's protocol takes for a data set of the size of its validation split: 3,769 made-up scans with 100 annotations and 100
-//! detections each. One core, from boxes to all numbers, without intervals.
+//! How long KITTI's protocol takes for a data set of the size of its validation split: 3,769 made-up scans with 100
+//! annotations and 100 detections each. One core, from boxes to all numbers, without intervals.
 //!
 //! `cargo bench -p evaluation --bench kitti_object` prints seconds and fails if it takes more than 2. With `-- FOLDER` it writes the first
 //! hundredth of the scans there as KITTI's files instead, `label_2` and `data`, for other programs.
@@ -51,7 +51,7 @@ fn main() -> ExitCode {
 
 fn values_of(scenes: &[Scene]) -> Vec<Option<f64>> {
     let scan = |(annotations, detections): &Scene| {
-        KittiScan::of(scan_facts(annotations, &[], detections)).expect("places are there once")
+        KittiScan::of(scan_facts(annotations, &[], detections)).expect("indices are there once")
     };
     let scans: Vec<KittiScan> = scenes.iter().map(scan).collect();
     let placed: Vec<(u32, &KittiScan)> = (0..).zip(&scans).collect();
@@ -62,12 +62,12 @@ fn scene(scan: u32) -> Scene {
     let mut rng = ChaCha8Rng::seed_from_u64(scan.into());
     let mut annotations = Vec::with_capacity(N_BOXES);
     let mut detections = Vec::with_capacity(N_BOXES);
-    for place in 0..N_BOXES {
+    for index in 0..N_BOXES {
         let object = drawn_box(&mut rng);
         let occlusion = rng.random_range(0..4);
         annotations.push(KittiAnnotation { object, occlusion, truncation: rng.random_range(0.0..0.4) });
         // Four of five are found, the fifth is false.
-        let mut found = if place % 5 == 4 { drawn_box(&mut rng) } else { object };
+        let mut found = if index % 5 == 4 { drawn_box(&mut rng) } else { object };
         found.bottom_center_m[0] += rng.random_range(-0.2..0.2);
         found.bottom_center_m[2] += rng.random_range(-0.2..0.2);
         found.rotation_y_rad += rng.random_range(-0.1..0.1);

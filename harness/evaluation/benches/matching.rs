@@ -30,7 +30,7 @@ const HALF_M: f32 = 55.0;
 /// Where annotations stand, and detections about them.
 #[derive(Clone, Copy)]
 enum Scene {
-    /// Both all over the place.
+    /// Both scattered everywhere.
     Scattered,
     /// Detections in heaps of fifty on the annotations, as an insecure detector makes them.
     Heaped,
@@ -82,14 +82,14 @@ fn drawn(scene: Scene) -> (LabeledScan, Detections) {
         yaw_rad,
     };
     let mut anywhere = || [0, 1].map(|_| rng.random_range(-HALF_M..HALF_M));
-    let place = |number: usize| match scene {
+    let position = |number: usize| match scene {
         Scene::Crowded => [(number % 20) as f32 - 10.0, (number / 20) as f32 - 5.0],
         Scene::Scattered | Scene::Heaped => anywhere(),
     };
-    let places: Vec<[f32; 2]> = (0..N_ANNOTATIONS).map(place).collect();
+    let positions: Vec<[f32; 2]> = (0..N_ANNOTATIONS).map(position).collect();
     let mut cloud = PointCloud::default();
     let mut rng = ChaCha8Rng::seed_from_u64(2);
-    let annotations: Vec<Annotation> = places
+    let annotations: Vec<Annotation> = positions
         .iter()
         .map(|&at_m| {
             let bounding_box = boxed(at_m, rng.random_range(-3.0..3.0));
@@ -118,7 +118,7 @@ fn drawn(scene: Scene) -> (LabeledScan, Detections) {
         let at_m = match scene {
             Scene::Scattered => [0, 1].map(|_| rng.random_range(-HALF_M..HALF_M)),
             Scene::Heaped | Scene::Crowded => {
-                places[number % N_ANNOTATIONS].map(|it| it + rng.random_range(-1.5..1.5))
+                positions[number % N_ANNOTATIONS].map(|it| it + rng.random_range(-1.5..1.5))
             }
         };
         let bounding_box = boxed(at_m, rng.random_range(-3.0..3.0));

@@ -1,5 +1,5 @@
-//! How long protocols of others take at the size of nuScenes' validation set: 6,019 scans with 30 labels and 500 boxes each, in 150
-//! drives, made up. One core.
+//! How long protocols of others take at the size of nuScenes' validation set: 6,019 scans with 30 labels and 500 boxes each,
+//! in 150 drives, made up. One core.
 //!
 //! `cargo bench -p evaluation --bench protocols` prints seconds for matching, for the numbers and for their intervals, and the most memory
 //! that was held; it fails if matching and numbers take more than 20 s, or memory is more than 1 GB.
@@ -116,16 +116,16 @@ fn drawn(scan: u32) -> (LabeledScan, Vec<OfficialObject>) {
     rng.set_stream(scan.into());
     let mut annotations = Vec::new();
     let mut objects = Vec::new();
-    for place in 0..N_BOXES {
+    for index in 0..N_BOXES {
         let class = CLASSES[rng.random_range(0..CLASSES.len())];
         let at_m: [f32; 2] = [rng.random_range(-38.0..38.0), rng.random_range(-38.0..38.0)];
-        if place < N_LABELS {
+        if index < N_LABELS {
             annotations.push(annotation(class, at_m));
         }
         let moved = Vector3::new(rng.random_range(-2.0..2.0), rng.random_range(-2.0..2.0), 0.0);
         let at = Vector3::new(f64::from(at_m[0]), f64::from(at_m[1]), 0.0) + moved;
         let pose = Isometry3::new(at, Vector3::z() * rng.random_range(-3.0..3.0));
-        let score = Some(rng.random_range(0.0..1.0) * if place < N_LABELS { 1.0 } else { 0.5 });
+        let score = Some(rng.random_range(0.0..1.0) * if index < N_LABELS { 1.0 } else { 0.5 });
         objects.push(OfficialObject { score, ..OfficialObject::new(class.name(), &pose, [4.0, 2.0, 1.5]) });
     }
     let scan = LabeledScan {

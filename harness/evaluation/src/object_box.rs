@@ -56,20 +56,20 @@ const LEAST_DISTANCE_M: f64 = 0.01;
 fn closeness_box(positions_m: &[[f32; 3]]) -> Option<OrientedBox> {
     let closeness = |along: [f32; 2]| -> f64 {
         let [cos, sin] = along.map(f64::from);
-        let places = || {
+        let positions = || {
             positions_m
                 .iter()
                 .map(|it| it.map(f64::from))
                 .map(|[x, y, _]| [x * cos + y * sin, y * cos - x * sin])
         };
-        let ends = places().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], it| {
+        let ends = positions().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], it| {
             [[0, 1].map(|axis| low[axis].min(it[axis])), [0, 1].map(|axis| high[axis].max(it[axis]))]
         });
         let distance_m = |it: [f64; 2]| {
             let to_ends = [0, 1].map(|axis| (it[axis] - ends[0][axis]).min(ends[1][axis] - it[axis]));
             to_ends[0].min(to_ends[1]).max(LEAST_DISTANCE_M)
         };
-        places().map(|it| 1.0 / distance_m(it)).sum()
+        positions().map(|it| 1.0 / distance_m(it)).sum()
     };
     let directions = (0..90_u8).map(|degrees| {
         let (sin, cos) = sin_cos(f32::from(degrees).to_radians());

@@ -11,7 +11,7 @@ use scans::dataset::{Dataset, DatasetError};
 pub struct ScanPass<'a> {
     /// The data set.
     pub dataset: &'a dyn Dataset,
-    /// Its scans, by their places.
+    /// Its scans, by their indices.
     pub scan_indices: &'a [usize],
     /// Ends the pass before the next scan once it is set.
     pub interrupted: &'a AtomicBool,
@@ -35,10 +35,10 @@ pub enum ScanPassError {
     },
 }
 
-/// A scan and its place among those of its data set.
+/// A scan and its index among those of its data set.
 #[derive(Debug, Clone, Copy)]
 pub struct PassedScan<'a> {
-    /// Its place.
+    /// Its index.
     pub scan_idx: usize,
     /// The scan.
     pub scan: &'a LabeledScan,

@@ -17,9 +17,9 @@ pub struct LabeledScan {
     pub annotations: Vec<Annotation>,
     /// For every point, whether the labels say anything about it.
     pub point_regions: Vec<PointRegion>,
-    /// Where the labels say something about places without a point.
+    /// Where the labels say something about positions without a point.
     pub labeled_area: LabeledArea,
-    /// Places, among the points of the file, of those that are not in `cloud` since they have no position; ascending.
+    /// Indices, among the points of the file, of those that are not in `cloud` since they have no position; ascending.
     pub points_left_out: Vec<u32>,
 }
 
@@ -88,7 +88,7 @@ impl Annotation {
     /// Where it stands, in metres: the centre of its box; without one the centroid of its points in `cloud`. `None` if it
     /// has neither.
     ///
-    /// This one place is used wherever an annotation has to be somewhere: ranges, slices, the criterion *centre*, pages.
+    /// This one position is used wherever an annotation has to be somewhere: ranges, slices, the criterion *centre*, pages.
     pub fn center_m(&self, cloud: &PointCloud) -> Option<[f32; 3]> {
         if let Some(bounding_box) = &self.bounding_box {
             return Some(bounding_box.center_m);
@@ -105,9 +105,9 @@ impl Annotation {
     }
 }
 
-/// Distance of a place from the sensor on the ground plan, in metres.
-pub fn range_m(place_m: [f32; 3]) -> f64 {
-    f64::from(place_m[0]).hypot(f64::from(place_m[1]))
+/// Distance of a position from the sensor on the ground plan, in metres.
+pub fn range_m(position_m: [f32; 3]) -> f64 {
+    f64::from(position_m[0]).hypot(f64::from(position_m[1]))
 }
 
 /// Whether the labels say anything about a point.
@@ -139,7 +139,7 @@ impl PointRegion {
 pub enum LabeledArea {
     /// All round the sensor.
     Everywhere,
-    /// What a camera sees: a place belongs to it if any height above or below it projects into the image.
+    /// What a camera sees: a position belongs to it if any height above or below it projects into the image.
     CameraImage {
         /// From homogeneous sensor coordinates in metres to homogeneous pixels.
         image_from_sensor: Matrix3x4<f64>,
@@ -151,7 +151,7 @@ pub enum LabeledArea {
         /// 0 to 180.
         to_either_side_deg: f32,
     },
-    /// Only said point by point, by [`LabeledScan::point_regions`]: a place is as what the sensor saw in its direction.
+    /// Only said point by point, by [`LabeledScan::point_regions`]: a position is as what the sensor saw in its direction.
     AsPoints,
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// What cars of one body style measure. Places along the length are shares of it from the front.
+/// What cars of one body style measure. Positions along the length are shares of it from the front.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyStyle {
     /// How many of a hundred cars are like this.

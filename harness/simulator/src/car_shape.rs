@@ -61,7 +61,7 @@ struct Profiles {
 }
 
 impl Profiles {
-    /// Of a car whose places along the length, as shares from the front, are at `x`.
+    /// Of a car whose positions along the length, as shares from the front, are at `x`.
     fn of(style: &BodyStyle, x: impl Fn(f32) -> f32, [clearance_m, waist_m, height_m]: [f32; 3]) -> Self {
         // The bonnet rises to the foot of the windscreen.
         let body = vec![
@@ -139,7 +139,7 @@ fn with_bed(
     solids
 }
 
-/// The part of a convex profile between two places along the length, in metres.
+/// The part of a convex profile between two positions along the length, in metres.
 fn part_between(profile_m: &[[f32; 2]], [from_m, to_m]: [f32; 2]) -> Vec<[f32; 2]> {
     let cut = |corners: &[[f32; 2]], at_m: f32, keep: fn(f32, f32) -> bool| {
         let mut kept = Vec::new();

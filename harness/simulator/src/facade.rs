@@ -23,7 +23,7 @@ pub struct FacadePattern {
     pub door_every_n_bays: u32,
 }
 
-/// A façade at its place in the world.
+/// A façade at its position in the world.
 #[derive(Debug, Clone)]
 pub struct PlacedFacade {
     /// Lower corner on the left as seen from the street.

@@ -65,7 +65,7 @@ pub struct GroundHit {
     pub grass_height_m: f32,
 }
 
-/// What a place on the plan belongs to.
+/// What a position on the plan belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Surface {
     Road { from_axis_m: f32 },
@@ -242,7 +242,7 @@ impl Ground {
             ray.origin.z + ray.dir.z * range_m - level_m
         };
         let mut last = (from_m, clearance_m(from_m));
-        // The secant through two places near the crossing: quick because the levels are nearly plane.
+        // The secant through two positions near the crossing: quick because the levels are nearly plane.
         let mut range_m = from_m + last.1 / descent_per_m;
         let farthest_m = max_range_m * 1.5 + 10.0;
         // Land falls away beside roads: what does not come down to the plane below in time does not at all.
@@ -365,8 +365,8 @@ mod tests {
             let along_slope = (level - slope * level.dot(slope)).normalize();
             let ray = Ray::new(origin, (along_slope - slope * fall).normalize());
             let above_m = |range_m: f32| {
-                let place = ray.point_at(range_m);
-                place.z - ground.height_m([place.x, place.y])
+                let position = ray.point_at(range_m);
+                position.z - ground.height_m([position.x, position.y])
             };
             // Where the land falls more steeply than the ray, they never meet.
             let Some(hit) = ground.cast(&ray, 120.0) else {

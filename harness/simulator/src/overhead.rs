@@ -23,8 +23,8 @@ const WIRE_RADIUS_M: f32 = 0.012;
 /// Width of a garage door, in metres.
 const DOOR_WIDTH_M: f32 = 2.5;
 
-/// A place on the axis of the road that is driven along.
-struct RoadPlace {
+/// A cross-section of the road that is driven along.
+struct CrossSection {
     /// World from a frame on the ground whose x points along the road, and z up.
     frame: Pose,
     /// Distance of the building line to the left and to the right, in metres.
@@ -33,8 +33,8 @@ struct RoadPlace {
 
 /// Builds bridges over the road on piers along the building lines, so low that trucks just pass.
 pub fn bridges(world: &mut World, rng: &mut ChaCha8Rng) {
-    for place in places(world, BRIDGE_SPACINGS_M, rng) {
-        let [left_m, right_m] = place.building_lines_m;
+    for section in cross_sections(world, BRIDGE_SPACINGS_M, rng) {
+        let [left_m, right_m] = section.building_lines_m;
         let half_m = rng.random_range(1.5_f32..6.0);
         let clearance_m = rng.random_range(4.2_f32..5.2);
         let block =
@@ -42,20 +42,20 @@ pub fn bridges(world: &mut World, rng: &mut ChaCha8Rng) {
         let deck = block([-right_m, left_m], [clearance_m, clearance_m + 1.1]);
         let piers =
             [[-right_m, 0.8 - right_m], [left_m - 0.8, left_m]].map(|it| block(it, [-1.0, clearance_m]));
-        put_up(world, &place.frame, [deck].into_iter().chain(piers), Material::MASONRY);
+        put_up(world, &section.frame, [deck].into_iter().chain(piers), Material::MASONRY);
     }
 }
 
 /// Hangs wires over the road: across it with a lamp on each, and along it from one to the next.
 pub fn wires(world: &mut World, rng: &mut ChaCha8Rng) {
     let mut last_ends: Option<[Vector; 2]> = None;
-    for place in places(world, SPAN_SPACINGS_M, rng) {
-        let [left_m, right_m] = place.building_lines_m;
+    for section in cross_sections(world, SPAN_SPACINGS_M, rng) {
+        let [left_m, right_m] = section.building_lines_m;
         let height_m = rng.random_range(4.8_f32..6.0);
         let across = wire([0.0, -right_m, height_m + 0.4], [0.0, left_m, height_m + 0.4]);
         let lamp = Solid::cuboid([-0.35, -0.15, height_m + 0.1], [0.35, 0.15, height_m + 0.4]);
-        put_up(world, &place.frame, [across, lamp].into_iter(), Material::METAL);
-        let ends = [-0.5, 0.5].map(|left_m| place.frame * Vector::new(0.0, left_m, height_m));
+        put_up(world, &section.frame, [across, lamp].into_iter(), Material::METAL);
+        let ends = [-0.5, 0.5].map(|left_m| section.frame * Vector::new(0.0, left_m, height_m));
         if let Some(last) = last_ends.replace(ends) {
             let along = last.into_iter().zip(ends).map(|(from, to)| wire(from.into(), to.into()));
             put_up(world, &Pose::IDENTITY, along, Material::METAL);
@@ -66,14 +66,14 @@ pub fn wires(world: &mut World, rng: &mut ChaCha8Rng) {
 /// Builds rows of garages at the building lines, whose doors stand back a little, out over the pavement where they are half open, or let one
 /// look in.
 pub fn garages(world: &mut World, rng: &mut ChaCha8Rng) {
-    for place in places(world, GARAGE_SPACINGS_M, rng) {
+    for section in cross_sections(world, GARAGE_SPACINGS_M, rng) {
         let is_left = rng.random_bool(0.5);
         let n_doors = rng.random_range(1..4_u32);
         let height_m = rng.random_range(2.3_f32..2.8);
         let mut solids = Vec::new();
         for door in 0..n_doors {
             let x_m = door as f32 * (DOOR_WIDTH_M + 0.3);
-            let from_line = if is_left { place.building_lines_m[0] } else { -place.building_lines_m[1] };
+            let from_line = if is_left { section.building_lines_m[0] } else { -section.building_lines_m[1] };
             let outward = if is_left { -1.0 } else { 1.0 };
             // From x to x, so far out over the pavement, and from z to z.
             let mut block = |x_m: [f32; 2], out_m: [f32; 2], z_m: [f32; 2]| {
@@ -96,19 +96,19 @@ pub fn garages(world: &mut World, rng: &mut ChaCha8Rng) {
                 _ => block(inner_m, [0.35, 0.4], [-0.5, height_m]),
             }
         }
-        put_up(world, &place.frame, solids.into_iter(), Material::METAL);
+        put_up(world, &section.frame, solids.into_iter(), Material::METAL);
     }
 }
 
-/// Places along the road that is driven along, where no other road is.
-fn places(world: &World, spacings_m: Range<f32>, rng: &mut ChaCha8Rng) -> Vec<RoadPlace> {
+/// Cross-sections of the road that is driven along, where no other road is.
+fn cross_sections(world: &World, spacings_m: Range<f32>, rng: &mut ChaCha8Rng) -> Vec<CrossSection> {
     let road_idx = world.ego.road_idx;
     let [mut along_m, end_m] = world.ego.reach_m;
-    let mut places = Vec::new();
+    let mut cross_sections = Vec::new();
     loop {
         along_m += rng.random_range(spacings_m.clone());
         if along_m > end_m {
-            return places;
+            return cross_sections;
         }
         let position = RoadPosition { along_m, left_m: 0.0 };
         let placement = Placement { road_idx, position, turned_rad: 0.0, stance: Stance::Upright };
@@ -121,7 +121,7 @@ fn places(world: &World, spacings_m: Range<f32>, rng: &mut ChaCha8Rng) -> Vec<Ro
         let building_lines_m =
             [section.left_kerb_m, section.right_kerb_m].map(|it| it + world.ground.pavement_width_m);
         if is_clear {
-            places.push(RoadPlace { frame, building_lines_m });
+            cross_sections.push(CrossSection { frame, building_lines_m });
         }
     }
 }

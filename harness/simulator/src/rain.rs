@@ -146,7 +146,7 @@ mod tests {
         assert!(share < drops(Rain::new(50.0), 120.0).0 * 0.5 && range_m < 2.0, "{share} {range_m}");
     }
 
-    /// What a road met at this cosine becomes at 1,000 places: share of them that mirror, and how strongly they do.
+    /// What a road met at this cosine becomes at 1,000 positions: share of them that mirror, and how strongly they do.
     fn mirroring(mm_per_h: f32, cos_incidence: f32) -> (f32, f32) {
         let rain = Rain::new(mm_per_h);
         let road = Hit { cos_incidence, ..WALL };

@@ -56,7 +56,7 @@ impl RoadAxisShape {
 
 const STEP_M: f32 = 1.0;
 
-/// A place on the plan of a road.
+/// A position on the plan of a road.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoadPosition {
     /// Metres along the road.
@@ -71,13 +71,13 @@ impl RoadAxis {
         let (sine, cosine) = portable_math::sin_cos(f64::from(shape.heading_rad));
         let [first_m, last_m] = shape.reach_m;
         let n_steps = ((last_m - first_m) / STEP_M).ceil() as u32 + 1;
-        let places_m = || (0..=n_steps).map(|step| first_m + step as f32 * STEP_M);
+        let positions_m = || (0..=n_steps).map(|step| first_m + step as f32 * STEP_M);
         Self {
             origin: shape.origin_m,
             direction: [cosine as f32, sine as f32],
             first_m,
-            offsets_m: places_m().map(|along_m| shape.bends.height_at(along_m)).collect(),
-            heights_m: places_m()
+            offsets_m: positions_m().map(|along_m| shape.bends.height_at(along_m)).collect(),
+            heights_m: positions_m()
                 .map(|along_m| shape.gradient * along_m + shape.hills.height_at(along_m))
                 .collect(),
         }
@@ -98,7 +98,7 @@ impl RoadAxis {
         interpolated(&self.heights_m, along_m - self.first_m)
     }
 
-    /// x, y of a place on the plan and the unit vector along the road there.
+    /// x, y of a position on the plan and the unit vector along the road there.
     pub fn world_plan(&self, position: RoadPosition) -> ([f32; 2], [f32; 2]) {
         let (offset_m, slope) = interpolated(&self.offsets_m, position.along_m - self.first_m);
         let unit = 1.0 / (1.0 + slope * slope).sqrt();
@@ -130,12 +130,12 @@ impl Wave {
     }
 }
 
-/// Value and slope per metre of a table at `place_m` from its start; beyond the ends it goes on straight.
-fn interpolated(table: &[f32], place_m: f32) -> (f32, f32) {
-    let place = place_m / STEP_M;
-    let step = (place.max(0.0) as usize).min(table.len() - 2);
+/// Value and slope per metre of a table at `position_m` from its start; beyond the ends it goes on straight.
+fn interpolated(table: &[f32], position_m: f32) -> (f32, f32) {
+    let position = position_m / STEP_M;
+    let step = (position.max(0.0) as usize).min(table.len() - 2);
     let rise = table[step + 1] - table[step];
-    (table[step] + (place - step as f32) * rise, rise / STEP_M)
+    (table[step] + (position - step as f32) * rise, rise / STEP_M)
 }
 
 #[cfg(test)]
@@ -145,7 +145,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_place_on_the_plan_is_found_again(along_m in 0.0_f32..300.0, left_m in -20.0_f32..20.0) {
+        fn a_position_on_the_plan_is_found_again(along_m in 0.0_f32..300.0, left_m in -20.0_f32..20.0) {
             let axis = RoadAxis::new(&RoadAxisShape {
                 origin_m: [5.0, -3.0],
                 heading_rad: 1.1,

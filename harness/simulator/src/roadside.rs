@@ -38,7 +38,7 @@ impl Side {
 }
 
 impl Roadside {
-    /// The place `along_m` along the axis and `from_axis_m` away from it on this side.
+    /// The position `along_m` along the axis and `from_axis_m` away from it on this side.
     pub fn position(&self, along_m: f32, from_axis_m: f32) -> RoadPosition {
         RoadPosition { along_m, left_m: self.side.sign() * from_axis_m }
     }

@@ -1,4 +1,4 @@
-//! Solid things at their places, and the first of them that a pulse meets.
+//! Solid things at their positions, and the first of them that a pulse meets.
 
 use parry3d::math::{Pose, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
@@ -13,7 +13,7 @@ use super::solid::PlacedSolid;
 /// One thing a pulse may meet.
 #[derive(Debug, Clone)]
 pub struct Leaf {
-    /// Its form and place.
+    /// Its form and position.
     pub form: LeafForm,
     /// What it is made of.
     pub material: Material,
@@ -31,7 +31,7 @@ pub enum LeafForm {
 }
 
 impl Leaf {
-    /// Those of the parts of `shape`, object number `object_idx`, at its place.
+    /// Those of the parts of `shape`, object number `object_idx`, at its position.
     pub fn of_object(
         shape: &ObjectShape,
         world_from_object: &Pose,
@@ -182,7 +182,7 @@ fn hit_inside(leaf: &Leaf, chance: f32, mean_free_path_m: f32, [enter, exit]: [f
     hit_on(range_m, leaf_cosine, leaf.material, leaf.object_idx).filter(|_| range_m < exit)
 }
 
-/// The same number for all places within a few decimetres.
+/// The same number for all positions within a few decimetres.
 pub fn spot_number(position: Vector) -> u32 {
     let cell = (position * (1.0 / SPOT_M)).floor();
     let [x, y, z] = [cell.x, cell.y, cell.z].map(|it| it as i32 as u32);

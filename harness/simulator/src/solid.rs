@@ -105,7 +105,7 @@ impl Solid {
     }
 }
 
-/// A solid at its place in the world.
+/// A solid at its position in the world.
 #[derive(Debug, Clone)]
 pub struct PlacedSolid {
     form: Form,

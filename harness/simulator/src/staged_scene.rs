@@ -1,4 +1,4 @@
-//! Things at chosen places on a level road with nothing else around, and scans of them.
+//! Things at chosen positions on a level road with nothing else around, and scans of them.
 
 use parry3d::math::{Pose, Vector};
 use rand::SeedableRng;
@@ -19,14 +19,14 @@ use super::sensor::SensorModel;
 pub struct StagedObject {
     /// Its form.
     pub shape: ObjectShape,
-    /// Its place.
+    /// Its position.
     pub world_from_object: Pose,
 }
 
 /// How far the level road reaches, in metres: farther than a sensor sees.
 const REACH_M: f32 = 200.0;
 
-/// Takes one scan of `objects`, with the noise that `seed` draws. Their tracks are their places in the list; those
+/// Takes one scan of `objects`, with the noise that `seed` draws. Their tracks are their indices in the list; those
 /// without a point are not annotated.
 pub fn staged_scan(objects: &[StagedObject], sensor: &SensorModel, seed: u64) -> LabeledScan {
     let leaves =
@@ -92,16 +92,16 @@ mod tests {
         };
         let objects = [at([8.0, 3.0]), at([-5.0, 0.0])];
         let scan = staged_scan(&objects, &sensor, 4);
-        let places_m: Vec<[f32; 2]> = scan
+        let positions_m: Vec<[f32; 2]> = scan
             .annotations
             .iter()
             .map(|it| [0, 1].map(|axis| it.bounding_box.unwrap().center_m[axis]))
             .collect();
         assert_eq!(scan.annotations.iter().map(|it| it.track).collect::<Vec<_>>(), [Some(0), Some(1)]);
-        for (found, expected) in places_m.iter().zip([[8.0, 3.0], [-5.0, 0.0]]) {
+        for (found, expected) in positions_m.iter().zip([[8.0, 3.0], [-5.0, 0.0]]) {
             assert!(
                 (found[0] - expected[0]).abs() < 1e-3 && (found[1] - expected[1]).abs() < 1e-3,
-                "{places_m:?}"
+                "{positions_m:?}"
             );
         }
         let mut is_on_object = vec![false; scan.cloud.len()];

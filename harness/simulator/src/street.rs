@@ -289,7 +289,7 @@ const N_ROLLING_MOMENTS: u32 = 48;
 #[derive(Debug)]
 struct Moment<'a> {
     world_from_sensor: Pose,
-    /// What moves within the sensor's range: form and place, world from object.
+    /// What moves within the sensor's range: form and position, world from object.
     movers: BTreeMap<u32, (Cow<'a, ObjectShape>, Pose)>,
     /// The same, arranged for casting rays.
     moving: Scene,
@@ -439,7 +439,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_keeps_its_place_and_size_while_the_car_drives_on() {
+    fn what_stands_keeps_its_position_and_size_while_the_car_drives_on() {
         let street = Street::new(StreetKind::MainRoad, 3);
         let sensor = coarse_sensor();
         let world_centers = |scan_idx: u32| -> BTreeMap<u32, [f32; 3]> {
@@ -563,8 +563,8 @@ mod tests {
         let near_in_the_air = |[x, y, z]: [f32; 3]| x * x + y * y < 9.0 && z > -1.0;
         let world_from_sensor = street.world_from_sensor(&sensor, time_s(&sensor, 30));
         let n_below_ground = |scan: &LabeledScan| {
-            let places = scan.cloud.positions_m().map(|it| world_from_sensor * Vector::from(it));
-            places.filter(|it| it.z < street.world.ground.height_m([it.x, it.y]) - 0.5).count()
+            let positions = scan.cloud.positions_m().map(|it| world_from_sensor * Vector::from(it));
+            positions.filter(|it| it.z < street.world.ground.height_m([it.x, it.y]) - 0.5).count()
         };
         let n_far = [count(&wet_scan, far), count(&dry_scan, far)];
         assert!(n_far[0] < n_far[1], "{n_far:?}");

@@ -7,7 +7,7 @@ use super::road_axis::{RoadAxisShape, Wave};
 use super::vehicle_shape::VehicleMix;
 
 /// What is set about a street; what is left out is drawn as in any street. The same seed puts the same things at the
-/// same places along the road under all conditions but [`Self::haulage`] and [`Self::north_american`], which draw other
+/// same positions along the road under all conditions but [`Self::haulage`] and [`Self::north_american`], which draw other
 /// vehicles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]

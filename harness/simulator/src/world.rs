@@ -52,7 +52,7 @@ pub enum Body {
 /// Where an object is and goes.
 #[derive(Debug, Clone)]
 pub enum Motion {
-    /// It stays at this place, world from object.
+    /// It stays at this position, world from object.
     Standing(Pose),
     /// It follows a road.
     Following(Course),
@@ -93,7 +93,7 @@ pub enum Stance {
     OnSlope,
 }
 
-/// A place on a road and the way something faces there.
+/// A position on a road and the way something faces there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// Which road.
@@ -134,7 +134,7 @@ impl StreetObject {
         }
     }
 
-    /// Its place at `time_s`, world from object; `None` while it is not in the street.
+    /// Its position at `time_s`, world from object; `None` while it is not in the street.
     pub fn world_from_object(&self, ground: &Ground, time_s: f32) -> Option<Pose> {
         match &self.motion {
             Motion::Standing(pose) => Some(*pose),
@@ -158,7 +158,7 @@ impl Course {
         Self { road_idx, start, speed_m_per_s, reach_m, right_turn: None, stance: Stance::OnSlope }
     }
 
-    /// The place at `time_s` from the start of the drive; `None` beyond the reach.
+    /// The position at `time_s` from the start of the drive; `None` beyond the reach.
     pub fn placement_at(&self, time_s: f32) -> Option<Placement> {
         let along_m = self.start.along_m + self.speed_m_per_s * time_s;
         let turned_rad = if self.speed_m_per_s < 0.0 { std::f32::consts::PI } else { 0.0 };
@@ -205,7 +205,7 @@ pub fn world_from_placement(ground: &Ground, placement: &Placement) -> Pose {
     Pose::from_parts(position, rotation_from_axes(left.cross(up), left, up))
 }
 
-/// Sine and cosine in the precision of places.
+/// Sine and cosine in the precision of positions.
 pub fn sine_and_cosine(angle_rad: f64) -> (f32, f32) {
     let (sine, cosine) = portable_math::sin_cos(angle_rad);
     (sine as f32, cosine as f32)

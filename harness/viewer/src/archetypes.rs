@@ -54,17 +54,17 @@ pub fn boxes(boxes: impl IntoIterator<Item = OrientedBox>) -> Boxes3D {
         .with_fill_mode(FillMode::MajorWireframe)
 }
 
-/// Outlines of upright boxes, dashed where no side is seen, and for each of their lines the place of its box in `boxes`.
+/// Outlines of upright boxes, dashed where no side is seen, and for each of their lines the index of its box in `boxes`.
 pub fn partly_seen_boxes(
     boxes: impl IntoIterator<Item = (OrientedBox, SeenSides)>,
 ) -> (LineStrips3D, Vec<usize>) {
-    let (mut lines, mut places) = (Vec::new(), Vec::new());
-    for (place, (drawn, seen)) in boxes.into_iter().enumerate() {
+    let (mut lines, mut indices) = (Vec::new(), Vec::new());
+    for (index, (drawn, seen)) in boxes.into_iter().enumerate() {
         let edges = box_edges(&drawn, seen);
-        places.extend(std::iter::repeat_n(place, edges.len()));
+        indices.extend(std::iter::repeat_n(index, edges.len()));
         lines.extend(edges);
     }
-    (LineStrips3D::new(lines), places)
+    (LineStrips3D::new(lines), indices)
 }
 
 /// Outlines of spheres.

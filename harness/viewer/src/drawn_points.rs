@@ -32,7 +32,7 @@ impl PointChoice {
     }
 }
 
-/// The points of one scan that are drawn: all that have a place, or fewer.
+/// The points of one scan that are drawn: all that have a position, or fewer.
 ///
 /// Positions and all columns of labels have to agree in them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -42,14 +42,14 @@ pub struct DrawnPoints {
 }
 
 impl DrawnPoints {
-    /// Those of `cloud` that `choice` takes, in scan order; a viewer has no place for NaN and infinity.
+    /// Those of `cloud` that `choice` takes, in scan order; a viewer cannot show NaN and infinity.
     pub fn choose(cloud: &PointCloud, choice: PointChoice) -> Self {
         let finite = |&point_idx: &u32| cloud.position_m(point_idx as usize).iter().all(|it| it.is_finite());
         let mut indices: Vec<u32> = (0..cloud.len() as u32).filter(finite).collect();
         match choice {
             PointChoice::AtMost(n_drawn) if n_drawn < indices.len() => {
                 let n_finite = indices.len();
-                indices = (0..n_drawn).map(|place| indices[place * n_finite / n_drawn]).collect();
+                indices = (0..n_drawn).map(|index| indices[index * n_finite / n_drawn]).collect();
             }
             PointChoice::All | PointChoice::AtMost(_) => {}
             PointChoice::OneOfEachCube { side_cm } => {
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn points_without_a_place_are_left_out() {
+    fn points_without_a_position_are_left_out() {
         check(PointChoice::All, &[0, 1, 2, 4, 5, 6, 7, 8]);
         check(PointChoice::AtMost(8), &[0, 1, 2, 4, 5, 6, 7, 8]);
     }

@@ -11,11 +11,11 @@ use scans::annotation::ScanId;
 pub struct DriveFrame {
     drive: Option<(String, String)>,
     world_from_start: Isometry3<f64>,
-    places_m: Vec<[f32; 3]>,
+    positions_m: Vec<[f32; 3]>,
 }
 
-/// So many places are remembered, half a minute of a sensor that turns ten times a second.
-const MAX_PLACES: usize = 300;
+/// So many positions are remembered, half a minute of a sensor that turns ten times a second.
+const MAX_POSITIONS: usize = 300;
 
 impl DriveFrame {
     /// Where the sensor is as seen from the first scan of its drive that was asked for, which is this one if `dataset` or
@@ -30,19 +30,19 @@ impl DriveFrame {
         if !self.drive.as_ref().is_some_and(is_same) {
             self.drive = Some((dataset.to_owned(), scan.sequence.clone()));
             self.world_from_start = world_from_sensor;
-            self.places_m.clear();
+            self.positions_m.clear();
         }
         let start_from_sensor = self.world_from_start.inverse() * world_from_sensor;
-        if self.places_m.len() == MAX_PLACES {
-            self.places_m.remove(0);
+        if self.positions_m.len() == MAX_POSITIONS {
+            self.positions_m.remove(0);
         }
-        self.places_m.push(start_from_sensor.translation.vector.cast::<f32>().into());
+        self.positions_m.push(start_from_sensor.translation.vector.cast::<f32>().into());
         start_from_sensor
     }
 
     /// Where the sensor was lately on this drive, in the same frame.
-    pub fn places_m(&self) -> &[[f32; 3]] {
-        &self.places_m
+    pub fn positions_m(&self) -> &[[f32; 3]] {
+        &self.positions_m
     }
 }
 
@@ -56,18 +56,18 @@ mod tests {
     fn every_drive_starts_at_the_origin() {
         let mut frame = DriveFrame::default();
         let quarter_turn = Vector3::z() * std::f64::consts::FRAC_PI_2;
-        let mut place = |dataset: &str, sequence: &str, x_m: f64| {
+        let mut position = |dataset: &str, sequence: &str, x_m: f64| {
             let scan = ScanId { sequence: sequence.to_owned(), index: 0 };
             let world_from_sensor = Isometry3::new(Vector3::new(x_m, 5e6, 0.0), quarter_turn);
             let at_m = frame.start_from_sensor(dataset, &scan, world_from_sensor).translation.vector;
             [at_m.x, at_m.y].map(|it| (it * 1e3).round() / 1e3)
         };
-        assert_eq!(place("city", "0", 4.0), [0.0, 0.0]);
+        assert_eq!(position("city", "0", 4.0), [0.0, 0.0]);
         // Forward is the world's y, so that what lies further along its x lies to the right.
-        assert_eq!(place("city", "0", 6.0), [0.0, -2.0]);
-        assert_eq!(place("city", "1", 6.0), [0.0, 0.0]);
-        assert_eq!(place("village", "1", 7.0), [0.0, 0.0]);
-        assert_eq!(place("village", "1", 8.0), [0.0, -1.0]);
-        assert_eq!(frame.places_m().len(), 2);
+        assert_eq!(position("city", "0", 6.0), [0.0, -2.0]);
+        assert_eq!(position("city", "1", 6.0), [0.0, 0.0]);
+        assert_eq!(position("village", "1", 7.0), [0.0, 0.0]);
+        assert_eq!(position("village", "1", 8.0), [0.0, -1.0]);
+        assert_eq!(frame.positions_m().len(), 2);
     }
 }

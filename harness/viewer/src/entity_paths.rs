@@ -26,7 +26,7 @@ pub const SCAN: &str = "world/sensor/scan";
 pub const POINTS: &str = "world/sensor/scan/points";
 /// The labelled objects.
 pub const ANNOTATIONS: &str = "world/sensor/scan/annotations";
-/// Places that are pointed at.
+/// Positions that are pointed at.
 pub const MARKS: &str = "world/sensor/scan/marks";
 /// What the colours of outcomes and surfaces mean.
 pub const LEGEND_OUTCOMES: &str = "legend/outcomes";

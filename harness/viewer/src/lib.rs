@@ -1,4 +1,4 @@
-//! Recordings for the Rerun viewer; the only place that knows Rerun.
+//! Recordings for the Rerun viewer; the only crate that knows Rerun.
 //!
 //! A [`session::Stream`] takes labelled scans, what each detector made of them and what became of every object, and
 //! writes them to an `.rrd` file and, on request, to a viewer at the same time. It draws the generic products of

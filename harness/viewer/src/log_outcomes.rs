@@ -57,11 +57,11 @@ pub fn log_outcomes(
         }
         if !partly.is_empty() {
             let with_sides = partly.iter().filter_map(|it| Some((it.drawn, it.seen?.sides)));
-            let (lines, places) = archetypes::partly_seen_boxes(with_sides);
+            let (lines, indices) = archetypes::partly_seen_boxes(with_sides);
             let drawn = lines
                 .with_class_ids([layer.class_id()])
                 .with_radii([radius])
-                .with_labels(places.iter().map(|&it| partly[it].label.as_str()))
+                .with_labels(indices.iter().map(|&it| partly[it].label.as_str()))
                 .with_show_labels(false);
             let path = entity_paths::partly_seen(&path);
             recording::log(stream, path.clone(), &drawn)?;

@@ -52,12 +52,12 @@ pub fn log_scan(
     log_title(stream, format!("{}\n{n_points}, {} annotations", scan.id, scan.annotations.len()))
 }
 
-/// Points at places from above. Where nothing ever is, the entity is not there.
+/// Points at positions from above. Where nothing ever is, the entity is not there.
 fn log_marks(stream: &RecordingStream, marks: &[Mark]) -> Result<(), StreamError> {
     if marks.is_empty() {
         return Ok(());
     }
-    let tops_m = marks.iter().map(|it| [it.place_m[0], it.place_m[1], MARK_TOP_M]);
+    let tops_m = marks.iter().map(|it| [it.position_m[0], it.position_m[1], MARK_TOP_M]);
     let pointers = Arrows3D::from_vectors(marks.iter().map(|_| [0.0, 0.0, -MARK_LENGTH_M]))
         .with_origins(tops_m)
         .with_radii([Radius::new_ui_points(2.5)])

@@ -8,7 +8,7 @@ use super::error::StreamError;
 use super::legend::LegendDot;
 use super::{entity_paths, legend, palette, recording};
 
-/// Logs axes, legend and the place of the sensor.
+/// Logs axes, legend and the position of the sensor.
 ///
 /// # Errors
 ///

@@ -1,9 +1,9 @@
-//! The recording of objects that grow: the step of uncovering, or the way that was driven, in the place of time.
+//! The recording of objects that grow: the step of uncovering, or the way that was driven, instead of time.
 
 use std::path::Path;
 
 use detector::PointCloud;
-use evaluation::partial::growth::{Growth, GrowthMoment, ScannerPlace};
+use evaluation::partial::growth::{Growth, GrowthMoment, ScannerPosition};
 use re_sdk_types::archetypes::{BarChart, LineStrips3D, Points3D, Scalars, SeriesLines, ViewCoordinates};
 use re_sdk_types::components::Radius;
 use re_sdk_types::datatypes::Rgba32;
@@ -76,7 +76,7 @@ fn tabs(growths: &[Growth]) -> Vec<GrowthTab> {
             direction => format!("partial: {} from {direction}", it.data),
         };
         let (middle_m, extent_m) = bounds(it);
-        let of = place_of(it);
+        let of = names_of(it);
         let column = GrowthColumn { of, title: format!("{}: {}", it.class, it.object), middle_m, extent_m };
         match tabs.iter_mut().find(|it| it.name == name) {
             Some(tab) => tab.columns.push(column),
@@ -87,7 +87,7 @@ fn tabs(growths: &[Growth]) -> Vec<GrowthTab> {
 }
 
 /// Where a growing object is in the recording.
-fn place_of(growth: &Growth) -> [String; 3] {
+fn names_of(growth: &Growth) -> [String; 3] {
     [growth.data.clone(), growth.direction.to_owned(), growth.object.clone()]
 }
 
@@ -109,8 +109,8 @@ fn bounds(growth: &Growth) -> ([f32; 3], f32) {
 
 /// Names and colours of the lines of all classes, for the whole recording.
 fn log_lines(stream: &RecordingStream, of: &Growth) -> Result<(), StreamError> {
-    let place = place_of(of);
-    let at = |part| growth(&place, part);
+    let names = names_of(of);
+    let at = |part| growth(&names, part);
     recording::log_static(stream, at(GrowthPart::Scene), &ViewCoordinates::RIGHT_HAND_Z_UP())?;
     let lines = SeriesLines::new()
         .with_names(PartialClass::ALL.map(PartialClass::name))
@@ -126,8 +126,8 @@ fn log_moment(
     moment: &GrowthMoment,
     before: &PointCloud,
 ) -> Result<(), StreamError> {
-    let place = place_of(of);
-    let at = |part| growth(&place, part);
+    let names = names_of(of);
+    let at = |part| growth(&names, part);
     let colors = colors_of_points(&moment.cloud, before);
     let points = Points3D::new(moment.cloud.positions_m())
         .with_colors(colors.into_iter().map(legend::rgba))
@@ -143,8 +143,8 @@ fn log_moment(
         .with_radii([Radius::new_ui_points(0.7)]);
     recording::log(stream, at(GrowthPart::Graphs), &graphs)?;
     recording::log(stream, at(GrowthPart::Decision), &decision(of, moment))?;
-    if let Some(place) = moment.scanner {
-        recording::log(stream, at(GrowthPart::Scanner), &scanner(place))?;
+    if let Some(position) = moment.scanner {
+        recording::log(stream, at(GrowthPart::Scanner), &scanner(position))?;
     }
     log_numbers(stream, at(GrowthPart::Chances), &moment.answer.chances)?;
     log_numbers(stream, at(GrowthPart::Errors), &moment.answer.errors)?;
@@ -205,7 +205,7 @@ fn decision(of: &Growth, moment: &GrowthMoment) -> Points3D {
 }
 
 /// The plane of the scanner as a triangle that ends at the object.
-fn scanner(ScannerPlace { position_m, slope }: ScannerPlace) -> LineStrips3D {
+fn scanner(ScannerPosition { position_m, slope }: ScannerPosition) -> LineStrips3D {
     let [x, y, z] = position_m;
     let reach_m = -x;
     let corner = |aside: f32| [0.0, y + aside * reach_m, z + slope * reach_m];

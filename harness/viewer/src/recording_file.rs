@@ -15,7 +15,7 @@ use rerun::sink::{LogSink, SinkFlushError};
 
 use super::error::StreamError;
 
-/// A handle on the file; clones share it, so that one can be given to Rerun as the place to write to.
+/// A handle on the file; clones share it, so that one can be given to Rerun to write to.
 #[derive(Clone)]
 pub struct RecordingFile {
     path: PathBuf,

@@ -101,7 +101,7 @@ impl ScanRecorder for RunRecording {
         let pose = judged.watched.dataset.world_from_sensor(judged.scan_idx())?;
         let world_from_sensor = pose.map(|it| self.drive.start_from_sensor(&description.id, &scan.id, it));
         let step = number as i64;
-        let drive_m = self.drive.places_m();
+        let drive_m = self.drive.positions_m();
         self.stream.log_scan(&ScanView { scan, step, marks, world_from_sensor, drive_m })?;
         for (result, detector) in results.results.iter().zip(results.detectors) {
             let products = detector.stage_products(&scan.cloud);

@@ -15,9 +15,9 @@ use scans::annotation::LabeledScan;
 pub struct ScanView<'a> {
     /// The scan.
     pub scan: &'a LabeledScan,
-    /// Its place on the axis of the recording.
+    /// Its position on the axis of the recording.
     pub step: i64,
-    /// Places that are pointed at.
+    /// Positions that are pointed at.
     pub marks: &'a [Mark],
     /// Where the sensor was, in a frame that rests, if that is known.
     pub world_from_sensor: Option<Isometry3<f64>>,

@@ -1,4 +1,4 @@
-//! The Rerun recording of a sweep: one scan, and the swept parameter in the place of time.
+//! The Rerun recording of a sweep: one scan, and the swept parameter instead of time.
 
 use detector::DetectorOutput;
 use evaluation::matching::assign::{MatchingParams, assign};
@@ -70,9 +70,9 @@ pub fn record_sweep(
         further_series: further(&at_point(0)).iter().map(|it| it.0).collect(),
     };
     let mut stream = Stream::open_along(&options, &detectors, axis)?;
-    for (place, &(step, point_idx)) in steps.ascending().iter().enumerate() {
+    for (index, &(step, point_idx)) in steps.ascending().iter().enumerate() {
         let there = at_point(point_idx);
-        if place == 0 {
+        if index == 0 {
             let view = ScanView { scan: &scan, step, marks: &[], world_from_sensor: None, drive_m: &[] };
             stream.log_scan(&view)?;
         }
@@ -142,11 +142,11 @@ struct Steps {
 }
 
 impl Steps {
-    /// Of one parameter the numbers themselves, lengths in millimetres; otherwise the places of the points.
+    /// Of one parameter the numbers themselves, lengths in millimetres; otherwise the indices of the points.
     fn of(swept: &[SweptValues]) -> Self {
         let n_points: usize = swept.iter().map(|it| it.values.len()).product();
-        let places = Self { timeline: "point".to_owned(), steps: (0..n_points as i64).collect() };
-        let [only] = swept else { return places };
+        let indices = Self { timeline: "point".to_owned(), steps: (0..n_points as i64).collect() };
+        let [only] = swept else { return indices };
         let name = only.name.rsplit('.').next().unwrap_or(&only.name);
         let whole = |factor: f64| -> Option<Vec<i64>> {
             let step = |value: &String| {
@@ -159,7 +159,7 @@ impl Steps {
             Some(length) => (format!("{length}_mm"), whole(1000.0)),
             None => (name.to_owned(), whole(1.0)),
         };
-        steps.map_or(places, |steps| Self { timeline, steps })
+        steps.map_or(indices, |steps| Self { timeline, steps })
     }
 
     /// Steps and points, in the order of the steps.

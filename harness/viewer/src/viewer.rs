@@ -81,7 +81,7 @@ pub enum ViewerState {
     },
 }
 
-/// A handle on the connection; clones share it, so that one can be given to Rerun as the place to write to.
+/// A handle on the connection; clones share it, so that one can be given to Rerun to write to.
 #[derive(Clone)]
 pub struct ViewerLink {
     shared: Arc<Mutex<Shared>>,

@@ -39,7 +39,7 @@ pub struct FramedPoints<'a> {
     /// Length and width of the box, in metres.
     pub length_width_m: [f32; 2],
     /// The points along the length and across, in metres.
-    pub places_m: &'a [[f32; 2]],
+    pub positions_m: &'a [[f32; 2]],
 }
 
 impl BoxPoints {
@@ -53,9 +53,9 @@ impl BoxPoints {
         for vehicle in vehicles {
             n_vehicles += 1;
             sums_m = std::array::from_fn(|axis| sums_m[axis] + f64::from(vehicle.length_width_m[axis]));
-            for place_m in vehicle.places_m {
-                let cell = place_m.map(|it| (f64::from(it) / CELL_M).floor() as i32);
-                *shares.entry(cell).or_default() += 1.0 / vehicle.places_m.len() as f64;
+            for position_m in vehicle.positions_m {
+                let cell = position_m.map(|it| (f64::from(it) / CELL_M).floor() as i32);
+                *shares.entry(cell).or_default() += 1.0 / vehicle.positions_m.len() as f64;
             }
         }
         let of_all = 1.0 / f64::from(n_vehicles.max(1));
@@ -86,7 +86,7 @@ mod tests {
     fn every_vehicle_counts_alike() {
         let many = [[0.05, 0.05]; 30];
         let few = [[0.05, 0.05], [-0.05, 0.25]];
-        let framed = |places_m, length_m| FramedPoints { length_width_m: [length_m, 1.8], places_m };
+        let framed = |positions_m, length_m| FramedPoints { length_width_m: [length_m, 1.8], positions_m };
         let vehicles = [framed(&many[..], 4.0), framed(&few[..], 5.0)];
         let points = BoxPoints::of(AnnotationClass::Car, "hull box", vehicles.into_iter());
         assert_eq!((points.n_vehicles, points.length_width_m[0]), (2, 4.5));

@@ -130,8 +130,8 @@ mod tests {
 
     #[test]
     fn panels_have_titles_units_and_a_box() {
-        let places_m = [[2.0, 0.1], [2.0, 0.2], [2.0, 0.2], [90.0, 0.0]];
-        let framed = FramedPoints { length_width_m: [4.0, 2.0], places_m: &places_m };
+        let positions_m = [[2.0, 0.1], [2.0, 0.2], [2.0, 0.2], [90.0, 0.0]];
+        let framed = FramedPoints { length_width_m: [4.0, 2.0], positions_m: &positions_m };
         let points = BoxPoints::of(AnnotationClass::Car, "hull box", [framed].into_iter());
         let svg = box_points_plot(&[vec![points.clone(), points]], "Streets (simulated)");
         check_holds(&svg, &["Streets (simulated)", "car, hull box (n 1)", "to the front (m)"]);

@@ -88,8 +88,8 @@ mod tests {
 
     #[test]
     fn what_is_drawn_is_what_was_seen() {
-        let places_m = [[2.0, 0.1], [2.0, 0.1], [2.0, 0.1], [2.0, 0.1], [-1.9, -0.8], [90.0, 0.0]];
-        let framed = |across_m| FramedPoints { length_width_m: [4.0, across_m], places_m: &places_m };
+        let positions_m = [[2.0, 0.1], [2.0, 0.1], [2.0, 0.1], [2.0, 0.1], [-1.9, -0.8], [90.0, 0.0]];
+        let framed = |across_m| FramedPoints { length_width_m: [4.0, across_m], positions_m: &positions_m };
         let view = |across, across_m| {
             BoxPoints::of(AnnotationClass::Car, "annotated box", [framed(across_m)].into_iter())
                 .seen_across(across)

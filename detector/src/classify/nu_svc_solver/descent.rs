@@ -178,9 +178,9 @@ impl<'a, const D: usize> Problem<'a, D> {
         let [first, second] = self.classes().map(|class| self.level(class));
         let margin = 0.5 * (first + second);
         let mut coefficients = vec![0.0; order.len()];
-        for (place, &vector_idx) in order.iter().enumerate() {
-            let sign = if place < self.n_first { 1.0 } else { -1.0 };
-            coefficients[vector_idx] = sign * self.multipliers[place] / margin;
+        for (index, &vector_idx) in order.iter().enumerate() {
+            let sign = if index < self.n_first { 1.0 } else { -1.0 };
+            coefficients[vector_idx] = sign * self.multipliers[index] / margin;
         }
         let products = self.multipliers.iter().zip(&self.gradient).map(|(a, b)| a * b);
         NuSvcSolution {

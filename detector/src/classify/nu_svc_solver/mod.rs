@@ -55,7 +55,7 @@ pub enum NuSvcError {
     /// A vector that has no distance to others.
     #[error("vector {vector_idx} is not finite")]
     NotFinite {
-        /// Its place.
+        /// Its index.
         vector_idx: usize,
     },
     /// Too few vectors of one class for this ν, or none.

@@ -39,11 +39,11 @@ pub fn graphs(vertices: &[Vertex]) -> Vec<Vec<usize>> {
 }
 
 pub fn strips_m(vertices: &[Vertex], graphs: &[Vec<usize>]) -> Vec<Vec<[f32; 3]>> {
-    let place = |it: usize| vertices[it].position_m.map(|value| value as f32);
+    let position = |it: usize| vertices[it].position_m.map(|value| value as f32);
     let strip = |graph: &Vec<usize>| {
-        let mut strip = vec![place(graph[0])];
+        let mut strip = vec![position(graph[0])];
         for &it in &graph[1..] {
-            strip.extend([place(it), place(graph[0])]);
+            strip.extend([position(it), position(graph[0])]);
         }
         strip
     };
@@ -178,15 +178,15 @@ fn groups_of_form(points_m: &[[f64; 3]]) -> [Vec<f64>; 18] {
 fn count_form(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
     let edges = &model.params.patterns.form_edges_m;
     let groups = groups_of_form(points_m);
-    for (place, division) in (0..54_u64).map(|it| (it, it as usize % 3)) {
-        let bins = groups[place as usize / 3].iter().map(|&value| {
+    for (index, division) in (0..54_u64).map(|it| (it, it as usize % 3)) {
+        let bins = groups[index as usize / 3].iter().map(|&value| {
             let n_below = edges.iter().filter(|&&edge| edge <= value).count();
             ((n_below + division) / 3) as u64
         });
         let mut bins: Vec<u64> = bins.collect();
         bins.resize(4, 255);
         let of = |third, fourth| {
-            let numbers = [4, third, fourth, place, bins[0], bins[1], 255];
+            let numbers = [4, third, fourth, index, bins[0], bins[1], 255];
             Pattern(numbers.into_iter().fold(0, |whole, it| whole << 8 | it))
         };
         let found = [of(bins[2], bins[3]), of(bins[2], 255), of(255, 255)];

@@ -56,8 +56,8 @@ pub fn descriptor(
     let mut patch = neighbors(points_m, center_m, radius_m, params.descriptor.max_points);
     if params.descriptor.angles.pairs == Pairs::OfKeypoint && !patch.contains(&point_idx) {
         let n_before = patch.iter().filter(|&&it| it < point_idx).count();
-        let place = n_before.min(patch.len() - 1);
-        patch[place] = point_idx;
+        let index = n_before.min(patch.len() - 1);
+        patch[index] = point_idx;
     }
     let bins = histogram(points_m, surfaces, &patch, point_idx, params);
     let [k1, k2] = surfaces[point_idx].curvatures;
@@ -86,8 +86,8 @@ fn histogram(
     params: &PartialParams,
 ) -> [f64; 8] {
     let mut counts = [0.0; 8];
-    for (place, &b) in patch.iter().enumerate() {
-        for &a in &patch[..place] {
+    for (index, &b) in patch.iter().enumerate() {
+        for &a in &patch[..index] {
             if params.descriptor.angles.pairs == Pairs::All || a == keypoint || b == keypoint {
                 let [m, n] = [a, b].map(|it| (vector(points_m[it]), surfaces[it].normal));
                 // In the fast form the keypoint comes first.

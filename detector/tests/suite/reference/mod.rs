@@ -1,6 +1,6 @@
 //! The method once more, written to be read: point by point, in sorted maps, with nothing kept from scan to scan.
 //!
-//! The detector has to find the same, to the bit. Each stage is a file, and a criterion stands in one place.
+//! The detector has to find the same, to the bit. Each stage is a file, and a criterion stands in one file.
 
 mod cells;
 mod density;

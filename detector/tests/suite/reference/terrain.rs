@@ -46,14 +46,14 @@ impl Terrain {
         let block_size_m = params.terrain.block_cells as f32 * params.grid.cell_size_m;
         for block in outward {
             let from_sensor = [block.column, block.row].map(|it| from_middle(it).abs());
-            let place = Place {
+            let seen_block = SeenBlock {
                 is_below_sensor: from_sensor.iter().all(|it| *it <= i64::from(block_cells)),
                 seen_m: flat_m.get(&block).map(|it| low_quantile(it, params.terrain.low_quantile)),
                 lowest_m: terrain.low_of_block_m.get(&block).copied(),
                 block,
             };
             let it = if params.terrain.enabled {
-                terrain.looked_at(&place, &params.terrain, (block_size_m, sensor_height_m))
+                terrain.looked_at(&seen_block, &params.terrain, (block_size_m, sensor_height_m))
             } else {
                 Block { elevation_m: -sensor_height_m, n_unseen: 0, plane_weight: 0.0 }
             };
@@ -64,29 +64,30 @@ impl Terrain {
 
     fn looked_at(
         &self,
-        place: &Place,
+        seen_block: &SeenBlock,
         params: &TerrainParams,
         (block_size_m, sensor_height_m): (f32, f32),
     ) -> Block {
         let seen = |elevation_m: f32| Block { elevation_m, n_unseen: 0, plane_weight: 1.0 };
-        let (level_m, n_unseen) = self.expectation(place.block).unwrap_or((-sensor_height_m, 0));
+        let (level_m, n_unseen) = self.expectation(seen_block.block).unwrap_or((-sensor_height_m, 0));
         let unseen =
             |elevation_m: f32, plane_weight: f32| Block { elevation_m, n_unseen: n_unseen + 1, plane_weight };
-        if place.seen_m.is_none() && place.is_below_sensor {
+        if seen_block.seen_m.is_none() && seen_block.is_below_sensor {
             return seen(-sensor_height_m);
         }
-        let bound_m = place.lowest_m.unwrap_or_else(|| self.bound_by_next_m(place.block, block_size_m));
-        let is_nothing_seen = place.seen_m.is_none() && place.lowest_m.is_none();
+        let bound_m =
+            seen_block.lowest_m.unwrap_or_else(|| self.bound_by_next_m(seen_block.block, block_size_m));
+        let is_nothing_seen = seen_block.seen_m.is_none() && seen_block.lowest_m.is_none();
         if is_nothing_seen && bound_m == f32::INFINITY {
             return unseen(level_m, 0.0);
         }
-        let (expected_m, n_seen) = self.plane(place.block, params, block_size_m).unwrap_or((level_m, 0));
+        let (expected_m, n_seen) = self.plane(seen_block.block, params, block_size_m).unwrap_or((level_m, 0));
         let away_m = block_size_m * f32::from(n_unseen + 1);
         let bend = params.max_bend * if n_seen >= 6 { 1.0 } else { 1.75 };
         let highest_m = expected_m + params.max_step_m + bend * away_m;
         let deepest_m = expected_m - params.max_step_m - params.max_slope * away_m;
-        if let Some(seen_m) = place.seen_m {
-            let is_roof = place.lowest_m.is_some_and(|it| seen_m - it > 0.25 && it >= deepest_m);
+        if let Some(seen_m) = seen_block.seen_m {
+            let is_roof = seen_block.lowest_m.is_some_and(|it| seen_m - it > 0.25 && it >= deepest_m);
             if !is_roof && ((seen_m - level_m).abs() <= 0.1 || seen_m >= deepest_m && seen_m <= highest_m) {
                 return seen(seen_m);
             }
@@ -168,7 +169,7 @@ impl Terrain {
 }
 
 /// What is seen of a block.
-struct Place {
+struct SeenBlock {
     block: Cell,
     is_below_sensor: bool,
     seen_m: Option<f32>,

@@ -23,11 +23,11 @@ pub fn refine(
     grid.fill(cloud);
     let mut terrain = Terrain::new(params.terrain.clone(), &grid, sensor_height_m);
     terrain.estimate(&grid);
-    let place_of = |cell: Cell| cell.row as usize * grid.n_columns() as usize + cell.column as usize;
-    let mut by_place = vec![SurfaceClass::Unseen; grid.cells().len()];
+    let index_of = |cell: Cell| cell.row as usize * grid.n_columns() as usize + cell.column as usize;
+    let mut by_idx = vec![SurfaceClass::Unseen; grid.cells().len()];
     for (&cell, &class) in &classes {
-        by_place[place_of(cell)] = class;
+        by_idx[index_of(cell)] = class;
     }
-    WallRefinement::new(params.walls.clone(), &grid).refine(&grid, &terrain, &mut by_place);
-    classes.into_keys().map(|cell| (cell, by_place[place_of(cell)])).collect()
+    WallRefinement::new(params.walls.clone(), &grid).refine(&grid, &terrain, &mut by_idx);
+    classes.into_keys().map(|cell| (cell, by_idx[index_of(cell)])).collect()
 }

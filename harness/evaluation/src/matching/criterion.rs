@@ -171,8 +171,8 @@ mod tests {
     use reports::vocabulary::class::AnnotationClass;
 
     fn any_box() -> impl Strategy<Value = OrientedBox> {
-        let place = [-6.0_f32..6.0, -6.0..6.0, -1.0..1.0];
-        (place, [0.0_f32..5.0, 0.0..3.0, 0.1..3.0], -4.0_f32..4.0).prop_map(
+        let position = [-6.0_f32..6.0, -6.0..6.0, -1.0..1.0];
+        (position, [0.0_f32..5.0, 0.0..3.0, 0.1..3.0], -4.0_f32..4.0).prop_map(
             |(center_m, length_width_height_m, yaw_rad)| OrientedBox {
                 center_m,
                 length_width_height_m,

@@ -14,7 +14,7 @@ pub struct RewardedPair {
 }
 
 /// Of all choices with the greatest total reward, the one in which annotation 0 has the first detection it can have, then
-/// annotation 1, and so on. `pairs` are in the order of annotations, then detections; `best` and the result are places in
+/// annotation 1, and so on. `pairs` are in the order of annotations, then detections; `best` and the result are indices in
 /// `pairs`; `best` is any choice of the greatest reward.
 ///
 /// A choice is a flow through annotations and detections. Whatever is as good differs from it by cycles that cost nothing in

@@ -117,7 +117,7 @@ struct Footprint {
 }
 
 impl Footprint {
-    /// Which side of the object a place near it lies on, 0 to 3; `None` if it is farther away than [`REACH_M`].
+    /// Which side of the object a position near it lies on, 0 to 3; `None` if it is farther away than [`REACH_M`].
     fn side_of(&self, x_m: f32, y_m: f32) -> Option<usize> {
         let [dx_m, dy_m] = [x_m - self.center_m[0], y_m - self.center_m[1]];
         let (sin, cos) = self.sin_cos;
@@ -179,7 +179,7 @@ const MAX_CELLS: usize = 256;
 /// Their least side, in metres.
 const MIN_CELL_M: f32 = 4.0;
 
-/// For every cell of the ground plan the footprints that a place in it may be near to.
+/// For every cell of the ground plan the footprints that a position in it may be near to.
 struct NearFootprints {
     origin_m: [f32; 2],
     cell_m: f32,
@@ -244,8 +244,8 @@ mod tests {
 
     fn on_ground(ground_m: impl Fn(f32, f32) -> f32) -> Drawing {
         let steps = || (-20..=20_i8).map(|it| f32::from(it) * 0.2);
-        let places = steps().flat_map(|dx_m| steps().map(move |y_m| (10.0 + dx_m, y_m)));
-        let cloud = places.map(|(x_m, y_m)| [x_m, y_m, ground_m(x_m, y_m)]).collect();
+        let positions = steps().flat_map(|dx_m| steps().map(move |y_m| (10.0 + dx_m, y_m)));
+        let cloud = positions.map(|(x_m, y_m)| [x_m, y_m, ground_m(x_m, y_m)]).collect();
         Drawing { cloud, annotations: Vec::new() }
     }
 
@@ -265,7 +265,7 @@ mod tests {
             self
         }
 
-        /// A column of points at this place, one every 10 cm between these heights.
+        /// A column of points at this position, one every 10 cm between these heights.
         fn column(mut self, class: AnnotationClass, x_m: f32, [bottom_m, top_m]: [f32; 2]) -> Self {
             let first = self.cloud.len() as u32;
             let n_points = ((top_m - bottom_m) / 0.1).round() as u32 + 1;
@@ -398,8 +398,11 @@ mod tests {
     proptest! {
         /// The cells are only faster than asking every footprint.
         #[test]
-        fn no_place_near_a_footprint_is_lost(
-            places in prop::collection::vec((-90.0_f32..90.0, -90.0_f32..90.0, 0.0_f32..30.0, 0.0_f32..3.0, -4.0_f32..4.0), 1..20),
+        fn no_position_near_a_footprint_is_lost(
+            positions in prop::collection::vec(
+                (-90.0_f32..90.0, -90.0_f32..90.0, 0.0_f32..30.0, 0.0_f32..3.0, -4.0_f32..4.0),
+                1..20,
+            ),
             x_m in -100.0_f32..100.0, y_m in -100.0_f32..100.0,
         ) {
             let footprint = |&(x_m, y_m, half_length_m, half_width_m, yaw_rad): &(f32, f32, f32, f32, f32)| Footprint {
@@ -407,7 +410,7 @@ mod tests {
                 half_m: [half_length_m, half_width_m],
                 sin_cos: yaw_rad.sin_cos(),
             };
-            let footprints: Vec<Footprint> = places.iter().map(footprint).collect();
+            let footprints: Vec<Footprint> = positions.iter().map(footprint).collect();
             let near = NearFootprints::of(&footprints);
             for (footprint, footprint_idx) in footprints.iter().zip(0..) {
                 if footprint.side_of(x_m, y_m).is_some() {

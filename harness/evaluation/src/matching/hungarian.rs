@@ -114,10 +114,11 @@ fn rewarded(group: &[AdmissiblePair], most: i64) -> Vec<RewardedPair> {
     };
     let annotations = distinct(|pair| pair.annotation_idx);
     let detections = distinct(|pair| pair.detection_idx);
-    let place = |all: &[usize], index: usize| all.binary_search(&index).expect("all indices were collected");
+    let rank_of =
+        |all: &[usize], index: usize| all.binary_search(&index).expect("all indices were collected");
     let rewarded = |pair: &AdmissiblePair| RewardedPair {
-        annotation: place(&annotations, pair.annotation_idx),
-        detection: place(&detections, pair.detection_idx),
+        annotation: rank_of(&annotations, pair.annotation_idx),
+        detection: rank_of(&detections, pair.detection_idx),
         reward: most - cost_steps(pair),
     };
     group.iter().map(rewarded).collect()
@@ -127,7 +128,7 @@ fn cost_steps(pair: &AdmissiblePair) -> i64 {
     (pair.cost / COST_STEP).round() as i64
 }
 
-/// Places in `pairs` of some choice of the greatest total reward.
+/// Indices in `pairs` of some choice of the greatest total reward.
 fn solve(pairs: &[RewardedPair]) -> Vec<usize> {
     let n_annotations = pairs.iter().map(|it| it.annotation + 1).max().unwrap_or(0);
     let n_detections = pairs.iter().map(|it| it.detection + 1).max().unwrap_or(0);

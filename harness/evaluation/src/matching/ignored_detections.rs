@@ -7,21 +7,21 @@ use reports::vocabulary::reason::IgnoredDetection;
 use scans::annotation::{LabeledScan, PointRegion, range_m};
 
 use crate::matching::eligibility::EligibilityParams;
-use crate::matching::labeled_places::LabeledPlaces;
+use crate::matching::labeled_positions::LabeledPositions;
 use crate::matching::outcome::AnnotationOutcome;
 
 /// Where detections of a scan are not judged.
-pub struct UnjudgedPlaces<'a> {
+pub struct UnjudgedPositions<'a> {
     scan: &'a LabeledScan,
     max_range_m: f64,
     // For every point whether it is on an ignored annotation.
     is_on_ignored: Vec<bool>,
     ignored_boxes: Vec<OrientedBox>,
     // Asked for by detections without points alone.
-    labeled_places: OnceCell<LabeledPlaces>,
+    labeled_positions: OnceCell<LabeledPositions>,
 }
 
-impl<'a> UnjudgedPlaces<'a> {
+impl<'a> UnjudgedPositions<'a> {
     /// Those of `scan`, where `exclusions` say of every annotation whether and why it does not count.
     pub fn of(
         scan: &'a LabeledScan,
@@ -38,8 +38,8 @@ impl<'a> UnjudgedPlaces<'a> {
                 ignored_boxes.extend(annotation.bounding_box);
             }
         }
-        let labeled_places = OnceCell::new();
-        Self { scan, max_range_m: params.max_range_m, is_on_ignored, ignored_boxes, labeled_places }
+        let labeled_positions = OnceCell::new();
+        Self { scan, max_range_m: params.max_range_m, is_on_ignored, ignored_boxes, labeled_positions }
     }
 
     /// Why `detection`, which matches nothing, is neither right nor false; `None` if it is false for all that is labelled.
@@ -49,7 +49,7 @@ impl<'a> UnjudgedPlaces<'a> {
     /// of an ignored annotation, where nothing was labelled, or beyond the range; that its box is empty is no reason.
     pub fn why_ignored(&self, detection: &Detection<'_>) -> Option<IgnoredDetection> {
         if detection.point_indices.is_empty() {
-            self.why_place_is_ignored(detection.bounding_box.center_m)
+            self.why_position_is_ignored(detection.bounding_box.center_m)
         } else {
             self.why_points_are_ignored(detection.point_indices)
         }
@@ -81,11 +81,11 @@ impl<'a> UnjudgedPlaces<'a> {
         })
     }
 
-    fn why_place_is_ignored(&self, center_m: [f32; 3]) -> Option<IgnoredDetection> {
-        let places = || self.labeled_places.get_or_init(|| LabeledPlaces::of(self.scan));
+    fn why_position_is_ignored(&self, center_m: [f32; 3]) -> Option<IgnoredDetection> {
+        let positions = || self.labeled_positions.get_or_init(|| LabeledPositions::of(self.scan));
         if self.ignored_boxes.iter().any(|it| is_within(it, center_m)) {
             Some(IgnoredDetection::OnIgnoredAnnotation)
-        } else if places().is_outside([center_m[0], center_m[1]]) {
+        } else if positions().is_outside([center_m[0], center_m[1]]) {
             Some(IgnoredDetection::OutsideLabeledRegion)
         } else if range_m(center_m) > self.max_range_m {
             Some(IgnoredDetection::BeyondRange)
@@ -95,7 +95,7 @@ impl<'a> UnjudgedPlaces<'a> {
     }
 }
 
-/// Whether a place is inside the box on the ground plan.
+/// Whether a position is inside the box on the ground plan.
 fn is_within(bounding_box: &OrientedBox, [x_m, y_m, _]: [f32; 3]) -> bool {
     let [box_x_m, box_y_m, box_z_m] = bounding_box.center_m;
     let [length_m, width_m, _] = bounding_box.length_width_height_m;

@@ -193,7 +193,7 @@ impl<'a> Evidence<'a> {
             }
             let surface = self.surfaces.map_or(SurfaceClass::Short, |it| it[point_idx]);
             let size = self.cluster_size[point_idx];
-            let place = match surface {
+            let cause = match surface {
                 _ if size > 0 => "in clusters of the wrong size",
                 SurfaceClass::Unseen => "outside of the grid",
                 SurfaceClass::Clutter => "clutter (too sparse)",
@@ -202,12 +202,12 @@ impl<'a> Evidence<'a> {
                 SurfaceClass::Short => "in no object",
             };
             largest = largest.max(size);
-            *n_lost.entry(place).or_default() += 1;
+            *n_lost.entry(cause).or_default() += 1;
         }
-        let mut places: Vec<(&str, usize)> = n_lost.into_iter().collect();
-        places.sort_by_key(|&(_, n_points)| std::cmp::Reverse(n_points));
+        let mut causes: Vec<(&str, usize)> = n_lost.into_iter().collect();
+        causes.sort_by_key(|&(_, n_points)| std::cmp::Reverse(n_points));
         let mut said: Vec<String> =
-            places.iter().map(|(place, n_points)| format!("{n_points} {place}")).collect();
+            causes.iter().map(|(cause, n_points)| format!("{n_points} {cause}")).collect();
         if largest > 0 {
             said.push(format!("the largest such cluster has {largest}"));
         }
@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn splits_classes_and_empty_places_are_explained() {
+    fn splits_classes_and_empty_positions_are_explained() {
         check(
             &[(Car, 0..60)],
             &[(Object, 0..25), (Object, 25..50)],

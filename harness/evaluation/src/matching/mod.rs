@@ -8,7 +8,7 @@ pub mod rectangle_overlap;
 pub mod box_overlap;
 pub mod criterion;
 mod height_above_ground;
-mod labeled_places;
+mod labeled_positions;
 pub mod eligibility;
 mod ignored_detections;
 pub mod detection_order;

@@ -8,13 +8,13 @@ use reports::vocabulary::task::Task;
 use crate::matching::eligibility::asks_for;
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
 
-/// Places of those of `detections` that `task` asks for.
+/// Indices of those of `detections` that `task` asks for.
 pub fn asked_for(detections: &Detections, task: Task) -> Vec<usize> {
     (0..detections.len()).filter(|&idx| asks_for(task, detections.get(idx).class)).collect()
 }
 
-/// Places of those detections of the first of two detectors that the second has, too, in a scan of `n_points`: they share half of the
-/// points that they have together. Only what `task` asks for is looked at.
+/// Indices of those detections of the first of two detectors that the second has, too, in a scan of `n_points`: they share
+/// half of the points that they have together. Only what `task` asks for is looked at.
 ///
 /// The detections are matched as if those of the second detector were annotations, one with one, so that as many as possible are
 /// matched and they share as many points as possible. They are as many the other way round.

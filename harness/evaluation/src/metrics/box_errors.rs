@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_and_places_are_compared_as_they_are() {
+    fn sizes_and_positions_are_compared_as_they_are() {
         let half =
             OrientedBox { center_m: [13.0, 1.0, 5.0], length_width_height_m: [2.5, 2.25, 9.0], yaw_rad: 0.0 };
         let it = BoxErrors::of(&half, &car(0.0));

@@ -40,8 +40,8 @@ pub fn judge_pairs(
     let assignment = assign(scan, detections, Task::Objects, &AnnotatedClasses::EveryObject, matching);
     let overlap = PointOverlap::count(scan, detections);
     let judge = |tracks: &[u32; 2]| {
-        let place = |track: u32| scan.annotations.iter().position(|it| it.track == Some(track));
-        let [Some(one), Some(other)] = tracks.map(place) else { return PairOutcome::NotSeen };
+        let index = |track: u32| scan.annotations.iter().position(|it| it.track == Some(track));
+        let [Some(one), Some(other)] = tracks.map(index) else { return PairOutcome::NotSeen };
         let outcomes = [one, other].map(|annotation_idx| assignment.annotations[annotation_idx]);
         let is_judged = |it: &AnnotationOutcome| {
             matches!(it, AnnotationOutcome::Matched { .. } | AnnotationOutcome::Missed(_))

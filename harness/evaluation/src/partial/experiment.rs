@@ -208,8 +208,8 @@ impl PartialExperiment<'_> {
         match self.knowledge {
             Knowledge::Model { .. } => Some(0),
             Knowledge::Learned { trained_on, methods, .. } => {
-                let place = methods.iter().position(|it| it.name == OURS)?;
-                Some((trained_on.len() - 1) * methods.len() + place)
+                let index = methods.iter().position(|it| it.name == OURS)?;
+                Some((trained_on.len() - 1) * methods.len() + index)
             }
         }
     }

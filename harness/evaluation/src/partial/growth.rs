@@ -48,13 +48,13 @@ pub struct GrowthMoment {
     /// Its predicted class.
     pub answer: Answer,
     /// Where the scanner is that sees it, if it is driven toward.
-    pub scanner: Option<ScannerPlace>,
+    pub scanner: Option<ScannerPosition>,
 }
 
 /// Where a planar scanner is on its drive along x toward an object at the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ScannerPlace {
-    /// Its place in metres.
+pub struct ScannerPosition {
+    /// Its position in metres.
     pub position_m: [f32; 3],
     /// By how much its plane rises, metre for metre.
     pub slope: f32,
@@ -76,7 +76,7 @@ pub fn growths(
 ) -> Result<Vec<Growth>, DatasetError> {
     let growing = set.read(object_idx)?;
     let mut classifier = PartialClassifier::with_choice(Arc::clone(&model.model), choice);
-    let mut classified = |at: i64, cloud: PointCloud, scanner: Option<ScannerPlace>| {
+    let mut classified = |at: i64, cloud: PointCloud, scanner: Option<ScannerPosition>| {
         let answer = model.method.of_graphs(&mut classifier, &cloud);
         GrowthMoment {
             at,
@@ -136,11 +136,11 @@ fn driven_cm(growing: &GrowingCloud, moment: &Moment) -> i64 {
     first.zip(moment.distance_m).map_or(0, |(first_m, here_m)| (100.0 * (first_m - here_m)).round() as i64)
 }
 
-fn scanner_at(drive: &Drive, moment: &Moment) -> Option<ScannerPlace> {
+fn scanner_at(drive: &Drive, moment: &Moment) -> Option<ScannerPosition> {
     let distance_m = moment.distance_m?;
     let before_m = (distance_m * distance_m - drive.aside_m * drive.aside_m).max(0.0).sqrt();
     let slope = drive.tilt_deg.to_radians().tan();
-    Some(ScannerPlace { position_m: [-before_m, drive.aside_m, drive.height_m], slope })
+    Some(ScannerPosition { position_m: [-before_m, drive.aside_m, drive.height_m], slope })
 }
 
 /// The same with only those patterns in the bags that are most frequent at the last moment, in their order.
@@ -189,8 +189,11 @@ mod tests {
         let found = growths(&set, 2, (PartsSeen::Driven, drive), (&model(), Choice::OrNoneOfThese)).unwrap();
         let [growth] = &found[..] else { panic!("one drive") };
         assert!(growth.moments.is_sorted_by_key(|it| it.at) && growth.moments[0].at == 0);
-        let places: Vec<[f32; 3]> = growth.moments.iter().map(|it| it.scanner.unwrap().position_m).collect();
-        assert!(places.is_sorted_by(|a, b| a[0] <= b[0]) && places[0][0] < -1.0, "{places:?}");
-        assert!(places.iter().all(|it| it[1] == drive.unwrap().aside_m && it[2] == drive.unwrap().height_m));
+        let positions: Vec<[f32; 3]> =
+            growth.moments.iter().map(|it| it.scanner.unwrap().position_m).collect();
+        assert!(positions.is_sorted_by(|a, b| a[0] <= b[0]) && positions[0][0] < -1.0, "{positions:?}");
+        assert!(
+            positions.iter().all(|it| it[1] == drive.unwrap().aside_m && it[2] == drive.unwrap().height_m)
+        );
     }
 }

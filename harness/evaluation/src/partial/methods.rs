@@ -175,7 +175,7 @@ pub fn bag_of_graphs(
     let names: Vec<String> = classes.iter().map(|it| it.name().to_owned()).collect();
     let described = |part: &ObjectPart| {
         let class_idx = classes.iter().position(|it| *it == part.class)?;
-        let of_object = (part.object_idx, part.place());
+        let of_object = (part.object_idx, part.index());
         Some(TrainingCloud::described(part.cloud.positions_m(), class_idx, of_object, params))
     };
     let clouds: Vec<Option<TrainingCloud>> = parts.par_iter().map(described).collect();
@@ -271,8 +271,8 @@ impl TrainedMethod {
 
     fn of_classes(&self, values: &[f32]) -> OfClasses {
         PartialClass::ALL.map(|class| {
-            let place = self.classes.iter().position(|it| *it == class)?;
-            Some(f64::from(values[place])).filter(|it| it.is_finite())
+            let index = self.classes.iter().position(|it| *it == class)?;
+            Some(f64::from(values[index])).filter(|it| it.is_finite())
         })
     }
 }
@@ -284,10 +284,10 @@ mod tests {
     #[test]
     fn every_variant_is_another_one_that_can_be_used() {
         let variants = Method::ablation(&PartialParams::shipped());
-        for (place, variant) in variants.iter().enumerate() {
+        for (index, variant) in variants.iter().enumerate() {
             let MethodKind::BagOfGraphs(params) = &variant.kind else { panic!("{variant:?}") };
             params.validate().unwrap();
-            assert!(variants[..place].iter().all(|it| it.kind != variant.kind && it.name != variant.name));
+            assert!(variants[..index].iter().all(|it| it.kind != variant.kind && it.name != variant.name));
         }
     }
 }

@@ -29,7 +29,7 @@ pub struct ObjectPart {
 
 impl ObjectPart {
     /// A number of what is seen, the same for all objects: from which end, and the step.
-    pub fn place(&self) -> usize {
+    pub fn index(&self) -> usize {
         let from = match self.direction {
             DRIVE => 2,
             "above" => 1,
@@ -91,8 +91,8 @@ pub fn parts_of(object_idx: usize, growing: &GrowingCloud, seen: PartsSeen) -> V
             .collect(),
         PartsSeen::Driven => UNCOVER_STEPS
             .map(|step| {
-                let place = (growing.moments.len() * step as usize).div_ceil(last as usize).max(1);
-                part(DRIVE, step, growing.seen_at(&growing.moments[place - 1]))
+                let index = (growing.moments.len() * step as usize).div_ceil(last as usize).max(1);
+                part(DRIVE, step, growing.seen_at(&growing.moments[index - 1]))
             })
             .collect(),
     }

@@ -261,9 +261,9 @@ mod tests {
 
     #[test]
     fn wrong_lengths_and_numbers_are_refused() {
-        let with = |place: usize, number: f32| {
+        let with = |index: usize, number: f32| {
             let mut of_box = CAR;
-            of_box[place] = number;
+            of_box[index] = number;
             read(&line(1, false, false), &numbers(&of_box), 0).unwrap_err()
         };
         for (problem, expected) in [

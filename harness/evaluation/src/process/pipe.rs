@@ -142,10 +142,10 @@ impl Pipe {
     }
 }
 
-/// Reads at least a byte to the begin of `place`, and says how many.
-fn read_some(from: &OwnedFd, place: &mut [u8], deadline: Instant) -> Result<usize, PipeError> {
+/// Reads at least a byte to the begin of `buffer`, and says how many.
+fn read_some(from: &OwnedFd, buffer: &mut [u8], deadline: Instant) -> Result<usize, PipeError> {
     loop {
-        match rustix::io::read(from, &mut *place) {
+        match rustix::io::read(from, &mut *buffer) {
             Ok(0) => return Err(PipeError::Closed),
             Ok(n_read) => return Ok(n_read),
             Err(Errno::AGAIN) => wait_for(from, PollFlags::IN, deadline)?,

@@ -54,11 +54,11 @@ fn ticks_of_ended_children(pid: u32) -> Option<u64> {
     Some(field_of(pid, 16)? + field_of(pid, 17)?)
 }
 
-/// A number of `/proc/PID/stat`, by its place in the manual, which begins with 1.
-fn field_of(pid: u32, place: usize) -> Option<u64> {
+/// A number of `/proc/PID/stat`, by its index in the manual, which begins with 1.
+fn field_of(pid: u32, index: usize) -> Option<u64> {
     let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
     // The name of the program may hold anything; the fields behind it begin with the third.
-    stat.rsplit_once(')')?.1.split_whitespace().nth(place - 3)?.parse().ok()
+    stat.rsplit_once(')')?.1.split_whitespace().nth(index - 3)?.parse().ok()
 }
 
 #[cfg(test)]

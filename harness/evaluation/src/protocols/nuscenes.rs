@@ -127,9 +127,9 @@ fn turned_rad(difference_rad: f64, period_rad: f64) -> f64 {
     ((difference_rad + period_rad / 2.0).rem_euclid(period_rad) - period_rad / 2.0).abs()
 }
 
-/// Whether the place lies in or on the box.
-fn holds(rack: &OfficialObject, place_m: [f64; 3]) -> bool {
-    let [x_m, y_m, z_m] = std::array::from_fn(|axis| place_m[axis] - rack.center_m[axis]);
+/// Whether the position lies in or on the box.
+fn holds(rack: &OfficialObject, position_m: [f64; 3]) -> bool {
+    let [x_m, y_m, z_m] = std::array::from_fn(|axis| position_m[axis] - rack.center_m[axis]);
     let (sin, cos) = rack.yaw_rad.sin_cos();
     let inside = [cos * x_m + sin * y_m, cos * y_m - sin * x_m, z_m];
     inside.iter().zip(rack.length_width_height_m).all(|(at_m, side_m)| at_m.abs() <= side_m / 2.0)

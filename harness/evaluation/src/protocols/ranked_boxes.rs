@@ -8,7 +8,7 @@ use scans::dataset::official::OfficialObject;
 
 use super::official_protocol::FoundInScan;
 
-/// For each of [`PAIR_DISTANCES_M`] the annotation that a detection finds, by its place.
+/// For each of [`PAIR_DISTANCES_M`] the annotation that a detection finds, by its index.
 pub(super) type Pairs = [Option<usize>; PAIR_DISTANCES_M.len()];
 
 /// What protocols of this kind differ in. Centres are from where ranges are measured.
@@ -102,18 +102,18 @@ fn match_class<Rules: RankedRules>(
     detections: &[Candidate],
     kinds: &mut [BoxKind],
 ) {
-    let places = |of: &[Candidate]| -> Vec<usize> {
+    let indices = |of: &[Candidate]| -> Vec<usize> {
         let counts = |it: &Candidate| it.class == class && it.state == BoxState::Counts;
-        (0..of.len()).filter(|place| counts(&of[*place])).collect()
+        (0..of.len()).filter(|index| counts(&of[*index])).collect()
     };
-    let (of_annotations, of_detections) = (places(annotations), places(detections));
+    let (of_annotations, of_detections) = (indices(annotations), indices(detections));
     let labelled: Vec<&OfficialObject> = of_annotations.iter().map(|it| &annotations[*it].object).collect();
     let found: Vec<&OfficialObject> = of_detections.iter().map(|it| &detections[*it].object).collect();
     let pairs = Rules::pairs(&found, &labelled);
-    for ((place, found), pairs) in of_detections.into_iter().zip(&found).zip(pairs) {
+    for ((index, found), pairs) in of_detections.into_iter().zip(&found).zip(pairs) {
         let errors = pairs[ERROR_DISTANCE].map(|it| Rules::errors(class, found, labelled[it]));
         let pairs = pairs.map(|it| it.map(|it| of_annotations[it] as u32));
-        kinds[place] = BoxKind::Detection { score: found.score.unwrap_or_default(), pairs, errors };
+        kinds[index] = BoxKind::Detection { score: found.score.unwrap_or_default(), pairs, errors };
     }
 }
 
@@ -146,8 +146,8 @@ mod tests {
     use reports::vocabulary::class::AnnotationClass;
     use scans::annotation::{Annotation, LabeledArea, LabeledScan, ScanId};
 
-    /// Cars of one point at these places.
-    fn scan(places_m: &[[f32; 2]]) -> LabeledScan {
+    /// Cars of one point at these positions.
+    fn scan(positions_m: &[[f32; 2]]) -> LabeledScan {
         let annotation = |[x_m, y_m]: &[f32; 2]| Annotation {
             class: AnnotationClass::Car,
             bounding_box: Some(OrientedBox {
@@ -163,7 +163,7 @@ mod tests {
         LabeledScan {
             id: ScanId { sequence: "drawn".to_owned(), index: 0 },
             cloud: PointCloud::default(),
-            annotations: places_m.iter().map(annotation).collect(),
+            annotations: positions_m.iter().map(annotation).collect(),
             point_regions: Vec::new(),
             labeled_area: LabeledArea::Everywhere,
             points_left_out: Vec::new(),
@@ -215,13 +215,13 @@ mod tests {
     proptest! {
         #[test]
         fn the_order_of_labels_and_detections_changes_nothing(
-            places_m in prop::collection::vec(prop::array::uniform2(-9.0_f32..9.0), 1..12),
+            positions_m in prop::collection::vec(prop::array::uniform2(-9.0_f32..9.0), 1..12),
             moved_m in prop::collection::vec(-2.0_f64..2.0, 12),
             n_turns in 0..12_usize,
         ) {
-            let (mut turned, n) = (places_m.clone(), places_m.len());
+            let (mut turned, n) = (positions_m.clone(), positions_m.len());
             turned.rotate_left(n_turns % n);
-            let [scan, other] = [scan(&places_m), scan(&turned)];
+            let [scan, other] = [scan(&positions_m), scan(&turned)];
             let mut objects = OfficialScanView::of_annotations(&scan).echoed();
             for (object, moved_m) in objects.iter_mut().zip(&moved_m) {
                 object.center_m[0] += moved_m;
@@ -234,11 +234,11 @@ mod tests {
         }
 
         #[test]
-        fn labels_find_themselves(places_m in prop::collection::vec(prop::array::uniform2(-9.0_f32..9.0), 1..12)) {
-            let scan = scan(&places_m);
+        fn labels_find_themselves(positions_m in prop::collection::vec(prop::array::uniform2(-9.0_f32..9.0), 1..12)) {
+            let scan = scan(&positions_m);
             let echoed = OfficialScanView::of_annotations(&scan).echoed();
-            prop_assert_eq!(n_found(&rows_of::<Nuscenes>(&scan, &echoed)), places_m.len());
-            prop_assert_eq!(n_found(&rows_of::<Argoverse2>(&scan, &echoed)), places_m.len());
+            prop_assert_eq!(n_found(&rows_of::<Nuscenes>(&scan, &echoed)), positions_m.len());
+            prop_assert_eq!(n_found(&rows_of::<Argoverse2>(&scan, &echoed)), positions_m.len());
         }
     }
 }

@@ -237,9 +237,9 @@ mod tests {
         let bytes = include_bytes!("../../../../detector/src/params/groupings.model");
         std::fs::write(folder.path().join("without-walls/groupings.model"), bytes).unwrap();
         let variants = all_variants(Some(folder.path())).unwrap();
-        let place = variants.iter().position(|it| it.name == "without walls, trained so").unwrap();
-        assert_eq!(variants[place - 1].name, "without walls");
-        assert_eq!(variants[place].config.hierarchical, variants[place - 1].config.hierarchical);
+        let index = variants.iter().position(|it| it.name == "without walls, trained so").unwrap();
+        assert_eq!(variants[index - 1].name, "without walls");
+        assert_eq!(variants[index].config.hierarchical, variants[index - 1].config.hierarchical);
         assert_eq!(variants.len(), PARTS.len() + 5 + STEPS.len());
     }
 

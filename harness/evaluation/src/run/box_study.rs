@@ -72,17 +72,20 @@ pub struct FramedCluster {
     /// Length and width of the box, in metres.
     pub length_width_m: [f32; 2],
     /// The points along the length and across, from the centre, in metres.
-    pub places_m: Vec<[f32; 2]>,
+    pub positions_m: Vec<[f32; 2]>,
 }
 
 impl FramedCluster {
     fn new(frame: &OrientedBox, positions_m: &[[f32; 3]]) -> Self {
         let [length_m, width_m, _] = frame.length_width_height_m;
-        let place_m = |&position_m: &[f32; 3]| {
+        let in_frame_m = |&position_m: &[f32; 3]| {
             let [along_m, across_m, _] = frame.in_box_frame(position_m);
             [along_m, across_m]
         };
-        Self { length_width_m: [length_m, width_m], places_m: positions_m.iter().map(place_m).collect() }
+        Self {
+            length_width_m: [length_m, width_m],
+            positions_m: positions_m.iter().map(in_frame_m).collect(),
+        }
     }
 }
 
@@ -148,9 +151,9 @@ pub fn box_points(pairs: &[(&str, BoxPair)]) -> Vec<Vec<BoxPoints>> {
     let of_class = |class: AnnotationClass| {
         let of_frame = |frame_idx: usize| {
             let here = pairs.iter().filter(|it| it.1.class == class).map(|it| &it.1.framed[frame_idx]);
-            let vehicles = here.map(|FramedCluster { length_width_m, places_m }| FramedPoints {
+            let vehicles = here.map(|FramedCluster { length_width_m, positions_m }| FramedPoints {
                 length_width_m: *length_width_m,
-                places_m,
+                positions_m,
             });
             BoxPoints::of(class, FRAMES[frame_idx], vehicles)
         };
@@ -234,10 +237,10 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
 /// The drive or the track of each pair, numbered from 0, and how many there are. What has no track is one of its own.
 fn blocks(pairs: &[&(&str, BoxPair)], kind: BlockKind) -> (Vec<usize>, BlockCount) {
     let mut numbers = BTreeMap::new();
-    let of_pairs = pairs.iter().enumerate().map(|(place, (dataset, pair))| {
-        let own_place = if pair.track.is_none() { Some(place) } else { None };
+    let of_pairs = pairs.iter().enumerate().map(|(index, (dataset, pair))| {
+        let own_idx = if pair.track.is_none() { Some(index) } else { None };
         let are_drives = matches!(kind, BlockKind::Drives | BlockKind::Named);
-        let within_drive = if are_drives { None } else { Some((pair.track, own_place)) };
+        let within_drive = if are_drives { None } else { Some((pair.track, own_idx)) };
         let next = numbers.len();
         *numbers.entry((*dataset, pair.second.drive(), within_drive)).or_insert(next)
     });

@@ -63,9 +63,9 @@ pub fn files_of<'a>(
 fn names_in(word: &str) -> Vec<String> {
     let mut names = vec![word.to_owned()];
     names.extend(word.split_once('=').map(|(_, value)| value.to_owned()));
-    if let Some((place, _)) = word.rsplit_once(':') {
-        names.push(place.to_owned());
-        names.extend(files_of_module(place));
+    if let Some((before_colon, _)) = word.rsplit_once(':') {
+        names.push(before_colon.to_owned());
+        names.extend(files_of_module(before_colon));
     }
     names
 }
@@ -108,8 +108,8 @@ mod tests {
         let command: Vec<String> = command.iter().map(|&it| it.to_owned()).collect();
         let files = files_of(&command, ["tree"], folder.path()).unwrap();
         let expected = expected.iter().map(|it| {
-            let place = if *it == "far.py" { "other/far.py" } else { it };
-            ((*it).to_owned(), sha256(place))
+            let path = if *it == "far.py" { "other/far.py" } else { it };
+            ((*it).to_owned(), sha256(path))
         });
         assert_eq!(files, expected.collect(), "{command:?}");
     }

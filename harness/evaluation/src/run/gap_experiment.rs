@@ -100,7 +100,7 @@ impl StagedPairs {
     }
 
     /// Makes the scan of `staging`; the pair at range number r consists of the tracks 2r and 2r + 1. The same pair
-    /// stands at the same place whatever its gap.
+    /// stands at the same position whatever its gap.
     pub fn scan(&self, staging: &Staging) -> LabeledScan {
         let number = PairKind::ALL.iter().position(|it| *it == staging.kind).unwrap_or(0) as u64 * 2
             + u64::from(staging.layout == PairLayout::Behind);
@@ -131,7 +131,7 @@ impl Dataset for StagedPairs {
     }
 }
 
-/// Place of the detector, kind, layout, place of the range, gap.
+/// Index of the detector, kind, layout, index of the range, gap.
 type Key = (usize, PairKind, PairLayout, usize, u16);
 
 /// Counts which pairs are separated.

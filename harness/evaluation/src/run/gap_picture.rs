@@ -22,7 +22,7 @@ const SHOWN_GAPS_DM: [u16; 4] = [5, 4, 6, 3];
 /// How far around the pair points are drawn, in metres.
 const ROOM_M: f32 = 0.5;
 /// About as many points of a detection are drawn: more would only be a blot.
-const MOST_PLACES: usize = 250;
+const MOST_POSITIONS: usize = 250;
 
 /// A pair as two detectors see it.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,8 +88,8 @@ fn plan(entrant: &Entrant, scan: &LabeledScan, name: &str, output: &DetectorOutp
         (0..2).all(|axis| (ends_m[axis][0] - ROOM_M..=ends_m[axis][1] + ROOM_M).contains(&position_m[axis]))
     };
     let holding = || output.detections.iter().filter(|it| it.point_indices.iter().any(is_of_pair));
-    let places = |point_indices: &[u32]| {
-        let thinned = point_indices.iter().step_by(point_indices.len().div_ceil(MOST_PLACES).max(1));
+    let positions = |point_indices: &[u32]| {
+        let thinned = point_indices.iter().step_by(point_indices.len().div_ceil(MOST_POSITIONS).max(1));
         let positions_m = thinned.map(|&point_idx| scan.cloud.position_m(point_idx as usize));
         positions_m.filter(is_near).map(|[x_m, y_m, _]| [f64::from(x_m), f64::from(y_m)]).collect()
     };
@@ -98,7 +98,7 @@ fn plan(entrant: &Entrant, scan: &LabeledScan, name: &str, output: &DetectorOutp
     let n_found = holding().count();
     Plan {
         title: format!("{name}: {n_found} {}", if n_found == 1 { "object" } else { "objects" }),
-        groups: holding().map(|it| places(it.point_indices)).collect(),
+        groups: holding().map(|it| positions(it.point_indices)).collect(),
         outlines: holding()
             .map(|it| it.bounding_box.footprint_m().map(|it| it.map(f64::from)).to_vec())
             .collect(),

@@ -216,8 +216,8 @@ impl Condition {
 struct JoinedDrives {
     listing: Listing,
     drives: Vec<Box<dyn Dataset>>,
-    // Of each scan the drive, and the place in it.
-    places: Vec<[usize; 2]>,
+    // Of each scan the drive, and the index in it.
+    indices: Vec<[usize; 2]>,
 }
 
 /// What such a data set is simulated from.
@@ -241,17 +241,17 @@ impl JoinedDrives {
             simulation: Some(Simulation::of(&SimulatedDrives { drives })),
             ..opened[0].description().clone()
         };
-        let places = opened
+        let indices = opened
             .iter()
             .enumerate()
             .flat_map(|(drive_idx, it)| (0..it.scan_ids().len()).map(move |scan_idx| [drive_idx, scan_idx]));
-        let places = places.collect();
+        let indices = indices.collect();
         let scan_ids = opened.iter().flat_map(|it| it.scan_ids().to_vec()).collect();
-        Ok(Self { listing: Listing { description, scan_ids }, drives: opened, places })
+        Ok(Self { listing: Listing { description, scan_ids }, drives: opened, indices })
     }
 
-    fn place(&self, scan_idx: usize) -> (&dyn Dataset, usize) {
-        let [drive_idx, in_drive_idx] = self.places[scan_idx];
+    fn drive_and_idx(&self, scan_idx: usize) -> (&dyn Dataset, usize) {
+        let [drive_idx, in_drive_idx] = self.indices[scan_idx];
         (&*self.drives[drive_idx], in_drive_idx)
     }
 }
@@ -262,17 +262,17 @@ impl Dataset for JoinedDrives {
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let (drive, in_drive_idx) = self.place(scan_idx);
+        let (drive, in_drive_idx) = self.drive_and_idx(scan_idx);
         drive.read_scan(in_drive_idx)
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        let (drive, in_drive_idx) = self.place(scan_idx);
+        let (drive, in_drive_idx) = self.drive_and_idx(scan_idx);
         drive.scan_time_ns(in_drive_idx)
     }
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
-        let (drive, in_drive_idx) = self.place(scan_idx);
+        let (drive, in_drive_idx) = self.drive_and_idx(scan_idx);
         drive.world_from_sensor(in_drive_idx)
     }
 }

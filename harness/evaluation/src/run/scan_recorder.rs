@@ -8,15 +8,15 @@ use super::sink::JudgedScan;
 pub struct RecordedScan<'a> {
     /// The scan with what all detectors made of it.
     pub judged: &'a JudgedScan<'a>,
-    /// Places in it that are pointed at.
+    /// Positions in it that are pointed at.
     pub marks: &'a [Mark],
 }
 
-/// A place that is pointed at.
+/// A position that is pointed at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     /// On the ground plan of the sensor, in metres.
-    pub place_m: [f32; 2],
+    pub position_m: [f32; 2],
     /// What is there.
     pub text: String,
 }

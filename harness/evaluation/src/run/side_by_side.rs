@@ -25,7 +25,7 @@ pub struct SideBySide<'a> {
     pub dataset: &'a dyn Dataset,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
-    /// Which of these are looked at, as places among them: all, or those of a shard.
+    /// Which of these are looked at, as indices among them: all, or those of a shard.
     pub part: Range<usize>,
     /// Scans that were selected of the data sets before this one.
     pub n_before: usize,
@@ -86,7 +86,7 @@ pub struct DetectionTimes {
 
 /// One scan with what all detectors made of it.
 pub struct ScanResults<'a> {
-    /// Place of the scan among all that were selected of its data set, from 0, whatever part of them is run.
+    /// Index of the scan among all that were selected of its data set, from 0, whatever part of them is run.
     pub run_idx: usize,
     /// The scan.
     pub scan: &'a LabeledScan,

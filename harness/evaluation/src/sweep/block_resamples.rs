@@ -79,7 +79,7 @@ mod tests {
         let seconds: Vec<DriveSecond> =
             indices.map(|index| DriveSecond::of("0000", f64::from(index) / 10.0)).collect();
         let resamples = BlockResamples::draw("street", seconds.iter().cloned());
-        let of_scans = seconds.iter().enumerate().map(|(place, second)| (second, terms(place)));
+        let of_scans = seconds.iter().enumerate().map(|(index, second)| (second, terms(index)));
         let of_blocks = resamples.of_blocks(of_scans);
         ratio_interval(&[(&resamples, of_blocks)])
     }
@@ -101,7 +101,7 @@ mod tests {
         let seconds: Vec<DriveSecond> = (0..100).map(|it| DriveSecond::of("0000", f64::from(it))).collect();
         let resamples = BlockResamples::draw("street", seconds.iter().cloned());
         let of = |found: &dyn Fn(usize) -> f64| {
-            let terms = seconds.iter().enumerate().map(|(place, second)| (second, [found(place), 2.0]));
+            let terms = seconds.iter().enumerate().map(|(index, second)| (second, [found(index), 2.0]));
             vec![(&resamples, resamples.of_blocks(terms))]
         };
         // Coins that fall alike, one side with one more everywhere.

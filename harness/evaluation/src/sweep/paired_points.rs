@@ -60,7 +60,7 @@ impl<'a> PairedPoints<'a> {
         Some(self.datasets_of(score).iter().map(of_dataset).collect())
     }
 
-    /// Places of the data sets that a score is about.
+    /// Indices of the data sets that a score is about.
     fn datasets_of(&self, score: &SweepScore) -> Vec<usize> {
         let manifest = self.tally.manifest;
         let extent = &score.subject.extent;

@@ -23,7 +23,7 @@ pub struct SweptDataset<'a> {
     pub dataset: &'a dyn Dataset,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
-    /// Which of these are run, as places among them: all, or those of a shard.
+    /// Which of these are run, as indices among them: all, or those of a shard.
     pub part: Range<usize>,
 }
 

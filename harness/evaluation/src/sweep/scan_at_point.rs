@@ -24,9 +24,9 @@ use crate::sweep::sweep_plan::SweepPlan;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScanAtPoint {
-    /// Place of the data set among those of the sweep.
+    /// Index of the data set among those of the sweep.
     pub dataset_idx: usize,
-    /// Place of the scan among those taken from the data set.
+    /// Index of the scan among those taken from the data set.
     pub scan_idx: usize,
     /// Number of the scan within its drive.
     pub scan: u32,
@@ -34,7 +34,7 @@ pub struct ScanAtPoint {
     pub sequence: String,
     /// The second of its drive that it was taken in.
     pub second: DriveSecond,
-    /// Place of the point in the plan.
+    /// Index of the point in the plan.
     pub point_idx: usize,
     /// What each detector made of it, in the order of the plan.
     pub detectors: Vec<DetectorAtPoint>,

@@ -40,7 +40,7 @@ struct Member<'a> {
 
 /// A detector at a point.
 #[derive(Clone, Copy)]
-struct Place {
+struct DetectorAtPoint {
     detector_idx: usize,
     point_idx: usize,
 }
@@ -58,14 +58,15 @@ impl SweepTally<'_> {
         let mut scores = Vec::new();
         for group in &groups {
             for detector_idx in 0..self.manifest.detectors.len() {
-                let places: Vec<(usize, Place)> = (0..Task::ALL.len())
+                let at_points: Vec<(usize, DetectorAtPoint)> = (0..Task::ALL.len())
                     .flat_map(|task_idx| {
                         let points = 0..self.entry.points.len();
-                        points.map(move |point_idx| (task_idx, Place { detector_idx, point_idx }))
+                        points.map(move |point_idx| (task_idx, DetectorAtPoint { detector_idx, point_idx }))
                     })
                     .collect();
-                let score = |&(task_idx, place): &(usize, Place)| self.score(group, task_idx, place);
-                scores.extend(places.par_iter().map(score).collect::<Vec<_>>());
+                let score =
+                    |&(task_idx, at_point): &(usize, DetectorAtPoint)| self.score(group, task_idx, at_point);
+                scores.extend(at_points.par_iter().map(score).collect::<Vec<_>>());
             }
         }
         let times = match self.processors()[..] {
@@ -114,19 +115,19 @@ impl SweepTally<'_> {
         groups
     }
 
-    fn subject(&self, group: &Group<'_>, place: Place) -> SweepSubject {
+    fn subject(&self, group: &Group<'_>, at_point: DetectorAtPoint) -> SweepSubject {
         SweepSubject {
             extent: group.extent.clone(),
             origin: group.origin,
             sensor: group.sensor.clone(),
-            detector: self.manifest.detectors[place.detector_idx].name.clone(),
-            point_idx: place.point_idx,
-            values: self.entry.points[place.point_idx].clone(),
+            detector: self.manifest.detectors[at_point.detector_idx].name.clone(),
+            point_idx: at_point.point_idx,
+            values: self.entry.points[at_point.point_idx].clone(),
         }
     }
 
-    fn score(&self, group: &Group<'_>, task_idx: usize, place: Place) -> SweepScore {
-        let sums_idx = place.detector_idx * self.entry.points.len() + place.point_idx;
+    fn score(&self, group: &Group<'_>, task_idx: usize, at_point: DetectorAtPoint) -> SweepScore {
+        let sums_idx = at_point.detector_idx * self.entry.points.len() + at_point.point_idx;
         let found: Vec<Found<'_>> = group.members.iter().map(|&member| Found::at(member, sums_idx)).collect();
         let of_member = |it: &Found<'_>| {
             it.total.counts[task_idx]
@@ -144,7 +145,7 @@ impl SweepTally<'_> {
             })
         };
         SweepScore {
-            subject: self.subject(group, place),
+            subject: self.subject(group, at_point),
             task: Task::ALL[task_idx],
             n_scans: group.members.iter().map(|it| it.sums.scans.len() as u64).sum(),
             blocks: blocks_of(group),
@@ -164,22 +165,23 @@ impl SweepTally<'_> {
                 |it: &&&TimedScan| group.members.iter().any(|member| member.dataset_idx == it.dataset_idx);
             let scans: Vec<&TimedScan> = timed.iter().filter(is_member).copied().collect();
             for detector_idx in 0..self.manifest.detectors.len() {
-                let places = (0..self.entry.points.len()).map(|point_idx| Place { detector_idx, point_idx });
-                times.extend(places.filter_map(|it| self.time(group, &scans, it)));
+                let at_points =
+                    (0..self.entry.points.len()).map(|point_idx| DetectorAtPoint { detector_idx, point_idx });
+                times.extend(at_points.filter_map(|it| self.time(group, &scans, it)));
             }
         }
         times
     }
 
-    fn time(&self, group: &Group<'_>, scans: &[&TimedScan], place: Place) -> Option<SweepTime> {
+    fn time(&self, group: &Group<'_>, scans: &[&TimedScan], at_point: DetectorAtPoint) -> Option<SweepTime> {
         let ms = |time_ns: &u64| *time_ns as f64 / 1e6;
-        let Place { detector_idx, point_idx } = place;
+        let DetectorAtPoint { detector_idx, point_idx } = at_point;
         let all = scans.iter().flat_map(|it| &it.times_ns[point_idx][detector_idx]).map(ms);
         let all = Latencies::new(all.collect());
         let shortest = scans.iter().filter_map(|it| it.times_ns[point_idx][detector_idx].iter().min());
         let shortest = Latencies::new(shortest.map(ms).collect());
         Some(SweepTime {
-            subject: self.subject(group, place),
+            subject: self.subject(group, at_point),
             n_scans: scans.len() as u64,
             n_detections: all.n() as u64,
             typical_ms: shortest.percentile_ms(50)?,

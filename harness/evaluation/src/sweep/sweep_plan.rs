@@ -192,7 +192,7 @@ fn refuse_same_values(swept: &[SweptValues]) -> Result<(), SweepPlanError> {
 struct Tie {
     name: String,
     dividend: f64,
-    /// Place of the divisor among the swept parameters.
+    /// Index of the divisor among the swept parameters.
     divisor_idx: usize,
     is_whole: bool,
 }

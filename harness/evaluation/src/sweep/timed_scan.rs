@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimedScan {
-    /// Place of the data set among those of the sweep.
+    /// Index of the data set among those of the sweep.
     pub dataset_idx: usize,
-    /// Place of the scan among those taken from the data set.
+    /// Index of the scan among those taken from the data set.
     pub scan_idx: usize,
     /// The processor's own name.
     pub processor: String,

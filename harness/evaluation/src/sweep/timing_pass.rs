@@ -25,15 +25,15 @@ impl SweepPass<'_> {
     /// [`SweepError`] if a scan cannot be read, a result cannot be kept, or the sweep is interrupted.
     pub fn time(&self, done: &BTreeSet<(usize, usize)>, n_scans: usize) -> Result<(), SweepError> {
         let programs = Programs::default();
-        for (place, scan) in self.timed_scans(n_scans) {
+        for (index, scan) in self.timed_scans(n_scans) {
             if !done.contains(&scan) {
-                self.journal.add(&JournalEntry::Times(self.time_scan(scan, place, &programs)?))?;
+                self.journal.add(&JournalEntry::Times(self.time_scan(scan, index, &programs)?))?;
             }
         }
         Ok(())
     }
 
-    /// The scans that are timed, data set and scan, each with its place among those of the whole sweep.
+    /// The scans that are timed, data set and scan, each with its index among those of the whole sweep.
     pub fn timed_scans(&self, n_scans: usize) -> Vec<(usize, (usize, usize))> {
         let of_dataset = |(dataset_idx, n_all): (usize, usize)| {
             let n_timed = n_scans.min(n_all);
@@ -50,7 +50,7 @@ impl SweepPass<'_> {
     fn time_scan(
         &self,
         (dataset_idx, scan_idx): (usize, usize),
-        place: usize,
+        index: usize,
         programs: &Programs,
     ) -> Result<TimedScan, SweepError> {
         let swept = &self.datasets[dataset_idx];
@@ -60,7 +60,7 @@ impl SweepPass<'_> {
         let mut times_ns = vec![Vec::new(); n_points];
         let mut output = DetectorOutput::default();
         for step in 0..n_points {
-            let point_idx = if place.is_multiple_of(2) { step } else { n_points - 1 - step };
+            let point_idx = if index.is_multiple_of(2) { step } else { n_points - 1 - step };
             for chosen in &self.plan.detectors {
                 if self.interrupted.load(Ordering::Relaxed) {
                     // The whole scan is timed again, so that its points are timed side by side.

@@ -88,22 +88,22 @@ fn even_tree(trained: &Tree) -> DecisionTree {
     tree
 }
 
-/// Fills what follows a place of `tree` with what follows a node of `trained`. Below a leaf both sides are that leaf.
-fn fill(tree: &mut DecisionTree, trained: &Tree, (place, node_idx): (usize, usize)) {
+/// Fills what follows an index of `tree` with what follows a node of `trained`. Below a leaf both sides are that leaf.
+fn fill(tree: &mut DecisionTree, trained: &Tree, (index, node_idx): (usize, usize)) {
     let node = &trained.nodes[node_idx];
-    if place >= N_SPLITS {
-        tree.leaves[place - N_SPLITS] = node.weight_value;
+    if index >= N_SPLITS {
+        tree.leaves[index - N_SPLITS] = node.weight_value;
         return;
     }
     let children = if node.is_leaf {
         [node_idx, node_idx]
     } else {
-        tree.value_of_split[place] = node.split_feature as u8;
-        tree.thresholds[place] = not_less(node.split_value);
+        tree.value_of_split[index] = node.split_feature as u8;
+        tree.thresholds[index] = not_less(node.split_value);
         [node.left_child, node.right_child]
     };
     for (child, side) in children.into_iter().zip(1..) {
-        fill(tree, trained, (2 * place + side, child));
+        fill(tree, trained, (2 * index + side, child));
     }
 }
 

@@ -210,8 +210,8 @@ fn train_growth(
         on_forest();
         Ok::<_, BoxTrainingError>(forest)
     };
-    let growth = |place: usize| -> Result<_, BoxTrainingError> {
-        let targets: Vec<f64> = differences.iter().map(|it| f64::from(it.growth_m[place])).collect();
+    let growth = |index: usize| -> Result<_, BoxTrainingError> {
+        let targets: Vec<f64> = differences.iter().map(|it| f64::from(it.growth_m[index])).collect();
         let forest = boost(&turned.iter().collect::<Vec<_>>(), &targets, Target::Number, &GROWTH)?;
         on_forest();
         Ok(forest)

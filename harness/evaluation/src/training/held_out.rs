@@ -24,8 +24,8 @@ impl HeldOut {
     ) -> Option<Self> {
         let mut parted = Self { trained: BTreeSet::new(), held_out: BTreeSet::new() };
         for taken in datasets {
-            for (place, drive) in drives(std::iter::once(taken)).into_iter().enumerate() {
-                let is_held_out = place % every == every - 1;
+            for (index, drive) in drives(std::iter::once(taken)).into_iter().enumerate() {
+                let is_held_out = index % every == every - 1;
                 let side = if is_held_out { &mut parted.held_out } else { &mut parted.trained };
                 side.insert(drive);
             }

@@ -56,15 +56,15 @@ pub fn train_refinement(
 
 /// The part that each scan belongs to.
 fn folds(scans: &[&ScanGroups]) -> Vec<usize> {
-    let mut places: BTreeMap<&str, usize> = scans.iter().map(|it| (it.sequence.as_str(), 0)).collect();
-    for (place, drive) in places.values_mut().enumerate() {
-        *drive = place;
+    let mut indices: BTreeMap<&str, usize> = scans.iter().map(|it| (it.sequence.as_str(), 0)).collect();
+    for (index, drive) in indices.values_mut().enumerate() {
+        *drive = index;
     }
-    let by_drive = places.len() >= N_FOLDS;
-    let place = |(scan_idx, scan): (usize, &&ScanGroups)| {
-        if by_drive { places[scan.sequence.as_str()] } else { scan_idx }
+    let by_drive = indices.len() >= N_FOLDS;
+    let index = |(scan_idx, scan): (usize, &&ScanGroups)| {
+        if by_drive { indices[scan.sequence.as_str()] } else { scan_idx }
     };
-    scans.iter().enumerate().map(|it| place(it) % N_FOLDS).collect()
+    scans.iter().enumerate().map(|it| index(it) % N_FOLDS).collect()
 }
 
 /// What a refinement round sees of the groups of a scan with these expected IoU, of those that it refines.

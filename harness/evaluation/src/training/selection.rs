@@ -24,20 +24,20 @@ pub fn select<'a>(
 ) -> Vec<&'a Candidate> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut drawn = |is_wanted: fn(&CandidateKind) -> bool, most: usize| {
-        let mut places: Vec<usize> =
+        let mut indices: Vec<usize> =
             (0..candidates.len()).filter(|&it| is_wanted(&candidates[it].kind)).collect();
-        places.shuffle(&mut rng);
-        places.truncate(most);
-        places
+        indices.shuffle(&mut rng);
+        indices.truncate(most);
+        indices
     };
-    let mut places = drawn(CandidateKind::is_vehicle, most_vehicles);
-    let n_vehicles = places.len() as f64;
+    let mut indices = drawn(CandidateKind::is_vehicle, most_vehicles);
+    let n_vehicles = indices.len() as f64;
     let most = |share: f64| (share * others_per_vehicle * n_vehicles) as usize;
     let cut = drawn(|it| *it == CandidateKind::CutRegion, most(MOST_CUT_REGIONS));
     let fragments = drawn(|it| *it == CandidateKind::Fragment, most(MOST_FRAGMENTS));
-    places.extend(drawn(|it| *it == CandidateKind::Cluster, most(1.0) - cut.len() - fragments.len()));
-    places.extend(cut);
-    places.extend(fragments);
-    places.sort_unstable();
-    places.into_iter().map(|place| candidates[place]).collect()
+    indices.extend(drawn(|it| *it == CandidateKind::Cluster, most(1.0) - cut.len() - fragments.len()));
+    indices.extend(cut);
+    indices.extend(fragments);
+    indices.sort_unstable();
+    indices.into_iter().map(|index| candidates[index]).collect()
 }

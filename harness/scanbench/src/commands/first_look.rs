@@ -304,7 +304,7 @@ impl Look {
             self.labels = LabelLook::of(scans, || next_scans(opened, scans));
         }
         let doubts = &self.labels.doubts;
-        let is_known = |it: &LabelDoubt| matches!(it, LabelDoubt::Place { .. } | LabelDoubt::Holes { .. });
+        let is_known = |it: &LabelDoubt| matches!(it, LabelDoubt::Position { .. } | LabelDoubt::Holes { .. });
         let boxes = EmptyBoxes::of(scans);
         // Where it is known why, no more is said.
         let are_empty = boxes.are_most() && !doubts.iter().any(is_known);

@@ -1,4 +1,5 @@
-//! How well points lie along the sides of labelled boxes that face the sensor, and which change of all boxes makes it better.
+//! How well points lie along the sides of labelled boxes that face the sensor, and which change of all boxes makes it
+//! better.
 
 use detector::OrientedBox;
 
@@ -107,8 +108,8 @@ fn best_shift(vehicles: &[SeenVehicle], kind: fn([f32; 2]) -> Correction) -> (Co
     let mut best = ([0.0; 2], mean_fit(vehicles, None));
     for (step_m, n) in SHIFT_STEPS {
         let around = best.0;
-        for place in 0..(2 * n + 1).pow(2) {
-            let steps = [place / (2 * n + 1) - n, place % (2 * n + 1) - n];
+        for index in 0..(2 * n + 1).pow(2) {
+            let steps = [index / (2 * n + 1) - n, index % (2 * n + 1) - n];
             let by_m = [0, 1].map(|axis| around[axis] + steps[axis] as f32 * step_m);
             let fit = mean_fit(vehicles, Some(kind(by_m)));
             if fit > best.1 {
@@ -148,8 +149,8 @@ mod tests {
     /// Cars around the sensor, with points along the sides that it sees, and the ground.
     fn cars(n: usize) -> SeenVehicles {
         let mut vehicles = SeenVehicles::default();
-        for place in 0..n {
-            let angle = place as f32 * 0.9;
+        for index in 0..n {
+            let angle = index as f32 * 0.9;
             let (center_x_m, center_y_m) = (12.0 * angle.cos(), 12.0 * angle.sin());
             let bounding_box = OrientedBox {
                 center_m: [center_x_m, center_y_m, -0.95],

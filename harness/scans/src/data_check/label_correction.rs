@@ -8,7 +8,7 @@ use detector::OrientedBox;
 /// A change of all boxes at once. Lengths in metres, angles in radians, counter-clockwise seen from above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Correction {
-    /// Length and width change places.
+    /// Length and width are swapped.
     SwapSides,
     /// The yaw gets the other sign.
     NegateYaw,
@@ -20,9 +20,9 @@ pub enum Correction {
     Scale(f32),
     /// Centres and yaws turn about the sensor.
     Turn(f32),
-    /// Left and right change places.
+    /// Left and right are swapped.
     Mirror,
-    /// x and y change places.
+    /// x and y are swapped.
     ExchangeAxes,
     /// All move by so much along x and y of the sensor.
     Shift([f32; 2]),

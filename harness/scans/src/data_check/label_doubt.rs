@@ -9,7 +9,7 @@ use crate::dataset::proposal_list::PROPOSALS_CSV;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LabelDoubt {
     /// Boxes lie elsewhere than vehicles.
-    Place {
+    Position {
         /// What mends it.
         correction: Correction,
         /// How many times as well points lie along the sides of boxes then.
@@ -70,7 +70,7 @@ pub enum TakenFor {
 impl fmt::Display for LabelDoubt {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Place { correction, gain, n_vehicles } => write!(
+            Self::Position { correction, gain, n_vehicles } => write!(
                 formatter,
                 "the points of {n_vehicles} vehicles do not lie along the sides of their boxes; {correction}; they fit \
                  {gain:.1} times as well then"

@@ -47,11 +47,12 @@ impl LabelLook {
     /// The labels of `scans`. `next` reads the scans that follow some of them: the index of each in `scans`, and the next one.
     pub fn of(scans: &[LabeledScan], next: impl FnOnce() -> Vec<(usize, LabeledScan)>) -> Self {
         let vehicles = seen(scans, |it| it);
-        let place = place_doubt(scans, &vehicles, next);
-        let is_swapped = matches!(place, Some(LabelDoubt::Place { correction: Correction::SwapSides, .. }));
+        let position = position_doubt(scans, &vehicles, next);
+        let is_swapped =
+            matches!(position, Some(LabelDoubt::Position { correction: Correction::SwapSides, .. }));
         let sideways = sideways_doubt(&vehicles.seen).filter(|_| !is_swapped);
-        let holes = holes_doubt(scans).filter(|_| place.is_none());
-        let doubts = [degrees_doubt(scans), place, sideways, height_doubt(&vehicles.seen), holes]
+        let holes = holes_doubt(scans).filter(|_| position.is_none());
+        let doubts = [degrees_doubt(scans), position, sideways, height_doubt(&vehicles.seen), holes]
             .into_iter()
             .flatten();
         Self { doubts: doubts.collect(), vehicles }
@@ -73,10 +74,10 @@ impl LabelLook {
         Some([Across::Left, Across::Up].map(|across| {
             let framed: Vec<Vec<[f32; 2]>> = self.of_class(class).map(|it| in_frame(it, across)).collect();
             let of_class = self.of_class(class).zip(&framed);
-            let vehicles = of_class.map(|(vehicle, places_m)| {
+            let vehicles = of_class.map(|(vehicle, positions_m)| {
                 let [length_m, width_m, height_m] = vehicle.bounding_box.length_width_height_m;
                 let across_m = if across == Across::Up { height_m } else { width_m };
-                FramedPoints { length_width_m: [length_m, across_m], places_m }
+                FramedPoints { length_width_m: [length_m, across_m], positions_m }
             });
             BoxPoints::of(class, "annotated box", vehicles).seen_across(across)
         }))
@@ -95,8 +96,8 @@ fn in_frame(vehicle: &SeenVehicle, across: Across) -> Vec<[f32; 2]> {
         let beside = framed.filter(|it| it[1].abs() <= half_width_m + 0.5);
         return beside.map(|[along_m, _, up_m]| [along_m, up_m]).collect();
     }
-    let place_m = |it: &[f32; 2]| vehicle.bounding_box.in_box_frame([it[0], it[1], 0.0]);
-    vehicle.sides_m.iter().map(place_m).map(|[along_m, across_m, _]| [along_m, across_m]).collect()
+    let position_m = |it: &[f32; 2]| vehicle.bounding_box.in_box_frame([it[0], it[1], 0.0]);
+    vehicle.sides_m.iter().map(position_m).map(|[along_m, across_m, _]| [along_m, across_m]).collect()
 }
 
 /// The vehicles of `scans`, their boxes changed.
@@ -114,12 +115,12 @@ fn fit_of_all(vehicles: &SeenVehicles) -> f64 {
     share_seen * mean_fit(&vehicles.seen, None)
 }
 
-fn place_doubt(
+fn position_doubt(
     scans: &[LabeledScan],
     vehicles: &SeenVehicles,
     next: impl FnOnce() -> Vec<(usize, LabeledScan)>,
 ) -> Option<LabelDoubt> {
-    let doubt = |correction, gain, n_vehicles| Some(LabelDoubt::Place { correction, gain, n_vehicles });
+    let doubt = |correction, gain, n_vehicles| Some(LabelDoubt::Position { correction, gain, n_vehicles });
     let unchanged = fit_of_all(vehicles);
     let better = better_fit(&vehicles.seen);
     let best_here = better.map_or(0.0, |it| it.fit);

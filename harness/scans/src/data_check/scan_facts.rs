@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn duplicates_are_points_at_the_same_place() {
+    fn duplicates_are_points_at_the_same_position() {
         let it = facts(&[[1.0; 3], [2.0; 3], [1.0; 3], [1.0; 3]]);
         assert_eq!(it.n_duplicates, 2);
         assert_ne!(it.fingerprint, facts(&[[1.0; 3], [1.0; 3], [1.0; 3], [2.0; 3]]).fingerprint);

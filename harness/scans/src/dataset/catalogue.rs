@@ -465,8 +465,8 @@ url = "https://example.org"
         assert_eq!(list.as_deref(), Some(Path::new("ImageSets/val.txt")));
         let refused = |text: &str, line: usize, problem: &str| {
             let message = parse(text).expect_err("a mistake").to_string();
-            let place = format!("my.toml, line {line}: ");
-            assert!(message.starts_with(&place) && message.contains(problem), "{message}");
+            let position = format!("my.toml, line {line}: ");
+            assert!(message.starts_with(&position) && message.contains(problem), "{message}");
         };
         let elsewhere = |list: &str| objects.replace("ImageSets/val.txt", list);
         for list in ["../val.txt", "/etc/passwd", ""] {

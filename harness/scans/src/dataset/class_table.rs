@@ -112,11 +112,11 @@ impl<'a> ClassReader<'a> {
         Self { rules, vocabulary, unknown: UnknownClasses::default() }
     }
 
-    /// The class of `name`, which stands at `place`; `None` if it stands for nothing known, which is noted.
-    pub fn class_of(&mut self, name: &str, place: impl FnOnce() -> String) -> Option<AnnotationClass> {
+    /// The class of `name`, which stands at `position`; `None` if it stands for nothing known, which is noted.
+    pub fn class_of(&mut self, name: &str, position: impl FnOnce() -> String) -> Option<AnnotationClass> {
         let class = self.rules.class_of(name, self.vocabulary);
         if class.is_none() {
-            self.unknown.add(name, place);
+            self.unknown.add(name, position);
         }
         class
     }
@@ -157,13 +157,13 @@ struct Unknown {
 }
 
 impl UnknownClasses {
-    /// Notes that `name` was met at `place`, such as `"a.txt", line 3`.
-    pub fn add(&mut self, name: &str, place: impl FnOnce() -> String) {
+    /// Notes that `name` was met at `position`, such as `"a.txt", line 3`.
+    pub fn add(&mut self, name: &str, position: impl FnOnce() -> String) {
         let plain = plain_name(name);
         if let Some(unknown) = self.by_name.get_mut(&plain) {
             unknown.n += 1;
         } else if self.by_name.len() < MAX_LISTED {
-            self.by_name.insert(plain, Unknown { written: name.to_owned(), n: 1, first: place() });
+            self.by_name.insert(plain, Unknown { written: name.to_owned(), n: 1, first: position() });
         } else {
             self.n_others += 1;
         }

@@ -9,9 +9,9 @@ pub fn folder_name(name: &str) -> String {
         return "%".to_owned();
     }
     let mut folder = String::with_capacity(name.len());
-    for (place, byte) in name.bytes().enumerate() {
+    for (index, byte) in name.bytes().enumerate() {
         let is_plain =
-            byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_') || (byte == b'.' && place > 0);
+            byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_') || (byte == b'.' && index > 0);
         if is_plain {
             folder.push(char::from(byte));
         } else {

@@ -43,8 +43,8 @@ impl Mounting {
         }
     }
 
-    /// Moves points, boxes and what is known of places from the frame of the files to that of the sensor. Which points belong
-    /// to which annotation stays as it is.
+    /// Moves points, boxes and what is known of positions from the frame of the files to that of the sensor. Which points
+    /// belong to which annotation stays as it is.
     pub fn move_scan(&self, scan: &mut LabeledScan) {
         if let Some(sensor_from_file) = &self.sensor_from_file {
             move_scan(scan, sensor_from_file);

@@ -1,8 +1,9 @@
 //! The points of a file that have a position: one rule for the readers of all formats.
 //!
-//! A point with a coordinate that is NaN or infinite was not measured. It is left out, and its place in the file is kept, so that whatever the file
-//! says point by point still finds its point. A coordinate that is a number and lies beyond what any sensor sees is damage. An intensity that is no
-//! number becomes 0. Numbers of lasers and times are taken where every point with a position has one.
+//! A point with a coordinate that is NaN or infinite was not measured. It is left out, and its index in the file is kept, so
+//! that whatever the file says point by point still finds its point. A coordinate that is a number and lies beyond what any
+//! sensor sees is damage. An intensity that is no number becomes 0. Numbers of lasers and times are taken where every point
+//! with a position has one.
 
 use std::path::Path;
 
@@ -65,8 +66,8 @@ impl PositionedPoints {
         }
         let point_idx = self.n_in_file();
         if !position_m.iter().all(|it| it.is_finite()) {
-            let place = u32::try_from(point_idx).map_err(|_| "has too many points")?;
-            self.left_out.push(place);
+            let index = u32::try_from(point_idx).map_err(|_| "has too many points")?;
+            self.left_out.push(index);
             return Ok(());
         }
         let too_far = ["x", "y", "z"].into_iter().zip(position_m).find(|(_, it)| it.abs() > MAX_COORDINATE_M);
@@ -111,7 +112,7 @@ impl PositionedPoints {
         }
     }
 
-    /// The cloud, and the places in the file of the points that are not in it, ascending.
+    /// The cloud, and the indices in the file of the points that are not in it, ascending.
     pub fn into_parts(self) -> (PointCloud, Vec<u32>) {
         (self.cloud, self.left_out)
     }
@@ -134,19 +135,19 @@ impl PositionedPoints {
     }
 }
 
-/// Of values for all points of a file, those of the points that are not at the places `left_out`, which ascend.
+/// Of values for all points of a file, those of the points that are not at the indices `left_out`, which ascend.
 pub fn values_of_kept<T: Copy>(of_all: &[T], left_out: &[u32]) -> Vec<T> {
     let mut left_out = left_out.iter().copied().peekable();
-    let kept = (0_u32..).zip(of_all).filter(|(place, _)| left_out.next_if_eq(place).is_none());
+    let kept = (0_u32..).zip(of_all).filter(|(index, _)| left_out.next_if_eq(index).is_none());
     kept.map(|(_, value)| *value).collect()
 }
 
-/// For each point of a file the value of `of_kept`, which has one for each point with a position; `None` at the places
+/// For each point of a file the value of `of_kept`, which has one for each point with a position; `None` at the indices
 /// `left_out`.
 pub fn values_of_file<T: Copy>(of_kept: &[T], left_out: &[u32]) -> Vec<Option<T>> {
     let mut left_out = left_out.iter().copied().peekable();
     let mut of_kept = of_kept.iter();
-    let next = |place: u32| match left_out.next_if_eq(&place) {
+    let next = |index: u32| match left_out.next_if_eq(&index) {
         Some(_) => Some(None),
         None => of_kept.next().map(|value| Some(*value)),
     };
@@ -165,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn points_without_a_position_are_left_out_by_their_places() {
+    fn points_without_a_position_are_left_out_by_their_indices() {
         let points = points(&[f64::NAN, 1.0, f64::NEG_INFINITY, f64::INFINITY, 2.0]).unwrap();
         assert_eq!((points.n_in_file(), points.cloud().y_m()), (5, &[1.0, 2.0][..]));
         assert_eq!(points.values_of_kept(b"abcde"), b"be");
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_no_sensor_measures_is_damage_with_its_place_and_value() {
+    fn a_number_that_no_sensor_measures_is_damage_with_its_index_and_value() {
         assert_eq!(points(&[10_000.0, -10_000.0]).unwrap().cloud().len(), 2);
         for (value, shown) in [(10_000.1, "10000.100"), (-1e300, "-1e300")] {
             let problem = points(&[f64::NAN, 0.0, value]).expect_err("too far");

@@ -79,7 +79,7 @@ impl<'a> TextLine<'a> {
     }
 
     /// Where this line is, for messages.
-    pub fn place(&self) -> String {
+    pub fn position(&self) -> String {
         format!("{:?}, line {}", self.path, self.line)
     }
 

@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_too_far_off_is_damage_with_its_place_and_value() {
+    fn a_point_too_far_off_is_damage_with_its_index_and_value() {
         check_refused(
             &bytes_of(&[[1.0; 4], [1.0, 1.0, -12_000.5, 1.0]]),
             r#""a.bin" has point 1 at z = -12000.500 m, beyond 10000 m from the origin"#,

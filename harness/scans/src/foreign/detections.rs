@@ -15,9 +15,10 @@ pub const MAX_SIDE_M: f32 = 1000.0;
 pub struct ForeignDetections {
     /// For every point of the cloud the number of its cluster: 0 is none, others begin at 1 and may have gaps. `None` if there are only boxes.
     pub clusters: Option<Vec<u32>>,
-    /// The class of cluster *k* at place *k* − 1, where classes of clusters are known; empty where they are not, or boxes say it.
+    /// The class of cluster *k* at index *k* − 1, where classes of clusters are known; empty where they are not, or boxes
+    /// say it.
     pub cluster_classes: Vec<Option<AnnotationClass>>,
-    /// The boxes; beside clusters, that of cluster *k* at place *k* − 1.
+    /// The boxes; beside clusters, that of cluster *k* at index *k* − 1.
     pub boxes: Vec<ForeignBox>,
     /// Of KITTI's files, what a line says of each of `boxes`, to the last digit; `None` of others.
     pub kitti_objects: Option<Vec<KittiObject>>,

@@ -50,7 +50,7 @@ pub enum MissingResults {
 /// Which results are asked for, and what they do not say.
 #[derive(Debug, Clone, Copy)]
 pub struct ResultRequest<'a> {
-    /// The scans that are asked for, as places in [`Dataset::scan_ids`].
+    /// The scans that are asked for, as indices in [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
     /// What names of classes stand for, as the user says.
     pub classes: &'a ClassTable,

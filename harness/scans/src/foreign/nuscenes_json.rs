@@ -195,12 +195,12 @@ impl<'de> Visitor<'de> for Results<'_, '_, '_> {
                 continue;
             };
             let mut found = ForeignDetections::default();
-            for (place, record) in map.next_value::<Vec<BoxRecord>>()?.iter().enumerate() {
-                let at = || format!("{:?}, box {place} of the sample {token:?}", submission.path);
+            for (index, record) in map.next_value::<Vec<BoxRecord>>()?.iter().enumerate() {
+                let at = || format!("{:?}, box {index} of the sample {token:?}", submission.path);
                 // Names that nobody knows are refused in the end, all at once.
                 let Some(class) = submission.classes.class_of(&record.detection_name, at) else { continue };
                 let damaged =
-                    |problem| A::Error::custom(format!("box {place} of the sample {token:?} {problem}"));
+                    |problem| A::Error::custom(format!("box {index} of the sample {token:?} {problem}"));
                 found.boxes.push(record.foreign_box(class, &sensor_from_world).map_err(damaged)?);
                 found.official.push(record.official().map_err(damaged)?);
             }

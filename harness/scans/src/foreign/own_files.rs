@@ -115,7 +115,7 @@ fn read_file(path: &Path, n_in_file: usize, rules: &ClassRules) -> Result<Part, 
 /// Errors, here and below, are the rest of a sentence about the file.
 fn refuse_old_numbers(clusters: &[u32]) -> Result<(), String> {
     match clusters.iter().position(|it| *it == u32::MAX) {
-        Some(place) => Err(format!("has the cluster {} at point {place}; 0 is no cluster", u32::MAX)),
+        Some(index) => Err(format!("has the cluster {} at point {index}; 0 is no cluster", u32::MAX)),
         None => Ok(()),
     }
 }
@@ -124,8 +124,8 @@ fn parse_csv(bytes: &[u8], path: &Path, classes: &mut ClassReader<'_>) -> Result
     let mut reader = csv::Reader::from_reader(bytes);
     let not_csv = |error: csv::Error| format!("is not CSV: {error}");
     let header = reader.headers().map_err(not_csv)?.clone();
-    let place_of = |name: &str| header.iter().position(|it| it.trim() == name);
-    if let (Some(point), Some(cluster)) = (place_of("point"), place_of("cluster")) {
+    let column_of = |name: &str| header.iter().position(|it| it.trim() == name);
+    if let (Some(point), Some(cluster)) = (column_of("point"), column_of("cluster")) {
         let mut clusters = Vec::new();
         for record in reader.records() {
             let record = record.map_err(not_csv)?;
@@ -135,12 +135,12 @@ fn parse_csv(bytes: &[u8], path: &Path, classes: &mut ClassReader<'_>) -> Result
         return Ok(Part::Clusters(clusters));
     }
     let columns = BoxColumns {
-        numbers: BOX_COLUMNS.iter().map(|name| place_of(name)).collect::<Option<Vec<_>>>().ok_or_else(
+        numbers: BOX_COLUMNS.iter().map(|name| column_of(name)).collect::<Option<Vec<_>>>().ok_or_else(
             || format!("has neither the columns point,cluster nor those of boxes, {}", BOX_COLUMNS.join(",")),
         )?,
-        id: place_of("id"),
-        class: place_of("class"),
-        score: place_of("score"),
+        id: column_of("id"),
+        class: column_of("class"),
+        score: column_of("score"),
     };
     let mut boxes = Vec::new();
     for (row, record) in (1..).zip(reader.records()) {
@@ -149,14 +149,14 @@ fn parse_csv(bytes: &[u8], path: &Path, classes: &mut ClassReader<'_>) -> Result
     Ok(Part::Boxes(boxes))
 }
 
-fn cluster_of(record: &csv::StringRecord, [point, cluster]: [usize; 2], place: usize) -> Result<u32, String> {
+fn cluster_of(record: &csv::StringRecord, [point, cluster]: [usize; 2], index: usize) -> Result<u32, String> {
     let cell = |column: usize| record.get(column).unwrap_or_default().trim();
-    if cell(point).parse() != Ok(place) {
-        return Err(format!("has the point {:?} in place of {place}", cell(point)));
+    if cell(point).parse() != Ok(index) {
+        return Err(format!("has the point {:?} in place of {index}", cell(point)));
     }
     cell(cluster).parse().map_err(|_| {
         format!(
-            "has the cluster {:?} at point {place}: it has to be a number, and 0 is no cluster",
+            "has the cluster {:?} at point {index}: it has to be a number, and 0 is no cluster",
             cell(cluster)
         )
     })

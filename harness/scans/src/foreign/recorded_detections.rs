@@ -19,7 +19,7 @@ use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::mcap::frame_tree::FrameTree;
 use crate::dataset::mcap::mcap_dataset::own_metadata;
 use crate::dataset::mcap::mcap_file::McapFile;
-use crate::dataset::mcap::mcap_index::{MessagePlace, index_mcap};
+use crate::dataset::mcap::mcap_index::{MessagePosition, index_mcap};
 use crate::dataset::mcap::recorded_cloud::RecordedCloud;
 use crate::dataset::mcap::recorded_messages::{Channel, RecordedMessages};
 use crate::dataset::mcap::scene_objects::SceneObject;
@@ -47,7 +47,7 @@ pub struct RecordedDetections {
     classes: ClassRules,
     messages: RecordedMessages,
     channel: Channel,
-    by_stamp: BTreeMap<u64, MessagePlace>,
+    by_stamp: BTreeMap<u64, MessagePosition>,
     asked: BTreeMap<usize, ScanFrame>,
     // By scan, the stamp of its message.
     stamp_by_scan: BTreeMap<usize, u64>,
@@ -92,10 +92,10 @@ impl RecordedDetections {
         let transforms = transforms.into_iter().map(|it| Channel::take(&mut index, it)).collect();
         let messages = RecordedMessages::new(McapFile::new(path, chunks), transforms)?;
         let mut by_stamp = BTreeMap::new();
-        for &place in &channel.places {
-            let (stamp_ns, _) = messages.read_objects(&channel, place)?;
-            let stamp_ns = stamp_ns.unwrap_or(place.log_time_ns);
-            if by_stamp.insert(stamp_ns, place).is_some() {
+        for &position in &channel.positions {
+            let (stamp_ns, _) = messages.read_objects(&channel, position)?;
+            let stamp_ns = stamp_ns.unwrap_or(position.log_time_ns);
+            if by_stamp.insert(stamp_ns, position).is_some() {
                 let problem = format!("has two messages of results with the time stamp {stamp_ns} ns");
                 return Err(messages.damaged(problem));
             }
@@ -123,19 +123,19 @@ impl RecordedDetections {
     }
 
     /// The results of this scan.
-    fn place_of(&self, scan_idx: usize) -> Option<MessagePlace> {
+    fn position_of(&self, scan_idx: usize) -> Option<MessagePosition> {
         self.by_stamp.get(self.stamp_by_scan.get(&scan_idx)?).copied()
     }
 
     fn boxes_of(
         &self,
         objects: &[SceneObject],
-        place: MessagePlace,
+        position: MessagePosition,
         scan: &ScanFrame,
     ) -> Result<Vec<ForeignBox>, DatasetError> {
         let is_elsewhere = |it: &SceneObject| !it.frame.is_empty() && it.frame != scan.frame;
         let tree = if objects.iter().any(is_elsewhere) {
-            self.messages.frames_at(scan.stamp_ns, place.log_time_ns)?
+            self.messages.frames_at(scan.stamp_ns, position.log_time_ns)?
         } else {
             FrameTree::default()
         };
@@ -144,7 +144,7 @@ impl RecordedDetections {
         for object in objects {
             let class = match object.class_name.as_str() {
                 "" => None,
-                name => classes.class_of(name, || place.to_string()),
+                name => classes.class_of(name, || position.to_string()),
             };
             let frame = if object.frame.is_empty() { &scan.frame } else { &object.frame };
             let frame_from_object = tree.to_from(&scan.frame, frame).ok_or_else(|| {
@@ -155,7 +155,7 @@ impl RecordedDetections {
             })?;
             let sensor_from_object = scan.sensor_from_frame * frame_from_object;
             let placed = object.annotation(AnnotationClass::Misc, &sensor_from_object);
-            let placed = placed.map_err(|problem| self.messages.damaged_at(place, &problem))?;
+            let placed = placed.map_err(|problem| self.messages.damaged_at(position, &problem))?;
             // What has no box, such as a line or a text, is no detection.
             boxes.extend(placed.bounding_box.map(|it| ForeignBox {
                 bounding_box: it,
@@ -175,16 +175,16 @@ impl ResultReader for RecordedDetections {
 
     fn read(&mut self, scan_idx: usize, _scan: &LabeledScan) -> FoundInScan {
         let Some(scan) = self.asked.get(&scan_idx) else { return Ok(None) };
-        let Some(place) = self.place_of(scan_idx) else { return Ok(None) };
-        let (_, objects) = self.messages.read_objects(&self.channel, place)?;
-        Ok(Some(ForeignDetections::of_boxes(self.boxes_of(&objects, place, scan)?)))
+        let Some(position) = self.position_of(scan_idx) else { return Ok(None) };
+        let (_, objects) = self.messages.read_objects(&self.channel, position)?;
+        Ok(Some(ForeignDetections::of_boxes(self.boxes_of(&objects, position, scan)?)))
     }
 }
 
 /// Scans with the stamps of their messages: the nearest two first, then the nearest of the others, as long as any are near enough.
 fn nearest_pairs(
     asked: &BTreeMap<usize, ScanFrame>,
-    by_stamp: &BTreeMap<u64, MessagePlace>,
+    by_stamp: &BTreeMap<u64, MessagePosition>,
 ) -> BTreeMap<usize, u64> {
     let mut pairs = Vec::new();
     for (&scan_idx, ScanFrame { stamp_ns, .. }) in asked {
@@ -205,9 +205,9 @@ fn nearest_pairs(
 
 /// The frame of the first cloud.
 fn frame_of_clouds(messages: &RecordedMessages, clouds: &Channel) -> Result<Option<String>, DatasetError> {
-    let Some(&place) = clouds.places.first() else { return Ok(None) };
-    let message = messages.message(place)?;
+    let Some(&position) = clouds.positions.first() else { return Ok(None) };
+    let message = messages.message(position)?;
     let cloud = RecordedCloud::read(clouds.kind, &clouds.encoding, message.as_slice());
-    let frame = cloud.map_err(|problem| messages.damaged_at(place, &problem))?.frame;
+    let frame = cloud.map_err(|problem| messages.damaged_at(position, &problem))?.frame;
     Ok(Some(frame).filter(|it| !it.is_empty()))
 }

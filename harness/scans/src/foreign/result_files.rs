@@ -81,7 +81,7 @@ impl ResultFiles {
         self.first_of(["", "data/"].map(|folder| format!("{folder}{drive}{ending}")))
     }
 
-    /// The file of each scan of `dataset` that has one, by its place in the data set.
+    /// The file of each scan of `dataset` that has one, by its index in the data set.
     pub fn of_scans(&self, dataset: &dyn Dataset, ending: &str) -> BTreeMap<usize, PathBuf> {
         let mut folders_by_drive: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         let drives: BTreeSet<&str> = dataset.scan_ids().iter().map(|it| it.sequence.as_str()).collect();

@@ -9,7 +9,7 @@ use crate::dataset::class_table::ClassRules;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::{Dataset, DatasetError};
 
-/// Results of another program, in some format. Scans are named by their places in [`Dataset::scan_ids`].
+/// Results of another program, in some format. Scans are named by their indices in [`Dataset::scan_ids`].
 pub trait ResultReader: Send {
     /// Whether there is something for the scan. That nothing was found there is something, too.
     fn has(&self, scan_idx: usize) -> bool;
@@ -42,7 +42,7 @@ impl OpenResults {
 pub struct ResultsOf<'a> {
     /// The data set.
     pub dataset: &'a dyn Dataset,
-    /// Which of its scans are asked for, as places in [`Dataset::scan_ids`], each with what results need to know about it.
+    /// Which of its scans are asked for, as indices in [`Dataset::scan_ids`], each with what results need to know about it.
     pub asked: BTreeMap<usize, ForeignFrame>,
     /// What names of classes stand for.
     pub classes: &'a ClassRules,

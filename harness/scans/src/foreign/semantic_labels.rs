@@ -1,4 +1,5 @@
-//! SemanticKITTI's `.label` files: for each point of the scan's file the instance in the upper half of a number, the class in the lower.
+//! SemanticKITTI's `.label` files: for each point of the scan's file the instance in the upper half of a number, the class
+//! in the lower.
 //!
 //! An instance is a cluster, and its class that of most of its points. Points of instance 0 are of none. The files lie as in submissions,
 //! `sequences/00/predictions/000000.label`, or as [`ResultFiles`] finds them.
@@ -56,8 +57,8 @@ fn clusters_of(labels: &[u32], path: &Path, classes: &mut ClassReader<'_>) -> Fo
     let clusters: Vec<u32> = labels.iter().map(|label| label >> 16).collect();
     let mut votes: BTreeMap<u32, BTreeMap<Option<AnnotationClass>, u32>> = BTreeMap::new();
     for (point_idx, &label) in labels.iter().enumerate().filter(|(_, label)| **label >> 16 > 0) {
-        let place = || format!("{path:?}, point {point_idx}");
-        let class = match class_of_number(label as u16, classes, place) {
+        let position = || format!("{path:?}, point {point_idx}");
+        let class = match class_of_number(label as u16, classes, position) {
             Some(SemanticClass::Object(class) | SemanticClass::UnscorableUnlessInstance(class)) => {
                 Some(class)
             }

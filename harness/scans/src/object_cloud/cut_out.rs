@@ -55,7 +55,7 @@ pub fn in_the_world(
     world_from_sensor: &Isometry3<f64>,
     params: &CutOutParams,
 ) -> (PointCloud, f32) {
-    let place = |point_idx: usize| -> [f32; 3] {
+    let position = |point_idx: usize| -> [f32; 3] {
         let position_m = scan.cloud.position_m(point_idx).map(f64::from);
         let [x_m, y_m, z_m]: [f64; 3] = (world_from_sensor * Point3::from(position_m)).coords.into();
         [x_m, y_m, z_m].map(|it| it as f32)
@@ -63,7 +63,7 @@ pub fn in_the_world(
     let mut cloud = PointCloud::with_capacity(annotation.point_indices.len());
     let (mut least_m, mut greatest_m) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for &point_idx in &annotation.point_indices {
-        let position_m = place(point_idx as usize);
+        let position_m = position(point_idx as usize);
         for axis in 0..3 {
             least_m[axis] = least_m[axis].min(position_m[axis]);
             greatest_m[axis] = greatest_m[axis].max(position_m[axis]);
@@ -77,7 +77,7 @@ pub fn in_the_world(
             && *z_m <= least_m[2] + ABOVE_LOWEST_M
     };
     let background = (0..scan.cloud.len()).filter(|point_idx| !is_annotated[*point_idx]);
-    let mut heights_m: Vec<f32> = background.map(place).filter(is_near).map(|it| it[2]).collect();
+    let mut heights_m: Vec<f32> = background.map(position).filter(is_near).map(|it| it[2]).collect();
     heights_m.sort_unstable_by(f32::total_cmp);
     let low = (heights_m.len() as f32 * BELOW_GROUND) as usize;
     let has_ground = heights_m.len() >= LEAST_GROUND_POINTS;

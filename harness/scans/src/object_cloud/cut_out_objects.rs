@@ -34,7 +34,7 @@ pub struct CutOutObjects {
 }
 
 /// Pieces of one class without a track that stand as near to each other in the world are one object, on the ground plan, in metres.
-const SAME_PLACE_M: f32 = 0.8;
+const SAME_POSITION_M: f32 = 0.8;
 /// A track without boxes whose points are farther than this from where they were has moved, in metres: it begins anew.
 const MOVED_M: f32 = 3.0;
 
@@ -54,12 +54,12 @@ pub fn cut_out_objects(
         let pose = dataset.world_from_sensor(scan_idx)?;
         let time_ns = dataset.scan_time_ns(scan_idx);
         let is_annotated = annotated_points(&scan);
-        for (annotation, place) in scan.annotations.iter().zip(0..) {
+        for (annotation, index) in scan.annotations.iter().zip(0..) {
             let piece = Piece::of(&scan, &is_annotated, annotation, pose.as_ref(), params);
             if piece.cloud.is_empty() {
                 continue;
             }
-            let shown = Shown { id: &scan.id, annotation, place, time_ns };
+            let shown = Shown { id: &scan.id, annotation, index, time_ns };
             let known = growing
                 .iter_mut()
                 .find(|it| registration == Registration::OverScans && it.is_shown_by(&shown, &piece));
@@ -134,7 +134,7 @@ enum Frame {
 struct Shown<'a> {
     id: &'a ScanId,
     annotation: &'a Annotation,
-    place: usize,
+    index: usize,
     time_ns: Option<u64>,
 }
 
@@ -154,8 +154,8 @@ struct Growing {
 
 impl Growing {
     fn new(shown: &Shown<'_>, piece: &Piece, distance_m: Option<f32>) -> Self {
-        let Shown { id, annotation, place, .. } = shown;
-        let number = annotation.track.map_or_else(|| format!("at-{place}"), |it| it.to_string());
+        let Shown { id, annotation, index, .. } = shown;
+        let number = annotation.track.map_or_else(|| format!("at-{index}"), |it| it.to_string());
         let whole = ObjectCloud {
             id: format!("{id}/{}-{number}", annotation.class.name()),
             class: PartialClass::of_annotation(annotation.class),
@@ -185,7 +185,7 @@ impl Growing {
             && match (self.frame, self.track) {
                 (Frame::Box, track) => track.is_some(),
                 (Frame::World, Some(_)) => self.is_within(piece, MOVED_M),
-                (Frame::World, None) => self.is_within(piece, SAME_PLACE_M),
+                (Frame::World, None) => self.is_within(piece, SAME_POSITION_M),
                 (Frame::Sensor, _) => false,
             }
     }

@@ -142,8 +142,8 @@ fn boxes_come_back_from_every_format() {
     ]) {
         let dataset = open(folder);
         for &output in outputs {
-            let place = tempfile::tempdir().unwrap();
-            check_round_trip(output, &*dataset, place.path());
+            let directory = tempfile::tempdir().unwrap();
+            check_round_trip(output, &*dataset, directory.path());
         }
     }
 }

@@ -25,17 +25,17 @@ const N_SCANS: usize = 5;
 impl Looked {
     fn of(name: &str, dataset: &dyn Dataset) -> Self {
         let n = dataset.scan_ids().len();
-        let places: Vec<usize> = (0..n.min(N_SCANS)).map(|it| it * n / n.min(N_SCANS)).collect();
-        let read = |place: usize| dataset.read_scan(place).unwrap();
-        let follows = |place: usize| {
-            let [id, next] = [place, place + 1].map(|it| dataset.scan_ids().get(it));
+        let indices: Vec<usize> = (0..n.min(N_SCANS)).map(|it| it * n / n.min(N_SCANS)).collect();
+        let read = |index: usize| dataset.read_scan(index).unwrap();
+        let follows = |index: usize| {
+            let [id, next] = [index, index + 1].map(|it| dataset.scan_ids().get(it));
             next.is_some_and(|next| next.sequence == id.unwrap().sequence)
         };
-        let has_next = places.iter().enumerate().filter(|(_, place)| follows(**place));
+        let has_next = indices.iter().enumerate().filter(|(_, index)| follows(**index));
         Self {
             name: name.to_owned(),
-            scans: places.iter().map(|it| read(*it)).collect(),
-            next: has_next.map(|(idx, place)| (idx, read(place + 1))).collect(),
+            scans: indices.iter().map(|it| read(*it)).collect(),
+            next: has_next.map(|(idx, index)| (idx, read(index + 1))).collect(),
         }
     }
 
@@ -101,11 +101,11 @@ fn raised(by: impl Fn(f32) -> f32) -> impl Fn(&OrientedBox) -> OrientedBox {
 }
 
 fn corrections(doubts: &[LabelDoubt]) -> Vec<Correction> {
-    let place = |it: &LabelDoubt| match it {
-        LabelDoubt::Place { correction, .. } => Some(*correction),
+    let position = |it: &LabelDoubt| match it {
+        LabelDoubt::Position { correction, .. } => Some(*correction),
         _ => None,
     };
-    doubts.iter().filter_map(place).collect()
+    doubts.iter().filter_map(position).collect()
 }
 
 /// Damages the labels of `looked` by `damage`, and expects a correction like this one.
@@ -123,7 +123,7 @@ fn near(found: f32, expected: f32, tolerance: f32) -> bool {
 
 /// Boxes beside their vehicles are heard on `looked`, and called by what is wrong.
 #[track_caller]
-fn check_places(looked: &Looked) {
+fn check_positions(looked: &Looked) {
     check(looked, Correction::SwapSides, |it| it == Correction::SwapSides);
     check(
         looked,
@@ -145,7 +145,7 @@ fn check_places(looked: &Looked) {
 /// Each kind of damage is heard on `looked`, and called by its name.
 #[track_caller]
 fn check_all(looked: &Looked) {
-    check_places(looked);
+    check_positions(looked);
     check(
         looked,
         Correction::Yaw(20_f32.to_radians()),
@@ -190,7 +190,7 @@ fn real_labels_are_silent_and_their_damage_is_named() {
     for looked in recorded() {
         assert_eq!(looked.doubts(|it| *it), [], "{}", looked.name);
         // One scan with 16 vehicles does not show every kind of damage.
-        if looked.scans.len() > 1 { check_all(&looked) } else { check_places(&looked) }
+        if looked.scans.len() > 1 { check_all(&looked) } else { check_positions(&looked) }
     }
     let kitti = Looked::recorded("data/kitti_tracking");
     let late = Correction::OtherScan { is_next: true };

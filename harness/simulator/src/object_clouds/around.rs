@@ -11,8 +11,8 @@ use super::lone_object::{LoneObject, Look, level_pose};
 use crate::scan::beam_errors;
 use crate::sensor::SensorModel;
 
-/// Between this and one less many places a surveyor scans from.
-const N_PLACES: std::ops::Range<u32> = 4..8;
+/// Between this and one less many positions a surveyor scans from.
+const N_POSITIONS: std::ops::Range<u32> = 4..8;
 /// How far from the outline of the object, in metres.
 const CLEARANCES_M: std::ops::Range<f32> = 3.0..10.0;
 
@@ -22,7 +22,7 @@ pub fn survey_scanner() -> SensorModel {
     SensorModel::from_toml(description).expect("a test reads the description")
 }
 
-/// The points of `object`, number `number`, from places all round it, registered without error; a moment after each.
+/// The points of `object`, number `number`, from positions all round it, registered without error; a moment after each.
 pub fn scanned_around(
     object: &LoneObject,
     number: ObjectNumber,
@@ -30,12 +30,12 @@ pub fn scanned_around(
 ) -> (PointCloud, Vec<Moment>) {
     let errors = beam_errors(scanner, &mut number.random_stream(StreamUse::Beams));
     let mut rng = number.random_stream(StreamUse::Viewpoint);
-    let n_places = rng.random_range(N_PLACES);
+    let n_positions = rng.random_range(N_POSITIONS);
     let first_rad = rng.random_range(0.0..TAU);
     let (mut cloud, mut moments) = (PointCloud::default(), Vec::new());
-    for scan in 0..n_places {
+    for scan in 0..n_positions {
         let bearing_rad =
-            first_rad + TAU * (f64::from(scan) + rng.random_range(-0.25..0.25)) / f64::from(n_places);
+            first_rad + TAU * (f64::from(scan) + rng.random_range(-0.25..0.25)) / f64::from(n_positions);
         let distance_m = object.reach_m() + rng.random_range(CLEARANCES_M);
         let world_from_sensor = level_pose(bearing_rad, distance_m, scanner, &mut rng);
         let look = Look::from(world_from_sensor, scanner, &errors);

@@ -57,11 +57,11 @@ impl ObjectNumber {
 
     /// The random stream for `stream_use`.
     pub fn random_stream(self, stream_use: StreamUse) -> ChaCha8Rng {
-        let class_place = PartialClass::ALL.iter().position(|it| *it == self.class).unwrap_or_default();
+        let class_idx = PartialClass::ALL.iter().position(|it| *it == self.class).unwrap_or_default();
         let mut key = [0; 32];
         key[..8].copy_from_slice(&self.seed.to_le_bytes());
         key[8..12].copy_from_slice(&self.number.to_le_bytes());
-        key[12] = class_place as u8;
+        key[12] = class_idx as u8;
         // Keeps these streams apart from those of streets.
         key[16..23].copy_from_slice(b"objects");
         let mut rng = ChaCha8Rng::from_seed(key);

@@ -1,4 +1,5 @@
-//! Objects as aircraft scan them: strips of parallel pulses from high above, each as wide as a hand is long, and with several echoes.
+//! Objects as aircraft scan them: strips of parallel pulses from high above, each as wide as a hand is long, and with
+//! several echoes.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +28,7 @@ const MOST_OFF_VERTICAL_DEG: f64 = 20.0;
 const SPACINGS_M: std::ops::Range<f32> = 0.18..0.35;
 /// Radius of the spot that a pulse lights, in metres.
 const SPOT_RADIUS_M: f32 = 0.15;
-/// A spot is looked at in so many places.
+/// A spot is looked at in so many positions.
 const RAYS_PER_PULSE: u32 = 4;
 /// A pulse has at most so many echoes.
 const MOST_ECHOES: usize = 4;
@@ -37,7 +38,7 @@ const ECHO_LENGTH_M: f32 = 0.7;
 const GOES_ON: f64 = 0.5;
 /// Standard deviation of a range, in metres.
 const RANGE_SIGMA_M: f32 = 0.03;
-/// Standard deviation of a place along either axis of the ground plan, in metres.
+/// Standard deviation of a position along either axis of the ground plan, in metres.
 const PLAN_SIGMA_M: f32 = 0.06;
 
 /// The points of `object`, number `number`, a moment after each strip. Nobody says how far away the aircraft was.
@@ -73,8 +74,8 @@ fn fly(object: &LoneObject, toward: Vector, spacing_m: f32, rng: &mut ChaCha8Rng
     let begin_m = 2.0 * object.top_m() + 10.0;
     for row in -n_to_a_side..=n_to_a_side {
         for column in -n_to_a_side..=n_to_a_side {
-            let mut place = |it: i32| (it as f32 + rng.random_range(-0.5_f32..0.5)) * spacing_m;
-            let spot = Vector::new(place(row), place(column), 0.0);
+            let mut position = |it: i32| (it as f32 + rng.random_range(-0.5_f32..0.5)) * spacing_m;
+            let spot = Vector::new(position(row), position(column), 0.0);
             let axis = Ray::new(spot + toward * (begin_m / toward.z), toward);
             for (range_m, intensity) in echoes(object, &axis, rng) {
                 let measured = axis.point_at(range_m + gaussian(rng) * RANGE_SIGMA_M);

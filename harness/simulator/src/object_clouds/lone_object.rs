@@ -47,7 +47,7 @@ pub struct Look<'a> {
 }
 
 impl<'a> Look<'a> {
-    /// From a place that is known without error.
+    /// From a position that is known without error.
     pub fn from(world_from_sensor: Pose, sensor: &'a SensorModel, errors: &'a [BeamError]) -> Self {
         Self { sensor, errors, world_from_sensor, registered: world_from_sensor }
     }

@@ -1,4 +1,5 @@
-//! Simulated objects by name: `objects-around`, `objects-air`, `objects-approach`, and one for each of four rotating sensors.
+//! Simulated objects by name: `objects-around`, `objects-air`, `objects-approach`, and one for each of four rotating
+//! sensors.
 
 use detector::PointCloud;
 use reports::vocabulary::partial_class::PartialClass;
@@ -253,8 +254,8 @@ mod tests {
         for object_idx in 0..10 {
             let mut found = read.read(object_idx).unwrap();
             found.whole.id = found.whole.id[found.whole.id.find('/').unwrap() + 1..].replace(".npy", "");
-            let place = written.iter().position(|it| *it == found);
-            written.remove(place.unwrap_or_else(|| panic!("{} was not written", found.whole.id)));
+            let index = written.iter().position(|it| *it == found);
+            written.remove(index.unwrap_or_else(|| panic!("{} was not written", found.whole.id)));
         }
         assert!(written.is_empty());
     }

@@ -99,8 +99,8 @@ fn forks(stem: &Branch, generation: u32, rng: &mut ChaCha8Rng) -> Vec<Branch> {
     let n = if is_first { rng.random_range(3..7_u32) } else { rng.random_range(2..4_u32) };
     let from = if is_first { stem.from } else { stem.end() };
     let first_turn = rng.random_range(0.0..1.0_f32);
-    let branch = |place: u32| {
-        let turn = TAU * (first_turn + (place as f32 + rng.random_range(-0.3_f32..0.3)) / n as f32);
+    let branch = |index: u32| {
+        let turn = TAU * (first_turn + (index as f32 + rng.random_range(-0.3_f32..0.3)) / n as f32);
         let (sine, cosine) = sine_and_cosine(turn.into());
         let spread = rng.random_range(0.35_f32..1.0);
         // Twigs strive upward.

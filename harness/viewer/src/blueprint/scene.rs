@@ -102,7 +102,7 @@ impl Scene<'_> {
     }
 }
 
-/// Draws the points of the scan with `column` in the place of their class ids.
+/// Draws the points of the scan with `column` instead of their class ids.
 fn points_colored_by(column: ComponentIdentifier) -> Visualizer {
     let class_ids = Points3D::descriptor_class_ids().component;
     let mapping =

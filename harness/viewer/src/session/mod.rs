@@ -32,7 +32,8 @@ use super::viewer::{ServedRecording, ViewerLink, ViewerState};
 
 const APPLICATION_ID: &str = "scanbench";
 /// So many scans are written at once if no viewer waits for them. The index of the file, which Rerun holds in memory until
-/// its end, has a place for every component in every chunk: a third of a megabyte for each time that something is written.
+/// its end, has a slot for every component in every chunk: a third of a megabyte for each time that something is
+/// written.
 const MAX_HELD_BACK: u32 = 8;
 
 /// How a recording ended.
@@ -180,8 +181,8 @@ impl Stream {
         Ok(())
     }
 
-    /// Goes on to another place on the axis, and writes `title` where the scan is named; the scan stays. Its `further` series
-    /// have these values there; one that is undefined leaves a gap.
+    /// Goes on to another position on the axis, and writes `title` where the scan is named; the scan stays. Its `further`
+    /// series have these values there; one that is undefined leaves a gap.
     ///
     /// # Errors
     ///

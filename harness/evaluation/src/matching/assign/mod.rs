@@ -10,7 +10,7 @@ use crate::matching::criterion::Criterion;
 use crate::matching::detection_order::detection_ranks;
 use crate::matching::eligibility::{EligibilityParams, asks_for, exclusions};
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
-use crate::matching::ignored_detections::UnjudgedPlaces;
+use crate::matching::ignored_detections::UnjudgedPositions;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FoundTall};
 use crate::matching::point_overlap::PointOverlap;
 
@@ -154,7 +154,7 @@ impl Scene<'_> {
             let outcome = DetectionOutcome::Ignored(IgnoredDetection::OnIgnoredAnnotation);
             found[pair.detection_idx] = Some(outcome);
         }
-        let unjudged = UnjudgedPlaces::of(self.scan, &self.exclusions, params);
+        let unjudged = UnjudgedPositions::of(self.scan, &self.exclusions, params);
         let outcome = |(detection_idx, found): (usize, Option<DetectionOutcome>)| {
             if !self.is_asked[detection_idx] {
                 return DetectionOutcome::NotAsked;

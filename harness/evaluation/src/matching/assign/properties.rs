@@ -1,4 +1,4 @@
-//! What holds of every scene, drawn at random: few places, sizes and scores, so that much is shared and much is tied.
+//! What holds of every scene, drawn at random: few positions, sizes and scores, so that much is shared and much is tied.
 
 use std::collections::BTreeSet;
 
@@ -82,8 +82,8 @@ fn any_scan() -> impl Strategy<Value = LabeledScan> {
         prop::sample::select(area),
     )
         .prop_map(|(annotations, point_regions, labeled_area)| {
-            let place = |it: usize| [(it % 12) as f32 - 4.0, (it / 12) as f32 - 2.0, (it % 5) as f32];
-            LabeledScan { point_regions, labeled_area, ..labeled((0..N_POINTS).map(place), annotations) }
+            let position = |it: usize| [(it % 12) as f32 - 4.0, (it / 12) as f32 - 2.0, (it % 5) as f32];
+            LabeledScan { point_regions, labeled_area, ..labeled((0..N_POINTS).map(position), annotations) }
         })
 }
 
@@ -196,11 +196,11 @@ proptest! {
         for annotation in &mut scan.annotations {
             annotation.point_indices.retain(|it| !std::mem::replace(&mut is_taken[*it as usize], true));
         }
-        let mut places = Vec::new();
+        let mut positions = Vec::new();
         let cloud = scan.cloud.clone();
         scan.annotations.retain(|it| {
-            let is_new = it.center_m(&cloud).is_some_and(|it| !places.contains(&[it[0], it[1]]));
-            places.extend(it.center_m(&cloud).map(|it| [it[0], it[1]]));
+            let is_new = it.center_m(&cloud).is_some_and(|it| !positions.contains(&[it[0], it[1]]));
+            positions.extend(it.center_m(&cloud).map(|it| [it[0], it[1]]));
             is_new
         });
         let seen = scan.annotations.iter().filter(|it| !it.point_indices.is_empty());

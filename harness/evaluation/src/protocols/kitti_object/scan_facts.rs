@@ -8,7 +8,7 @@ use super::overlaps::{ImageRectangle, PlannedBox, overlap, share_in};
 
 /// The annotations, the detections, the pairs of them that overlap enough for some question, and the detections in regions without labels.
 ///
-/// Places are those in the slices.
+/// Indices are those in the slices.
 pub fn scan_facts(
     annotations: &[KittiAnnotation],
     dont_care: &[ImageRectangle],

@@ -27,9 +27,9 @@ const CELLS_IN_REACH: i32 = 2;
 pub fn same_label_clusters(cloud: &PointCloud, labels: &[u32]) -> Vec<u32> {
     let cells = LabelCells::of(cloud, labels);
     let mut root_of_cell: Vec<usize> = (0..cells.points.len()).collect();
-    for (idx, (label, place)) in cells.keys.iter().enumerate() {
+    for (idx, (label, position)) in cells.keys.iter().enumerate() {
         for offset in offsets_ahead() {
-            let other = [0, 1, 2].map(|axis| place[axis] + offset[axis]);
+            let other = [0, 1, 2].map(|axis| position[axis] + offset[axis]);
             let Some(&other) = cells.idx_of.get(&(*label, other)) else { continue };
             let [a, b] = [root(&mut root_of_cell, idx), root(&mut root_of_cell, other)];
             if a != b && are_in_reach(cloud, &cells.points[idx], &cells.points[other]) {
@@ -60,7 +60,7 @@ pub fn same_label_clusters(cloud: &PointCloud, labels: &[u32]) -> Vec<u32> {
     objects
 }
 
-/// A label, and a cell's place.
+/// A label, and a cell's position.
 type CellKey = (u32, [i32; 3]);
 
 /// The points that may belong to objects, by label and cell.
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Rows of points 0.5 m apart along x, each from a place: how many, and their label.
+    /// Rows of points 0.5 m apart along x, each from a position: how many, and their label.
     fn clusters(rows: &[([f32; 3], usize, u32)]) -> Vec<u32> {
         let points = rows
             .iter()

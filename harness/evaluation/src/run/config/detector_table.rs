@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use toml::{Table, Value};
 
-use super::error::{ConfigError, ConfigPlace};
+use super::error::{ConfigError, ConfigPosition};
 use crate::run::foreign_detector::{ForeignDetector, ForeignProcess, ForeignWork, VehicleRule};
 use crate::run::kept_names::kept;
 
@@ -38,26 +38,26 @@ const LONGEST_LIMIT_S: f64 = 3600.0;
 /// Most threads.
 const MOST_THREADS: i64 = 1024;
 
-/// The detectors that the file at `path` defines in its table `written`, and the parameters of those that have any; `place_of`
-/// gives the position of a key in the file.
+/// The detectors that the file at `path` defines in its table `written`, and the parameters of those that have any;
+/// `position_of` gives the position of a key in the file.
 pub(super) fn foreign_detectors(
     path: &Path,
-    place_of: &dyn Fn(&[String]) -> ConfigPlace,
+    position_of: &dyn Fn(&[String]) -> ConfigPosition,
     written: Value,
 ) -> Result<(Vec<ForeignDetector>, Table), ConfigError> {
     let folder = folder_of(path);
-    let top = DetectorTable { folder: &folder, place_of, keys: vec![DETECTOR_TABLE.to_owned()] };
+    let top = DetectorTable { folder: &folder, position_of, keys: vec![DETECTOR_TABLE.to_owned()] };
     let mut detectors = Vec::new();
     let mut parameters = Table::new();
     for (name, value) in top.table(written)? {
-        let place = top.below(&name);
-        place.check_name(&name)?;
-        let mut table = place.table(value)?;
+        let entry = top.below(&name);
+        entry.check_name(&name)?;
+        let mut table = entry.table(value)?;
         if let Some(of_detector) = table.remove("parameters") {
-            let of_detector = place.below("parameters").table(of_detector)?;
+            let of_detector = entry.below("parameters").table(of_detector)?;
             parameters.insert(name.clone(), Value::Table(of_detector));
         }
-        detectors.push(place.detector(&name, table)?);
+        detectors.push(entry.detector(&name, table)?);
     }
     Ok((detectors, parameters))
 }
@@ -65,7 +65,7 @@ pub(super) fn foreign_detectors(
 /// A table within a file, and how it is reached.
 struct DetectorTable<'a> {
     folder: &'a Path,
-    place_of: &'a dyn Fn(&[String]) -> ConfigPlace,
+    position_of: &'a dyn Fn(&[String]) -> ConfigPosition,
     keys: Vec<String>,
 }
 
@@ -78,8 +78,8 @@ impl DetectorTable<'_> {
     fn detector(&self, name: &str, mut table: Table) -> Result<ForeignDetector, ConfigError> {
         if let Some(key) = table.keys().find(|it| !KEYS.contains(&it.as_str())) {
             let remedy = format!("a detector has {}", KEYS.join(", "));
-            let place = (self.place_of)(&self.below(key).keys);
-            return Err(ConfigError::Unknown { place, key: self.below(key).keys.join("."), remedy });
+            let position = (self.position_of)(&self.below(key).keys);
+            return Err(ConfigError::Unknown { position, key: self.below(key).keys.join("."), remedy });
         }
         let work = match (table.remove("command"), table.remove("results")) {
             (Some(_), Some(_)) => {
@@ -132,41 +132,41 @@ impl DetectorTable<'_> {
     }
 
     fn limit(&self, key: &str, written: Option<Value>, default: Duration) -> Result<Duration, ConfigError> {
-        let place = self.below(key);
+        let entry = self.below(key);
         let limit_s = match written {
             None => return Ok(default),
             Some(Value::Float(limit_s)) => limit_s,
             Some(Value::Integer(limit_s)) => limit_s as f64,
-            Some(other) => return Err(place.wrong_type(&other, "float")),
+            Some(other) => return Err(entry.wrong_type(&other, "float")),
         };
         if limit_s > 0.0 && limit_s <= LONGEST_LIMIT_S {
             return Ok(Duration::from_secs_f64(limit_s));
         }
-        Err(place.problem(format!(" = {limit_s} is not above 0 and at most {LONGEST_LIMIT_S}")))
+        Err(entry.problem(format!(" = {limit_s} is not above 0 and at most {LONGEST_LIMIT_S}")))
     }
 
     fn threads(&self, written: Option<Value>) -> Result<u32, ConfigError> {
-        let place = self.below("threads");
+        let entry = self.below("threads");
         match written {
             None => Ok(1),
             Some(Value::Integer(threads @ 1..=MOST_THREADS)) => Ok(threads as u32),
             Some(Value::Integer(threads)) => {
-                Err(place.problem(format!(" = {threads} is not within 1 to {MOST_THREADS}")))
+                Err(entry.problem(format!(" = {threads} is not within 1 to {MOST_THREADS}")))
             }
-            Some(other) => Err(place.wrong_type(&other, "integer")),
+            Some(other) => Err(entry.wrong_type(&other, "integer")),
         }
     }
 
     fn vehicles(&self, written: Option<Value>) -> Result<VehicleRule, ConfigError> {
-        let place = self.below("vehicles");
+        let entry = self.below("vehicles");
         match written {
             None => Ok(VehicleRule::default()),
             Some(Value::String(word)) => {
                 let rule = VehicleRule::ALL.into_iter().find(|it| it.name() == word);
                 let known = VehicleRule::ALL.map(VehicleRule::name).join(", ");
-                rule.ok_or_else(|| place.problem(format!(" = {word:?} is none of {known}")))
+                rule.ok_or_else(|| entry.problem(format!(" = {word:?} is none of {known}")))
             }
-            Some(other) => Err(place.wrong_type(&other, "string")),
+            Some(other) => Err(entry.wrong_type(&other, "string")),
         }
     }
 
@@ -182,12 +182,12 @@ impl DetectorTable<'_> {
     }
 
     fn wrong_type(&self, found: &Value, expected: &'static str) -> ConfigError {
-        let (place, key) = ((self.place_of)(&self.keys), self.keys.join("."));
-        ConfigError::WrongType { place, key, found: found.type_str(), expected }
+        let (position, key) = ((self.position_of)(&self.keys), self.keys.join("."));
+        ConfigError::WrongType { position, key, found: found.type_str(), expected }
     }
 
     fn problem(&self, problem: String) -> ConfigError {
-        ConfigError::Value { place: (self.place_of)(&self.keys), key: self.keys.join("."), problem }
+        ConfigError::Value { position: (self.position_of)(&self.keys), key: self.keys.join("."), problem }
     }
 }
 

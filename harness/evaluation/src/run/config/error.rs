@@ -23,46 +23,46 @@ pub enum ConfigError {
         byte_offset: usize,
     },
     /// What was given is not TOML.
-    #[error("{place}: {problem}")]
+    #[error("{position}: {problem}")]
     Syntax {
         /// Where.
-        place: ConfigPlace,
+        position: ConfigPosition,
         /// What is wrong there.
         problem: String,
     },
     /// A parameter that nothing reads.
-    #[error("{place}: unknown parameter {key}; {remedy}")]
+    #[error("{position}: unknown parameter {key}; {remedy}")]
     Unknown {
         /// Where.
-        place: ConfigPlace,
+        position: ConfigPosition,
         /// The parameter, in a file with the tables it is in.
         key: String,
         /// The parameters there are in its table, or those that may be meant.
         remedy: String,
     },
     /// A short name that several parameters have.
-    #[error("{place}: {name} is ambiguous; write one of {}", meanings.join(", "))]
+    #[error("{position}: {name} is ambiguous; write one of {}", meanings.join(", "))]
     Ambiguous {
         /// Where.
-        place: ConfigPlace,
+        position: ConfigPosition,
         /// The name.
         name: String,
         /// The full names of the parameters.
         meanings: Vec<String>,
     },
     /// A parameter that was given two values on the command line.
-    #[error("{place}: {key} is set twice")]
+    #[error("{position}: {key} is set twice")]
     Twice {
         /// Where the second one is.
-        place: ConfigPlace,
+        position: ConfigPosition,
         /// The full name of the parameter.
         key: String,
     },
     /// A parameter of the wrong type.
-    #[error("{place}: {key} is of type {found}, but must be {expected}")]
+    #[error("{position}: {key} is of type {found}, but must be {expected}")]
     WrongType {
         /// Where.
-        place: ConfigPlace,
+        position: ConfigPosition,
         /// The parameter with the tables it is in.
         key: String,
         /// The type of its value.
@@ -71,10 +71,10 @@ pub enum ConfigError {
         expected: &'static str,
     },
     /// A value that cannot be worked with.
-    #[error("{place}: {key}{problem}")]
+    #[error("{position}: {key}{problem}")]
     Value {
         /// Where.
-        place: ConfigPlace,
+        position: ConfigPosition,
         /// The parameter with the tables it is in.
         key: String,
         /// What is wrong with it, as a continuation.
@@ -84,7 +84,7 @@ pub enum ConfigError {
 
 /// Where a parameter was given a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ConfigPlace {
+pub enum ConfigPosition {
     /// In a file.
     Line {
         /// The file.
@@ -96,7 +96,7 @@ pub enum ConfigPlace {
     Options(Vec<String>),
 }
 
-impl fmt::Display for ConfigPlace {
+impl fmt::Display for ConfigPosition {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line { path, line } => {

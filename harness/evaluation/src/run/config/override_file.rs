@@ -7,7 +7,7 @@ use toml::de::DeTable;
 use toml::{Table, Value};
 
 use super::detector_table::{DETECTOR_TABLE, foreign_detectors};
-use super::error::{ConfigError, ConfigPlace};
+use super::error::{ConfigError, ConfigPosition};
 use super::parameter_tree::set;
 use super::value_problem::ValueProblem;
 use crate::run::foreign_detector::ForeignDetector;
@@ -41,18 +41,18 @@ impl OverrideFile<'_> {
         let written = values.remove(DETECTOR_TABLE);
         let (foreign, foreign_parameters) = written.map_or_else(
             || Ok(Default::default()),
-            |it| foreign_detectors(self.path, &|keys| self.place_of(keys), it),
+            |it| foreign_detectors(self.path, &|keys| self.position_of(keys), it),
         )?;
         let curve = values.get("hierarchical").and_then(|it| it.get("density_weighting")?.get("curve"));
         let gives_density_curve = curve.is_some();
-        set(table, values, &mut Vec::new(), &|keys| self.place_of(keys))?;
+        set(table, values, &mut Vec::new(), &|keys| self.position_of(keys))?;
         Ok(Applied { gives_density_curve, classes, foreign, foreign_parameters })
     }
 
     fn classes_in(&self, written: Value) -> Result<ClassTable, ConfigError> {
         let wrong_type = |keys: &[String], found: &Value, expected| {
-            let (place, key) = (self.place_of(keys), keys.join("."));
-            ConfigError::WrongType { place, key, found: found.type_str(), expected }
+            let (position, key) = (self.position_of(keys), keys.join("."));
+            ConfigError::WrongType { position, key, found: found.type_str(), expected }
         };
         let Value::Table(written) = written else {
             return Err(wrong_type(&[CLASSES.to_owned()], &written, "table"));
@@ -62,7 +62,7 @@ impl OverrideFile<'_> {
             let keys = [CLASSES.to_owned(), name];
             let Value::String(word) = word else { return Err(wrong_type(&keys, &word, "string")) };
             let class = class_of_word(&word).map_err(|problem| ConfigError::Value {
-                place: self.place_of(&keys),
+                position: self.position_of(&keys),
                 key: keys.join("."),
                 problem: format!(": {problem}"),
             })?;
@@ -74,18 +74,18 @@ impl OverrideFile<'_> {
     /// Says where in the document the value stands that makes a problem.
     pub(super) fn value_error(&self, problem: ValueProblem) -> ConfigError {
         let ValueProblem { keys, problem } = problem;
-        ConfigError::Value { place: self.place_of(&keys), key: keys.join("."), problem }
+        ConfigError::Value { position: self.position_of(&keys), key: keys.join("."), problem }
     }
 
     fn parse(&self) -> Result<Table, ConfigError> {
         self.text.parse().map_err(|error: toml::de::Error| ConfigError::Syntax {
-            place: self.place_at(error.span().map_or(0, |span| span.start)),
+            position: self.position_at(error.span().map_or(0, |span| span.start)),
             problem: error.message().to_owned(),
         })
     }
 
     /// Where the key with these parents stands.
-    fn place_of(&self, keys: &[String]) -> ConfigPlace {
+    fn position_of(&self, keys: &[String]) -> ConfigPosition {
         let document = DeTable::parse(self.text).expect("the document was parsed before");
         let mut table = document.get_ref();
         let mut offset = 0;
@@ -95,12 +95,12 @@ impl OverrideFile<'_> {
             let Some(inner) = value.get_ref().as_table() else { break };
             table = inner;
         }
-        self.place_at(offset)
+        self.position_at(offset)
     }
 
-    fn place_at(&self, byte_offset: usize) -> ConfigPlace {
+    fn position_at(&self, byte_offset: usize) -> ConfigPosition {
         let before = self.text.as_bytes().iter().take(byte_offset);
         let line = 1 + before.filter(|&&byte| byte == b'\n').count();
-        ConfigPlace::Line { path: self.path.to_owned(), line }
+        ConfigPosition::Line { path: self.path.to_owned(), line }
     }
 }

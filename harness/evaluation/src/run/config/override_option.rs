@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use toml::{Table, Value};
 
-use super::error::{ConfigError, ConfigPlace};
+use super::error::{ConfigError, ConfigPosition};
 use super::parameter_tree::{parameters, set};
 use super::value_problem::ValueProblem;
 
@@ -73,7 +73,7 @@ impl<'a> OverrideOptions<'a> {
         for option in options {
             let keys = option.keys(&known, own)?;
             if resolved.iter().any(|(before, _)| *before == keys) {
-                return Err(ConfigError::Twice { place: option.place(), key: keys.join(".") });
+                return Err(ConfigError::Twice { position: option.position(), key: keys.join(".") });
             }
             resolved.push((keys, option));
         }
@@ -87,7 +87,7 @@ impl<'a> OverrideOptions<'a> {
                 |value: Value, key: &String| Value::Table(Table::from_iter([(key.clone(), value)]));
             let nested = keys.iter().rev().fold(option.value.clone(), in_its_table);
             let Value::Table(nested) = nested else { unreachable!("a parameter has a name") };
-            set(table, nested, &mut Vec::new(), &|_| option.place())?;
+            set(table, nested, &mut Vec::new(), &|_| option.position())?;
         }
         Ok(())
     }
@@ -96,17 +96,17 @@ impl<'a> OverrideOptions<'a> {
     pub(super) fn value_error(&self, problem: ValueProblem) -> ConfigError {
         let ValueProblem { keys, problem } = problem;
         let guilty = self.options.iter().find(|(of_option, _)| *of_option == keys);
-        let place = match guilty {
-            Some((_, option)) => option.place(),
-            None => ConfigPlace::Options(self.options.iter().map(|(_, it)| it.written.clone()).collect()),
+        let position = match guilty {
+            Some((_, option)) => option.position(),
+            None => ConfigPosition::Options(self.options.iter().map(|(_, it)| it.written.clone()).collect()),
         };
-        ConfigError::Value { place, key: keys.join("."), problem }
+        ConfigError::Value { position, key: keys.join("."), problem }
     }
 }
 
 impl OverrideOption {
-    fn place(&self) -> ConfigPlace {
-        ConfigPlace::Options(vec![self.written.clone()])
+    fn position(&self) -> ConfigPosition {
+        ConfigPosition::Options(vec![self.written.clone()])
     }
 
     /// The full name of the parameter: its own, or the one that ends so among those of the tables `own`.
@@ -122,12 +122,12 @@ impl OverrideOption {
         match meant[..] {
             [keys] => Ok(keys.clone()),
             [] => Err(ConfigError::Unknown {
-                place: self.place(),
+                position: self.position(),
                 key: self.name.clone(),
                 remedy: self.remedy(known, own),
             }),
             _ => Err(ConfigError::Ambiguous {
-                place: self.place(),
+                position: self.position(),
                 name: self.name.clone(),
                 meanings: meant.into_iter().map(|keys| keys.join(".")).collect(),
             }),

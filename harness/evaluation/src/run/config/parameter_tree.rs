@@ -2,7 +2,7 @@
 
 use toml::{Table, Value};
 
-use super::error::{ConfigError, ConfigPlace};
+use super::error::{ConfigError, ConfigPosition};
 
 /// The parameters below `table`, each with the tables it is in.
 pub(super) fn parameters(table: &Table) -> Vec<Vec<String>> {
@@ -19,12 +19,12 @@ pub(super) fn parameters(table: &Table) -> Vec<Vec<String>> {
     below.collect()
 }
 
-/// Puts the values of `overrides` into `table`, which is found under `parents`; `place_of` says where each was given.
+/// Puts the values of `overrides` into `table`, which is found under `parents`; `position_of` says where each was given.
 pub(super) fn set(
     table: &mut Table,
     overrides: Table,
     parents: &mut Vec<String>,
-    place_of: &impl Fn(&[String]) -> ConfigPlace,
+    position_of: &impl Fn(&[String]) -> ConfigPosition,
 ) -> Result<(), ConfigError> {
     for (key, value) in overrides {
         parents.push(key);
@@ -34,16 +34,20 @@ pub(super) fn set(
             // Only at the top there is more than parameters.
             let others = if parents.len() == 1 { "; other tables are classes and detector.NAME" } else { "" };
             let remedy = format!("parameters are {known}{others}");
-            return Err(ConfigError::Unknown { place: place_of(parents), key: parents.join("."), remedy });
+            return Err(ConfigError::Unknown {
+                position: position_of(parents),
+                key: parents.join("."),
+                remedy,
+            });
         };
         match (present, value) {
-            (Value::Table(table), Value::Table(overrides)) => set(table, overrides, parents, place_of)?,
+            (Value::Table(table), Value::Table(overrides)) => set(table, overrides, parents, position_of)?,
             (present @ Value::Float(_), Value::Integer(value)) => *present = Value::Float(value as f64),
             (present, value) if present.same_type(&value) => *present = value,
             (present, value) => {
                 let (found, expected) = (value.type_str(), present.type_str());
-                let (place, key) = (place_of(parents), parents.join("."));
-                return Err(ConfigError::WrongType { place, key, found, expected });
+                let (position, key) = (position_of(parents), parents.join("."));
+                return Err(ConfigError::WrongType { position, key, found, expected });
             }
         }
         parents.pop();

@@ -38,7 +38,7 @@ impl ValueProblem {
     }
 }
 
-/// The names of the value at this place of the document of `table`, from the outermost in.
+/// The names of the value at this position of the document of `table`, from the outermost in.
 fn key_at(table: &DeTable<'_>, byte_offset: usize) -> Option<Vec<String>> {
     table.iter().find_map(|(key, value)| {
         let mut keys = vec![key.get_ref().to_string()];

@@ -138,7 +138,7 @@ enum ModelSource<M> {
     },
 }
 
-/// The parameters that a model was trained with in place of the shipped ones, by their full names; and whose model it is.
+/// The parameters that a model was trained with instead of the shipped ones, by their full names; and whose model it is.
 #[derive(Debug, Clone, PartialEq)]
 struct TrainedWith {
     parameters: toml::Table,

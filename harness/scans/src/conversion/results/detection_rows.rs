@@ -9,10 +9,10 @@ use reports::vocabulary::class::DetectionClass;
 /// The score of detections without one, where a format has to have one.
 pub const SCORE_OF_NONE: f32 = 1.0;
 
-/// What files say of a detection; its id is its place among those of the scan.
-pub fn detection_facts(place: usize, detection: &Detection<'_>) -> DetectionFacts {
+/// What files say of a detection; its id is its index among those of the scan.
+pub fn detection_facts(index: usize, detection: &Detection<'_>) -> DetectionFacts {
     DetectionFacts {
-        id: place as u64,
+        id: index as u64,
         class: match detection.class {
             DetectedClass::Object => DetectionClass::Object,
             DetectedClass::Vehicle => DetectionClass::Vehicle,
@@ -25,8 +25,8 @@ pub fn detection_facts(place: usize, detection: &Detection<'_>) -> DetectionFact
 
 /// The rows of the boxes of a scan, in order.
 pub fn box_rows(detections: &Detections) -> Vec<BoxRow> {
-    let row = |(place, it): (usize, Detection<'_>)| {
-        BoxRow::new(&detection_facts(place, &it), &box_detail_facts(&it.box_details))
+    let row = |(index, it): (usize, Detection<'_>)| {
+        BoxRow::new(&detection_facts(index, &it), &box_detail_facts(&it.box_details))
     };
     detections.iter().enumerate().map(row).collect()
 }

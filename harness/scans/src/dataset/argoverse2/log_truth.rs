@@ -159,8 +159,8 @@ fn read_labels(
         let object =
             OfficialObject { n_points, ..OfficialObject::new(&categories[row], &poses[row], size_m) };
         objects.entry(times[row]).or_default().push(object);
-        let place = || format!("{path:?}, row {row}");
-        let Some(class) = classes.class_of(&categories[row], place) else { continue };
+        let position = || format!("{path:?}, row {row}");
+        let Some(class) = classes.class_of(&categories[row], position) else { continue };
         let track = sorted.binary_search(&&tracks[row]).ok().map(|number| number as u32);
         annotations.entry(times[row]).or_default().push(annotation(
             class,

@@ -18,7 +18,7 @@ pub fn box_in_velodyne(camera_box: &CameraBox, velodyne_from_camera: &Matrix4<f6
     let bottom_center_m = velodyne_from_camera * Vector4::new(x, y, z, 1.0);
     let center_z_m = bottom_center_m.z + height_m / 2.0;
     let (sin, cos) = camera_box.rotation_y_rad.sin_cos();
-    // A direction, hence 0 in the last place. The turn about y takes x to (cos, 0, -sin).
+    // A direction, hence 0 as the last component. The turn about y takes x to (cos, 0, -sin).
     let heading = velodyne_from_camera * Vector4::new(cos, 0.0, -sin, 0.0);
     let whole_turns_rad = (camera_box.rotation_y_rad / TAU).trunc() * TAU;
     OrientedBox {

@@ -18,7 +18,7 @@ pub struct CameraFieldOfView<'a> {
 }
 
 impl CameraFieldOfView<'_> {
-    /// Which places the camera sees. `DontCare` is about points alone: a rectangle of the image is no place.
+    /// Which positions the camera sees. `DontCare` is about points alone: a rectangle of the image is no position.
     pub fn labeled_area(&self) -> LabeledArea {
         LabeledArea::CameraImage {
             image_from_sensor: *self.image_from_velodyne,

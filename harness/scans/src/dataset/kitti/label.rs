@@ -37,7 +37,7 @@ pub const WRITTEN_CLASSES: [(&str, AnnotationClass); 8] = [
 /// Names that mean something else in KITTI than elsewhere: the tracking benchmark's *person* sits.
 pub const KITTI_VOCABULARY: &Vocabulary = &[("Person", AnnotationClass::SittingPerson)];
 
-/// What stands in place of a class where objects were not labelled.
+/// What stands instead of a class where objects were not labelled.
 const DONT_CARE: &str = "DontCare";
 
 /// One line of a label file.
@@ -214,7 +214,7 @@ fn parse_class(line: &mut TextLine<'_>, classes: &mut ClassReader<'_>) -> Result
     if plain_name(word) == plain_name(DONT_CARE) {
         return Ok(LineClass::DontCare);
     }
-    match classes.class_of(word, || line.place()) {
+    match classes.class_of(word, || line.position()) {
         None => Ok(LineClass::Unknown),
         Some(class) if classes.contradicts_catalogue(class) => {
             Err(line.error(format!("class {} is not one that the data set annotates", quoted(word))))
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn every_field_has_its_place() {
+    fn every_field_has_its_position() {
         let expected = KittiObject {
             class: AnnotationClass::Car,
             track: None,

@@ -40,7 +40,7 @@ pub struct RawMapping {
 impl RawMapping {
     /// The mapping beside the split `training`; `None` if there is none, or it is another split: only that one has a mapping.
     pub fn beside(split: &Path) -> Result<Option<Self>, DatasetError> {
-        // `.` and `..` have no name of their own, and what is called so may be a link to another place.
+        // `.` and `..` have no name of their own, and what is called so may be a link to another directory.
         let canonical = split.canonicalize().unwrap_or_else(|_| split.to_path_buf());
         let splits = [split, canonical.as_path()]
             .into_iter()
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn damaged_files_are_refused_with_their_place() {
+    fn damaged_files_are_refused_with_their_position() {
         for (mapping, rand, expected) in [
             (Some(THREE), None, "train_rand.txt"),
             (None, Some("1"), "train_mapping.txt"),

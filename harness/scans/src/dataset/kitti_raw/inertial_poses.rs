@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_place_is_refused() {
+    fn what_is_no_position_is_refused() {
         assert_eq!(parse(" \n").expect_err("empty"), "\"o.txt\" is empty");
         assert_eq!(parse("49 8.4 110 0 0").expect_err("short"), "\"o.txt\", line 1: ends before its turn");
         assert!(parse("90 8.4 110 0 0 0").expect_err("the pole").contains("do not exist"));

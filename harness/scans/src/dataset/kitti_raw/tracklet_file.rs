@@ -135,8 +135,8 @@ fn annotations_of(
                 poses.items.len()
             ));
         }
-        let place = || format!("{path:?}, object {track}");
-        let Some(class) = classes.class_of(&tracklet.class, place) else { continue };
+        let position = || format!("{path:?}, object {track}");
+        let Some(class) = classes.class_of(&tracklet.class, position) else { continue };
         for (scans_later, pose) in (0..).zip(&poses.items) {
             let scan = tracklet.first_scan.checked_add(scans_later);
             let scan = scan.ok_or_else(|| format!("has an object, number {track}, without an end"))?;

@@ -1,7 +1,7 @@
 //! An MCAP recording as a data set: every message of one topic of clouds is a scan.
 //!
-//! Scans are read one at a time, with the annotations that are stamped the same; of the rest of the recording only the places
-//! of messages are kept, 32 bytes each.
+//! Scans are read one at a time, with the annotations that are stamped the same; of the rest of the recording only the
+//! positions of messages are kept, 32 bytes each.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -11,7 +11,7 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::frame_tree::FrameTree;
 use super::mcap_file::McapFile;
-use super::mcap_index::{McapIndex, MessagePlace, index_mcap, window};
+use super::mcap_index::{McapIndex, MessagePosition, index_mcap, window};
 use super::recorded_cloud::RecordedCloud;
 use super::recorded_messages::{Channel, RecordedMessages};
 use super::scene_objects::SceneObject;
@@ -46,7 +46,7 @@ const MAX_ANNOTATION_DELAY_NS: u64 = 2_000_000_000;
 /// An open recording.
 #[derive(Debug)]
 struct McapDataset {
-    // Invariant: `scan_ids` and `clouds.places` have the same length and order.
+    // Invariant: `scan_ids` and `clouds.positions` have the same length and order.
     listing: Listing,
     messages: RecordedMessages,
     clouds: Channel,
@@ -59,7 +59,7 @@ struct McapDataset {
 /// Annotations and how far from a scan they are in time.
 struct NearestAnnotations {
     offset_ns: u64,
-    place: MessagePlace,
+    position: MessagePosition,
     objects: Vec<SceneObject>,
 }
 
@@ -95,7 +95,7 @@ pub fn open_mcap(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetE
     let chunks = std::mem::take(&mut index.chunks);
     let mut channel = |chosen: ChosenChannel| Channel::take(&mut index, chosen);
     let clouds = channel(chosen.cloud);
-    let n_scans = clouds.places.len();
+    let n_scans = clouds.positions.len();
     let names_not_taken = own_ids.as_ref().filter(|own| own.len() != n_scans).map(|own| {
         format!(
             "has names of {} scans in its metadata, but {n_scans} scans: they are numbered instead",
@@ -149,9 +149,9 @@ impl Dataset for McapDataset {
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let place = self.clouds.places[scan_idx];
-        let recorded = self.read_cloud(place)?;
-        let annotations = self.annotations_of(&recorded, place)?;
+        let position = self.clouds.positions[scan_idx];
+        let recorded = self.read_cloud(position)?;
+        let annotations = self.annotations_of(&recorded, position)?;
         let is_annotated = annotations.is_some();
         let mut annotations = annotations.unwrap_or_default();
         match &recorded.objects {
@@ -177,7 +177,7 @@ impl Dataset for McapDataset {
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
-        let without_scan = self.places_without_scan()?;
+        let without_scan = self.positions_without_scan()?;
         let names: Vec<String> = without_scan.iter().map(ToString::to_string).collect();
         let mut oddities = labels_without_scan(&names);
         oddities.extend(self.names_not_taken.clone());
@@ -185,54 +185,55 @@ impl Dataset for McapDataset {
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        Some(self.clouds.places[scan_idx].log_time_ns)
+        Some(self.clouds.positions[scan_idx].log_time_ns)
     }
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         if !self.messages.has_transforms() {
             return Ok(None);
         }
-        let recorded = self.read_cloud(self.clouds.places[scan_idx])?;
-        let tree = self.messages.frames_at(recorded.stamp_ns, self.clouds.places[scan_idx].log_time_ns)?;
+        let recorded = self.read_cloud(self.clouds.positions[scan_idx])?;
+        let tree = self.messages.frames_at(recorded.stamp_ns, self.clouds.positions[scan_idx].log_time_ns)?;
         Ok(Some(tree.root_from(&recorded.frame) * recorded.sensor_from_frame.inverse()))
     }
 
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
-        let place = self.clouds.places[scan_idx];
-        let RecordedCloud { stamp_ns, frame, sensor_from_frame, .. } = self.read_cloud(place)?;
-        Ok(ForeignFrame::Recording { stamp_ns, log_time_ns: place.log_time_ns, frame, sensor_from_frame })
+        let position = self.clouds.positions[scan_idx];
+        let RecordedCloud { stamp_ns, frame, sensor_from_frame, .. } = self.read_cloud(position)?;
+        Ok(ForeignFrame::Recording { stamp_ns, log_time_ns: position.log_time_ns, frame, sensor_from_frame })
     }
 }
 
 impl McapDataset {
-    fn read_cloud(&self, place: MessagePlace) -> Result<RecordedCloud, DatasetError> {
-        let message = self.messages.message(place)?;
+    fn read_cloud(&self, position: MessagePosition) -> Result<RecordedCloud, DatasetError> {
+        let message = self.messages.message(position)?;
         let recorded = RecordedCloud::read(self.clouds.kind, &self.clouds.encoding, message.as_slice());
-        let mut recorded = recorded.map_err(|problem| self.messages.damaged_at(place, &problem))?;
+        let mut recorded = recorded.map_err(|problem| self.messages.damaged_at(position, &problem))?;
         if recorded.stamp_ns == 0 {
-            recorded.stamp_ns = place.log_time_ns;
+            recorded.stamp_ns = position.log_time_ns;
         }
         Ok(recorded)
     }
 
-    /// The message of annotations nearest to a cloud that is stamped so and lies at `place`; `None` where none is near enough.
+    /// The message of annotations nearest to a cloud that is stamped so and lies at `position`; `None` where none is near
+    /// enough.
     fn nearest_annotations(
         &self,
         stamp_ns: u64,
-        place: MessagePlace,
+        position: MessagePosition,
     ) -> Result<Option<NearestAnnotations>, DatasetError> {
         let Some(channel) = &self.annotations else { return Ok(None) };
         let window = window(
-            &channel.places,
-            place.log_time_ns.saturating_sub(MAX_ANNOTATION_OFFSET_NS),
-            place.log_time_ns.saturating_add(MAX_ANNOTATION_DELAY_NS),
+            &channel.positions,
+            position.log_time_ns.saturating_sub(MAX_ANNOTATION_OFFSET_NS),
+            position.log_time_ns.saturating_add(MAX_ANNOTATION_DELAY_NS),
         );
         let mut nearest: Option<NearestAnnotations> = None;
         for candidate in window {
             let (said_ns, objects) = self.messages.read_objects(channel, *candidate)?;
             let offset_ns = said_ns.unwrap_or(candidate.log_time_ns).abs_diff(stamp_ns);
             if nearest.as_ref().is_none_or(|it| offset_ns < it.offset_ns) {
-                nearest = Some(NearestAnnotations { offset_ns, place: *candidate, objects });
+                nearest = Some(NearestAnnotations { offset_ns, position: *candidate, objects });
             }
             if offset_ns == 0 {
                 break;
@@ -245,10 +246,10 @@ impl McapDataset {
     fn annotations_of(
         &self,
         recorded: &RecordedCloud,
-        place: MessagePlace,
+        position: MessagePosition,
     ) -> Result<Option<Vec<Annotation>>, DatasetError> {
-        let nearest = self.nearest_annotations(recorded.stamp_ns, place)?;
-        let Some(NearestAnnotations { place: logged, objects, .. }) = nearest else { return Ok(None) };
+        let nearest = self.nearest_annotations(recorded.stamp_ns, position)?;
+        let Some(NearestAnnotations { position: logged, objects, .. }) = nearest else { return Ok(None) };
         let mut reader = ClassReader::new(&self.classes, &[]);
         let mut classes = Vec::with_capacity(objects.len());
         for object in &objects {
@@ -259,7 +260,7 @@ impl McapDataset {
         }
         let is_elsewhere = |it: &SceneObject| !it.frame.is_empty() && it.frame != recorded.frame;
         let tree = if objects.iter().any(is_elsewhere) {
-            self.messages.frames_at(recorded.stamp_ns, place.log_time_ns)?
+            self.messages.frames_at(recorded.stamp_ns, position.log_time_ns)?
         } else {
             FrameTree::default()
         };
@@ -284,33 +285,33 @@ impl McapDataset {
     fn all_unknown_classes(&self) -> UnknownClasses {
         let mut classes = ClassReader::new(&self.classes, &[]);
         if let Some(channel) = &self.annotations {
-            for &place in &channel.places {
+            for &position in &channel.positions {
                 // What cannot be read is said when its scan is read.
-                let (_, objects) = self.messages.read_objects(channel, place).unwrap_or_default();
+                let (_, objects) = self.messages.read_objects(channel, position).unwrap_or_default();
                 for object in objects {
-                    classes.class_of(&object.class_name, || place.to_string());
+                    classes.class_of(&object.class_name, || position.to_string());
                 }
             }
         }
         classes.unknown().clone()
     }
 
-    /// The places of annotations that belong to no scan.
-    fn places_without_scan(&self) -> Result<Vec<MessagePlace>, DatasetError> {
+    /// The positions of annotations that belong to no scan.
+    fn positions_without_scan(&self) -> Result<Vec<MessagePosition>, DatasetError> {
         let Some(channel) = &self.annotations else { return Ok(Vec::new()) };
         let mut taken = BTreeSet::new();
-        for &place in &self.clouds.places {
-            let stamp_ns = self.read_cloud(place)?.stamp_ns;
-            if let Some(nearest) = self.nearest_annotations(stamp_ns, place)? {
-                taken.insert((nearest.place.chunk_idx, nearest.place.offset));
+        for &position in &self.clouds.positions {
+            let stamp_ns = self.read_cloud(position)?.stamp_ns;
+            if let Some(nearest) = self.nearest_annotations(stamp_ns, position)? {
+                taken.insert((nearest.position.chunk_idx, nearest.position.offset));
             }
         }
         let mut without_scan = Vec::new();
-        for &place in &channel.places {
-            if !taken.contains(&(place.chunk_idx, place.offset))
-                && !self.messages.read_objects(channel, place)?.1.is_empty()
+        for &position in &channel.positions {
+            if !taken.contains(&(position.chunk_idx, position.offset))
+                && !self.messages.read_objects(channel, position)?.1.is_empty()
             {
-                without_scan.push(place);
+                without_scan.push(position);
             }
         }
         Ok(without_scan)

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mcap::records::op;
 
 use super::chunk::{N_RECORD_HEADER_BYTES, record_at, split_header};
-use super::mcap_index::{ChunkError, ChunkPlace, MessagePlace, read_chunk};
+use super::mcap_index::{ChunkError, ChunkPosition, MessagePosition, read_chunk};
 use crate::dataset::DatasetError;
 
 /// Chunks kept in memory: neighbouring messages are often in one.
@@ -23,7 +23,7 @@ const N_MESSAGE_HEADER_BYTES: usize = 2 + 4 + 8 + 8;
 #[derive(Debug)]
 pub struct McapFile {
     path: PathBuf,
-    chunks: Vec<ChunkPlace>,
+    chunks: Vec<ChunkPosition>,
     kept: Mutex<VecDeque<(u32, Arc<Vec<u8>>)>>,
 }
 
@@ -43,15 +43,15 @@ impl MessageBytes {
 
 impl McapFile {
     /// The file at `path`, which has these chunks.
-    pub fn new(path: &Path, chunks: Vec<ChunkPlace>) -> Self {
+    pub fn new(path: &Path, chunks: Vec<ChunkPosition>) -> Self {
         Self { path: path.to_path_buf(), chunks, kept: Mutex::new(VecDeque::new()) }
     }
 
-    /// Reads the message at `place`.
-    pub fn message(&self, place: MessagePlace) -> Result<MessageBytes, DatasetError> {
-        let (records, offset) = match place.chunk_idx {
-            Some(chunk_idx) => (self.chunk(chunk_idx)?, place.offset),
-            None => (Arc::new(self.record(place.offset)?), 0),
+    /// Reads the message at `position`.
+    pub fn message(&self, position: MessagePosition) -> Result<MessageBytes, DatasetError> {
+        let (records, offset) = match position.chunk_idx {
+            Some(chunk_idx) => (self.chunk(chunk_idx)?, position.offset),
+            None => (Arc::new(self.record(position.offset)?), 0),
         };
         let message = usize::try_from(offset).ok().and_then(|offset| record_at(&records, offset));
         match message {
@@ -61,7 +61,7 @@ impl McapFile {
             }
             _ => {
                 let problem =
-                    format!("has no message where its index says, logged at {} ns", place.log_time_ns);
+                    format!("has no message where its index says, logged at {} ns", position.log_time_ns);
                 Err(self.damaged(problem))
             }
         }

@@ -33,10 +33,10 @@ const N_FOOTER_BYTES: i64 = 9 + 8 + 8 + 4;
 pub struct McapIndex {
     /// The channels by their numbers.
     pub channels: BTreeMap<u16, ChannelInfo>,
-    /// The places of the messages of the channels that were asked for, by time.
-    pub messages: BTreeMap<u16, Vec<MessagePlace>>,
+    /// The positions of the messages of the channels that were asked for, by time.
+    pub messages: BTreeMap<u16, Vec<MessagePosition>>,
     /// Where the chunks begin, and their checksums.
-    pub chunks: Vec<ChunkPlace>,
+    pub chunks: Vec<ChunkPosition>,
     /// What the record called after this program says.
     pub metadata: BTreeMap<String, String>,
     /// Why the walk ended early, in a file that was cut off or is damaged.
@@ -56,7 +56,7 @@ pub struct ChannelInfo {
 
 /// Where a message is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MessagePlace {
+pub struct MessagePosition {
     /// When it was logged, in nanoseconds.
     pub log_time_ns: u64,
     /// Which chunk it is in; `None` for one of its own.
@@ -65,22 +65,22 @@ pub struct MessagePlace {
     pub offset: u64,
 }
 
-impl std::fmt::Display for MessagePlace {
+impl std::fmt::Display for MessagePosition {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(formatter, "the message logged at {} ns", self.log_time_ns)
     }
 }
 
-/// The places from `begin_ns` to `end_ns`; `places` ascend by time.
-pub fn window(places: &[MessagePlace], begin_ns: u64, end_ns: u64) -> &[MessagePlace] {
-    let begin = places.partition_point(|it| it.log_time_ns < begin_ns);
-    let end = places.partition_point(|it| it.log_time_ns <= end_ns);
-    &places[begin..end.max(begin)]
+/// The positions from `begin_ns` to `end_ns`; `positions` ascend by time.
+pub fn window(positions: &[MessagePosition], begin_ns: u64, end_ns: u64) -> &[MessagePosition] {
+    let begin = positions.partition_point(|it| it.log_time_ns < begin_ns);
+    let end = positions.partition_point(|it| it.log_time_ns <= end_ns);
+    &positions[begin..end.max(begin)]
 }
 
 /// Where a chunk is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ChunkPlace {
+pub struct ChunkPosition {
     /// Where its record begins in the file.
     pub offset: u64,
     /// Length of the body of its record.
@@ -121,9 +121,9 @@ pub fn index_mcap(
         Err(WalkError::Damaged(problem)) => walk.index.cut_off = Some(problem),
     }
     let mut n_repeated = 0;
-    for places in walk.index.messages.values_mut() {
-        n_repeated += leave_out_repeated(places);
-        places.sort_by_key(|place| place.log_time_ns);
+    for positions in walk.index.messages.values_mut() {
+        n_repeated += leave_out_repeated(positions);
+        positions.sort_by_key(|position| position.log_time_ns);
     }
     if n_repeated > 0 {
         let problem = format!("has an index that names {n_repeated} messages more than once");
@@ -133,11 +133,11 @@ pub fn index_mcap(
 }
 
 /// Leaves each message in once, in the order of the file, and returns how many were left out.
-fn leave_out_repeated(places: &mut Vec<MessagePlace>) -> usize {
-    let n_before = places.len();
+fn leave_out_repeated(positions: &mut Vec<MessagePosition>) -> usize {
+    let n_before = positions.len();
     let mut seen = BTreeSet::new();
-    places.retain(|it| seen.insert((it.chunk_idx, it.offset)));
-    n_before - places.len()
+    positions.retain(|it| seen.insert((it.chunk_idx, it.offset)));
+    n_before - positions.len()
 }
 
 enum WalkError {
@@ -269,14 +269,14 @@ impl Walk<'_> {
     fn note_chunk(&mut self, file: &mut File, offset: u64, n_bytes: u64) -> Result<u32, WalkError> {
         let start = read_body(file, n_bytes.min(MAX_CHUNK_HEADER_BYTES))?;
         let (header, _) = RecordBody::new(&start).chunk_header()?;
-        self.index.chunks.push(ChunkPlace { offset, n_bytes, crc: header.uncompressed_crc });
+        self.index.chunks.push(ChunkPosition { offset, n_bytes, crc: header.uncompressed_crc });
         u32::try_from(self.index.chunks.len() - 1)
             .map_err(|_| WalkError::Damaged("has too many chunks".to_owned()))
     }
 
     fn look_into(&mut self, file: &mut File, chunk_idx: u32) -> Result<(), WalkError> {
-        let place = self.index.chunks[chunk_idx as usize];
-        let records = read_chunk(file, place)?;
+        let position = self.index.chunks[chunk_idx as usize];
+        let records = read_chunk(file, position)?;
         let n_left = self.n_plain_bytes_left.checked_sub(records.len() as u64);
         self.n_plain_bytes_left = n_left.ok_or("has chunks that become too large".to_owned())?;
         let mut offset = 0;
@@ -296,8 +296,8 @@ impl Walk<'_> {
     fn note_message(&mut self, body: &[u8], chunk_idx: Option<u32>, offset: u64) -> Result<(), String> {
         let (channel_id, log_time_ns) = RecordBody::new(body).message()?;
         if self.index.channels.get(&channel_id).is_some_and(self.matters) {
-            let place = MessagePlace { log_time_ns, chunk_idx, offset };
-            self.index.messages.entry(channel_id).or_default().push(place);
+            let position = MessagePosition { log_time_ns, chunk_idx, offset };
+            self.index.messages.entry(channel_id).or_default().push(position);
         }
         Ok(())
     }
@@ -305,12 +305,12 @@ impl Walk<'_> {
     fn note_message_index(&mut self, body: &[u8], chunk_idx: Option<u32>) -> Result<(), String> {
         let (channel_id, entries) = RecordBody::new(body).message_index()?;
         if chunk_idx.is_some() && self.index.channels.get(&channel_id).is_some_and(self.matters) {
-            let places = entries.into_iter().map(|it| MessagePlace {
+            let positions = entries.into_iter().map(|it| MessagePosition {
                 log_time_ns: it.log_time,
                 chunk_idx,
                 offset: it.offset,
             });
-            self.index.messages.entry(channel_id).or_default().extend(places);
+            self.index.messages.entry(channel_id).or_default().extend(positions);
         }
         Ok(())
     }
@@ -326,11 +326,11 @@ fn read_body(file: &mut File, n_bytes: u64) -> Result<Vec<u8>, WalkError> {
     Ok(body)
 }
 
-/// The decompressed records of the chunk at `place`.
-pub fn read_chunk(file: &mut File, place: ChunkPlace) -> Result<Vec<u8>, ChunkError> {
-    file.seek(SeekFrom::Start(place.offset + N_RECORD_HEADER_BYTES as u64)).map_err(ChunkError::Io)?;
+/// The decompressed records of the chunk at `position`.
+pub fn read_chunk(file: &mut File, position: ChunkPosition) -> Result<Vec<u8>, ChunkError> {
+    file.seek(SeekFrom::Start(position.offset + N_RECORD_HEADER_BYTES as u64)).map_err(ChunkError::Io)?;
     let mut body = Vec::new();
-    file.take(place.n_bytes).read_to_end(&mut body).map_err(ChunkError::Io)?;
+    file.take(position.n_bytes).read_to_end(&mut body).map_err(ChunkError::Io)?;
     let (header, begin) = RecordBody::new(&body).chunk_header().map_err(ChunkError::Damaged)?;
     let end = usize::try_from(header.compressed_size).ok().and_then(|size| begin.checked_add(size));
     let compressed = end

@@ -14,7 +14,7 @@ use crate::dataset::positioned_points::PositionedPoints;
 pub mod own_fields {
     /// The number of its [`PointRegion`](crate::annotation::PointRegion): 0 labelled, 1 unscorable, 2 outside.
     pub const REGION: &str = "region";
-    /// The place of the point's annotation in its message, from 1; 0 for none.
+    /// The index of the point's annotation in its message, from 1; 0 for none.
     pub const OBJECT: &str = "object";
 }
 
@@ -22,7 +22,7 @@ pub mod own_fields {
 pub struct RecordedCloud {
     /// The points, along the axes of the frame, from the sensor.
     pub cloud: PointCloud,
-    /// Places in the message, ascending, of the points that are not in the cloud since they have no position.
+    /// Indices in the message, ascending, of the points that are not in the cloud since they have no position.
     pub points_left_out: Vec<u32>,
     /// The frame that the message names.
     pub frame: String,
@@ -81,7 +81,7 @@ impl RecordedCloud {
         })
     }
 
-    /// Gives every annotation the points whose [`own_fields::OBJECT`] names its place in the message.
+    /// Gives every annotation the points whose [`own_fields::OBJECT`] names its index in the message.
     pub fn assign_points(&self, annotations: &mut [Annotation]) {
         for (point_idx, number) in (0_u32..).zip(self.objects.iter().flatten()) {
             let annotation = (*number as usize).checked_sub(1).and_then(|idx| annotations.get_mut(idx));

@@ -2,7 +2,7 @@
 
 use super::frame_tree::{FrameTree, transforms_of_message};
 use super::mcap_file::{McapFile, MessageBytes};
-use super::mcap_index::{McapIndex, MessagePlace, window};
+use super::mcap_index::{McapIndex, MessagePosition, window};
 use super::ros_messages::StampedTransform;
 use super::scene_objects::{SceneObject, objects_of_message};
 use super::topics::{ChosenChannel, MessageKind};
@@ -17,7 +17,7 @@ const N_FIRST_TRANSFORMS: usize = 200;
 /// Messages of objects and transforms that are larger than this are not read: small on disk, they may be large in memory.
 const MAX_SMALL_MESSAGE_BYTES: usize = 4 << 20;
 
-/// A channel with the places of its messages, by time.
+/// A channel with the positions of its messages, by time.
 #[derive(Debug)]
 pub struct Channel {
     /// What its messages are.
@@ -25,16 +25,16 @@ pub struct Channel {
     /// How they are encoded.
     pub encoding: String,
     /// Where they are.
-    pub places: Vec<MessagePlace>,
+    pub positions: Vec<MessagePosition>,
 }
 
 impl Channel {
-    /// Takes the places of the messages of `chosen` out of `index`.
+    /// Takes the positions of the messages of `chosen` out of `index`.
     pub fn take(index: &mut McapIndex, chosen: ChosenChannel) -> Self {
-        let places = chosen.ids.iter().filter_map(|id| index.messages.remove(id));
-        let mut places: Vec<MessagePlace> = places.flatten().collect();
-        places.sort_by_key(|place| place.log_time_ns);
-        Self { kind: chosen.kind, encoding: chosen.info.encoding, places }
+        let positions = chosen.ids.iter().filter_map(|id| index.messages.remove(id));
+        let mut positions: Vec<MessagePosition> = positions.flatten().collect();
+        positions.sort_by_key(|position| position.log_time_ns);
+        Self { kind: chosen.kind, encoding: chosen.info.encoding, positions }
     }
 }
 
@@ -52,8 +52,8 @@ impl RecordedMessages {
         let mut messages = Self { file, transforms, first_transforms: Vec::new() };
         let mut first_transforms = Vec::new();
         for channel in &messages.transforms {
-            for place in channel.places.iter().take(N_FIRST_TRANSFORMS) {
-                first_transforms.extend(messages.read_transforms(channel, *place)?);
+            for position in channel.positions.iter().take(N_FIRST_TRANSFORMS) {
+                first_transforms.extend(messages.read_transforms(channel, *position)?);
             }
         }
         messages.first_transforms = first_transforms;
@@ -65,9 +65,9 @@ impl RecordedMessages {
         !self.transforms.is_empty()
     }
 
-    /// The message at `place`, as it is encoded.
-    pub fn message(&self, place: MessagePlace) -> Result<MessageBytes, DatasetError> {
-        self.file.message(place)
+    /// The message at `position`, as it is encoded.
+    pub fn message(&self, position: MessagePosition) -> Result<MessageBytes, DatasetError> {
+        self.file.message(position)
     }
 
     /// An error about the file.
@@ -75,22 +75,22 @@ impl RecordedMessages {
         self.file.damaged(problem)
     }
 
-    /// An error about the message at `place`.
-    pub fn damaged_at(&self, place: MessagePlace, problem: &str) -> DatasetError {
-        self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns))
+    /// An error about the message at `position`.
+    pub fn damaged_at(&self, position: MessagePosition, problem: &str) -> DatasetError {
+        self.damaged(format!("{problem}, logged at {} ns", position.log_time_ns))
     }
 
-    /// The objects in the message at `place` of `channel`, and the moment it is about, if it says so.
+    /// The objects in the message at `position` of `channel`, and the moment it is about, if it says so.
     pub fn read_objects(
         &self,
         channel: &Channel,
-        place: MessagePlace,
+        position: MessagePosition,
     ) -> Result<(Option<u64>, Vec<SceneObject>), DatasetError> {
-        let message = self.file.message(place)?;
+        let message = self.file.message(position)?;
         let bytes = message.as_slice();
         let read =
             check_size(bytes).and_then(|()| objects_of_message(channel.kind, &channel.encoding, bytes));
-        let (stamp_ns, objects) = read.map_err(|problem| self.damaged_at(place, &problem))?;
+        let (stamp_ns, objects) = read.map_err(|problem| self.damaged_at(position, &problem))?;
         Ok(((stamp_ns > 0).then_some(stamp_ns), objects))
     }
 
@@ -99,8 +99,10 @@ impl RecordedMessages {
         let mut transforms = self.first_transforms.clone();
         for channel in &self.transforms {
             let begin_ns = log_time_ns.saturating_sub(TRANSFORM_WINDOW_NS);
-            for place in window(&channel.places, begin_ns, log_time_ns.saturating_add(TRANSFORM_WINDOW_NS)) {
-                transforms.extend(self.read_transforms(channel, *place)?);
+            for position in
+                window(&channel.positions, begin_ns, log_time_ns.saturating_add(TRANSFORM_WINDOW_NS))
+            {
+                transforms.extend(self.read_transforms(channel, *position)?);
             }
         }
         Ok(FrameTree::at(stamp_ns, transforms))
@@ -109,13 +111,13 @@ impl RecordedMessages {
     fn read_transforms(
         &self,
         channel: &Channel,
-        place: MessagePlace,
+        position: MessagePosition,
     ) -> Result<Vec<StampedTransform>, DatasetError> {
-        let message = self.file.message(place)?;
+        let message = self.file.message(position)?;
         let bytes = message.as_slice();
         let read =
             check_size(bytes).and_then(|()| transforms_of_message(channel.kind, &channel.encoding, bytes));
-        read.map_err(|problem| self.damaged_at(place, &problem))
+        read.map_err(|problem| self.damaged_at(position, &problem))
     }
 }
 

@@ -234,7 +234,7 @@ fn refused(path: &Path, problem: &str, index: &McapIndex, candidates: &[ChosenCh
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::mcap::mcap_index::MessagePlace;
+    use crate::dataset::mcap::mcap_index::MessagePosition;
 
     fn index(topics: &[(&str, &str, &str)]) -> McapIndex {
         let channels = (0_u16..).zip(topics).map(|(id, &(topic, schema, encoding))| {
@@ -268,14 +268,14 @@ mod tests {
 
     #[test]
     fn channels_that_carry_the_same_are_one_and_others_are_not_guessed() {
-        let place = |offset| MessagePlace { log_time_ns: offset, chunk_idx: None, offset };
+        let position = |offset| MessagePosition { log_time_ns: offset, chunk_idx: None, offset };
         let mut index = index(&[TOP, TOP, LABELS, ("/top", POINT_CLOUD, "json")]);
-        index.messages.insert(0, vec![place(1)]);
-        index.messages.insert(1, vec![place(2), place(3)]);
+        index.messages.insert(0, vec![position(1)]);
+        index.messages.insert(1, vec![position(2), position(3)]);
         let choice = TopicChoice { cloud: Some("/top".to_owned()), annotations: None };
         let found = choose_channels(Path::new("a.mcap"), &index, &choice).unwrap();
         assert_eq!(found.cloud.ids, [0, 1]);
-        index.messages.insert(3, vec![place(4)]);
+        index.messages.insert(3, vec![position(4)]);
         for choice in [choice, TopicChoice::default()] {
             let error = choose_channels(Path::new("a.mcap"), &index, &choice).expect_err("two kinds");
             let message = error.to_string();

@@ -18,24 +18,24 @@ pub struct Sighting {
     pub center_m: [f64; 2],
     /// The token of the sample.
     pub sample: String,
-    /// Its place among the annotations of the sample.
-    pub place: usize,
+    /// Its index among the annotations of the sample.
+    pub index: usize,
 }
 
-/// Hands the velocities that are known to `take`, with sample and place: from the sighting before to the one after, or from or to this
-/// one where there is only one of them. As `box_velocity` of nuscenes-devkit.
+/// Hands the velocities that are known to `take`, with sample and index: from the sighting before to the one after, or from
+/// or to this one where there is only one of them. As `box_velocity` of nuscenes-devkit.
 pub fn add_velocities(mut sightings: Vec<Sighting>, mut take: impl FnMut(&str, usize, [f64; 2])) {
     sightings.sort_by_key(|it| (it.track, it.time_us));
     for of_track in sightings.chunk_by(|a, b| a.track == b.track) {
-        for (place, it) in of_track.iter().enumerate() {
-            let before = place.checked_sub(1).map(|before| &of_track[before]).filter(|_| it.has_before);
-            let after = of_track.get(place + 1).filter(|_| it.has_after);
+        for (index, it) in of_track.iter().enumerate() {
+            let before = index.checked_sub(1).map(|before| &of_track[before]).filter(|_| it.has_before);
+            let after = of_track.get(index + 1).filter(|_| it.has_after);
             let longest_s = if before.is_some() && after.is_some() { 2.0 * LONGEST_S } else { LONGEST_S };
             let (first, last) = (before.unwrap_or(it), after.unwrap_or(it));
             let seconds = 1e-6 * last.time_us as f64 - 1e-6 * first.time_us as f64;
             if seconds > 0.0 && seconds <= longest_s {
                 let along = |axis: usize| (last.center_m[axis] - first.center_m[axis]) / seconds;
-                take(&it.sample, it.place, [along(0), along(1)]);
+                take(&it.sample, it.index, [along(0), along(1)]);
             }
         }
     }
@@ -45,17 +45,17 @@ pub fn add_velocities(mut sightings: Vec<Sighting>, mut take: impl FnMut(&str, u
 mod tests {
     use super::*;
 
-    /// The velocities of an object at these times and places, with the tables' word that it goes on.
+    /// The velocities of an object at these times and positions, with the tables' word that it goes on.
     fn velocities(sightings: &[(u64, f64)]) -> Vec<Option<f64>> {
         let last = sightings.len() - 1;
-        let sighting = |(place, (time_us, x_m)): (usize, &(u64, f64))| Sighting {
+        let sighting = |(index, (time_us, x_m)): (usize, &(u64, f64))| Sighting {
             track: 3,
             time_us: *time_us,
-            has_before: place > 0,
-            has_after: place < last,
+            has_before: index > 0,
+            has_after: index < last,
             center_m: [*x_m, 0.0],
-            sample: place.to_string(),
-            place: 0,
+            sample: index.to_string(),
+            index: 0,
         };
         let mut found = vec![None; sightings.len()];
         add_velocities(sightings.iter().enumerate().map(sighting).rev().collect(), |sample, _, velocity| {

@@ -137,14 +137,14 @@ pub fn read_objects(
                 has_after: !it.next.is_empty(),
                 center_m: [it.translation[0], it.translation[1]],
                 sample: it.sample_token,
-                place: of_sample.len(),
+                index: of_sample.len(),
             });
         }
         of_sample.push(object);
         Ok(())
     })?;
-    add_velocities(sightings, |sample, place, velocity_m_per_s| {
-        if let Some(object) = objects.get_mut(sample).and_then(|it| it.get_mut(place)) {
+    add_velocities(sightings, |sample, index, velocity_m_per_s| {
+        if let Some(object) = objects.get_mut(sample).and_then(|it| it.get_mut(index)) {
             object.velocity_m_per_s = Some(velocity_m_per_s);
         }
     });
@@ -169,8 +169,8 @@ impl References {
         let attribute = it.attribute_tokens.iter().find_map(|token| self.attributes.get(token));
         let mut attributes = it.attribute_tokens.iter().filter_map(|token| self.attributes.get(token));
         let has_rider = attributes.any(|it| &**it == WITH_RIDER);
-        let place = || format!("the instance {:?} of {path:?}", it.instance_token);
-        let class = match classes.class_of(category, place) {
+        let position = || format!("the instance {:?} of {path:?}", it.instance_token);
+        let class = match classes.class_of(category, position) {
             Some(AnnotationClass::ParkedCycle) if has_rider => Some(AnnotationClass::Cyclist),
             class => class,
         };
@@ -195,7 +195,8 @@ impl References {
 /// The attribute of a cycle that somebody rides.
 const WITH_RIDER: &str = "cycle.with_rider";
 
-/// The number and the category of each instance. Numbered by their place in the table, which is the same whichever scenes are read.
+/// The number and the category of each instance. Numbered by their index in the table, which is the same whichever scenes
+/// are read.
 fn read_instances(
     table: &impl Fn(&str) -> PathBuf,
 ) -> Result<BTreeMap<String, (u32, Arc<str>)>, DatasetError> {

@@ -69,9 +69,9 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<Box<dyn Dataset>, Datas
         let name = name_of(scan);
         checksum.add_file(&name, scan)?;
         let file = labels.as_ref().map(|it| LabelFile::find(it, scan)).transpose()?.flatten();
-        for (place, file) in file.iter().flat_map(LabelFile::files).enumerate() {
+        for (index, file) in file.iter().flat_map(LabelFile::files).enumerate() {
             // The first is that of the labels, the second what they need.
-            let kind = ["labels", "calib"][place];
+            let kind = ["labels", "calib"][index];
             checksum.add_text(&format!("{kind}/{name}"), &read_text_file(file)?);
         }
         if labels.is_some() && file.is_none() {

@@ -38,7 +38,7 @@ pub struct LabelCloudObject {
     pub score: Option<f32>,
 }
 
-/// Three numbers. The order counts: the tool takes them by place.
+/// Three numbers. The order counts: the tool takes them by index.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "they are called as they are")]
 pub struct Axes {

@@ -107,12 +107,12 @@ impl LabelFile {
                 let listed =
                     texts.first().map_or(Ok(Vec::new()), |text| parse_json(text)).map_err(damaged)?;
                 let mut annotations = Vec::with_capacity(listed.len());
-                for (place, it) in listed.iter().enumerate() {
-                    let class = classes.class_of(&it.class, || format!("{path:?}, object {place}"));
+                for (index, it) in listed.iter().enumerate() {
+                    let class = classes.class_of(&it.class, || format!("{path:?}, object {index}"));
                     // A box that is none is damage, whatever it is said to be.
                     let annotation = it.annotation(class.unwrap_or(AnnotationClass::Misc), origin_m);
                     let annotation = annotation.map_err(|problem| {
-                        damaged(format!("has object {place} ({:?}) {problem}", it.class))
+                        damaged(format!("has object {index} ({:?}) {problem}", it.class))
                     })?;
                     annotations.extend(class.map(|_| annotation));
                 }

@@ -1,4 +1,5 @@
-//! LAS and LAZ, the formats of surveys: a header, then records whose coordinates are whole numbers, to be scaled and shifted.
+//! LAS and LAZ, the formats of surveys: a header, then records whose coordinates are whole numbers, to be scaled and
+//! shifted.
 //!
 //! LAZ is decompressed chunk by chunk, so that nothing a file says decides how much memory is taken.
 
@@ -95,7 +96,7 @@ struct Fields<'a>(&'a [u8]);
 
 impl Fields<'_> {
     fn bytes<const N: usize>(&self, at: usize) -> [u8; N] {
-        std::array::from_fn(|place| self.0[at + place])
+        std::array::from_fn(|index| self.0[at + index])
     }
 
     fn u16(&self, at: usize) -> u16 {
@@ -107,7 +108,7 @@ impl Fields<'_> {
     }
 
     fn f64s<const N: usize>(&self, at: usize, step: usize) -> [f64; N] {
-        std::array::from_fn(|place| f64::from_le_bytes(self.bytes(at + place * step)))
+        std::array::from_fn(|index| f64::from_le_bytes(self.bytes(at + index * step)))
     }
 }
 
@@ -208,11 +209,11 @@ fn decompress(
     }
     let mut n_left = header.n_points;
     let mut record = vec![0; header.record_length];
-    for (place, n_points_at_most) in chunks_of(bytes, header, compression)? {
+    for (position, n_points_at_most) in chunks_of(bytes, header, compression)? {
         if n_left == 0 {
             return Ok(());
         }
-        let chunk = bytes.get(place).ok_or("has a chunk that ends beyond its end")?;
+        let chunk = bytes.get(position).ok_or("has a chunk that ends beyond its end")?;
         // The first point of a chunk is not compressed, so that there are no more chunks than points' worth of bytes.
         if n_points_at_most == 0 || chunk.len() < header.record_length {
             return Err(format!("has a chunk of {n_points_at_most} points in {} bytes", chunk.len()));
@@ -261,8 +262,8 @@ fn chunks_of(
         Some(i64::from_le_bytes(eight.try_into().ok()?))
     };
     let said = long(begin).and_then(|it| if it > 0 { Some(it) } else { long(bytes.len().checked_sub(8)?) });
-    let place = said.and_then(|it| usize::try_from(it).ok()).filter(|it| *it > begin);
-    let n_chunks = place.and_then(|it| bytes.get(it..)).and_then(|table| table.get(4..8));
+    let position = said.and_then(|it| usize::try_from(it).ok()).filter(|it| *it > begin);
+    let n_chunks = position.and_then(|it| bytes.get(it..)).and_then(|table| table.get(4..8));
     let n_chunks = n_chunks.and_then(|it| it.try_into().ok()).map(u32::from_le_bytes);
     match n_chunks {
         // A chunk takes a point and more, but for an empty one at the end; this bounds the table.
@@ -277,8 +278,8 @@ fn chunks_of(
     let mut at = (begin + TABLE_OFFSET) as u64;
     for entry in table.as_ref() {
         let end = at.saturating_add(entry.byte_count);
-        let place = |at: u64| usize::try_from(at).unwrap_or(usize::MAX);
-        chunks.push((place(at)..place(end), entry.point_count));
+        let position = |at: u64| usize::try_from(at).unwrap_or(usize::MAX);
+        chunks.push((position(at)..position(end), entry.point_count));
         at = end;
     }
     Ok(chunks)

@@ -8,7 +8,7 @@ use crate::annotation::Annotation;
 
 /// Sides are shorter, in metres.
 const LONGEST_SIDE_M: f32 = 1e4;
-/// Places on a map, in metres, and headings are smaller.
+/// Positions on a map, in metres, and headings are smaller.
 const FARTHEST: f64 = 1e9;
 
 /// A box in a file; a list of these in JSON is our own format.

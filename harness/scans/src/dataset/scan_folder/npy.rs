@@ -53,7 +53,7 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
     };
     let names = ["x", "y", "z", "intensity"].into_iter().take(n_columns);
     let field =
-        |(place, name): (usize, &str)| PackedField { name: name.to_owned(), offset: place * n_bytes, number };
+        |(index, name): (usize, &str)| PackedField { name: name.to_owned(), offset: index * n_bytes, number };
     let fields = names.enumerate().map(field).collect();
     PackedPoints::in_a_row(fields, (n_points, n_columns * n_bytes), byte_order, data).positioned()
 }

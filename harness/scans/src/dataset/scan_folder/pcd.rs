@@ -1,5 +1,5 @@
-//! PCD, the format of the Point Cloud Library: a header in text, then points as text, as rows of bytes, or compressed field by
-//! field.
+//! PCD, the format of the Point Cloud Library: a header in text, then points as text, as rows of bytes, or compressed field
+//! by field.
 
 use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints, RING, time_field};
 use crate::dataset::positioned_points::PositionedPoints;
@@ -124,26 +124,26 @@ fn fields_of(
 
 fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, String> {
     let text = std::str::from_utf8(data).map_err(|_| "has points that are not text")?;
-    let place = |name: &str| {
-        let mut place = 0_usize;
+    let column = |name: &str| {
+        let mut column = 0_usize;
         for (field, count) in &header.fields {
             if field.name.eq_ignore_ascii_case(name) {
-                return Some(place);
+                return Some(column);
             }
-            place = place.saturating_add(*count);
+            column = column.saturating_add(*count);
         }
         None
     };
     let lacks = |name: &str| format!("has points without {name}");
     let (x, y, z) = (
-        place("x").ok_or_else(|| lacks("x"))?,
-        place("y").ok_or_else(|| lacks("y"))?,
-        place("z").ok_or_else(|| lacks("z"))?,
+        column("x").ok_or_else(|| lacks("x"))?,
+        column("y").ok_or_else(|| lacks("y"))?,
+        column("z").ok_or_else(|| lacks("z"))?,
     );
-    let intensity = place("intensity");
+    let intensity = column("intensity");
     let fields: Vec<PackedField> = header.fields.iter().map(|(field, _)| field.clone()).collect();
-    let ring = place(RING);
-    let time = time_field(&fields).and_then(|(field, unit_s)| Some((place(&field.name)?, unit_s)));
+    let ring = column(RING);
+    let time = time_field(&fields).and_then(|(field, unit_s)| Some((column(&field.name)?, unit_s)));
     let (mut rings, mut times_s) = (Vec::new(), Vec::new());
     // Not as many as announced: that is only a claim.
     let mut points = PositionedPoints::default();
@@ -151,9 +151,9 @@ fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, Stri
         text.lines().filter(|line| !line.trim().is_empty()).take(header.n_points).enumerate()
     {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let number = |place: usize| -> Result<f64, String> {
+        let number = |column: usize| -> Result<f64, String> {
             let word = words
-                .get(place)
+                .get(column)
                 .ok_or_else(|| format!("has point {line_idx} with {} numbers", words.len()))?;
             word.parse().map_err(|_| format!("has point {line_idx} with {word:?}, which is not a number"))
         };

@@ -85,9 +85,9 @@ fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<Po
     if n_rows < n_points {
         return Err(format!("announces {n_points} vertices but has {n_rows}"));
     }
-    let field = |(place, field): (usize, &PackedField)| PackedField {
+    let field = |(index, field): (usize, &PackedField)| PackedField {
         name: field.name.clone(),
-        offset: place * NumberType::F64.n_bytes(),
+        offset: index * NumberType::F64.n_bytes(),
         number: NumberType::F64,
     };
     let of_rows = fields.iter().enumerate().map(field).collect();

@@ -32,8 +32,8 @@ pub fn label_scan(
     let mut point_regions = vec![PointRegion::Labeled; labels.len()];
     for ((point_idx, &label), region) in (0_u32..).zip(&labels).zip(&mut point_regions) {
         let (number, instance) = (label as u16, label >> 16);
-        let place = || format!("{path:?}, point {point_idx}");
-        let class = class_of_number(number, classes, place).unwrap_or(SemanticClass::Unscorable);
+        let position = || format!("{path:?}, point {point_idx}");
+        let class = class_of_number(number, classes, position).unwrap_or(SemanticClass::Unscorable);
         let instance_class = match class {
             SemanticClass::Object(class) | SemanticClass::UnscorableUnlessInstance(class) if instance > 0 => {
                 Some(class)
@@ -75,7 +75,7 @@ pub fn label_scan(
 pub fn class_of_number(
     number: u16,
     classes: &mut ClassReader<'_>,
-    place: impl FnOnce() -> String,
+    position: impl FnOnce() -> String,
 ) -> Option<SemanticClass> {
     let of_class = |class| match class {
         AnnotationClass::Pole => SemanticClass::Upright,
@@ -86,7 +86,7 @@ pub fn class_of_number(
     {
         return Some(of_class(class));
     }
-    semantic_class(number).or_else(|| classes.class_of(&number.to_string(), place).map(of_class))
+    semantic_class(number).or_else(|| classes.class_of(&number.to_string(), position).map(of_class))
 }
 
 fn annotation(class: AnnotationClass, point_indices: Vec<u32>, track: Option<u32>) -> Annotation {
@@ -102,8 +102,8 @@ mod tests {
     fn label(labels: &[(u32, u32)], rules: &ClassRules) -> (LabeledScan, UnknownClasses) {
         let labels: Vec<u32> = labels.iter().map(|(class, instance)| class | instance << 16).collect();
         let mut points = PositionedPoints::default();
-        for place in 0..labels.len() {
-            points.push([2.0 * place as f64, 0.0, 0.0], 0.0).unwrap();
+        for index in 0..labels.len() {
+            points.push([2.0 * index as f64, 0.0, 0.0], 0.0).unwrap();
         }
         let mut classes = ClassReader::new(rules, &[]);
         let id = ScanId { sequence: "00".to_owned(), index: 0 };

@@ -133,8 +133,8 @@ impl SemanticKitti {
             let bytes = std::fs::read(&path).unwrap_or_default();
             let (labels, _) = bytes.as_chunks::<4>();
             for (point_idx, &[low, high, _, _]) in labels.iter().enumerate() {
-                let place = || format!("{path:?}, point {point_idx}");
-                class_of_number(u16::from_le_bytes([low, high]), &mut classes, place);
+                let position = || format!("{path:?}, point {point_idx}");
+                class_of_number(u16::from_le_bytes([low, high]), &mut classes, position);
             }
         }
         classes.unknown().clone()

@@ -30,7 +30,7 @@ pub fn parse_calibration_file(text: &str) -> Result<Vec<Laser>, String> {
             return Err(format!("has the laser {id} twice"));
         }
     }
-    match lasers.keys().copied().enumerate().find(|(place, id)| place != id) {
+    match lasers.keys().copied().enumerate().find(|(index, id)| index != id) {
         Some((missing, _)) => Err(format!("has no laser {missing}")),
         None if lasers.is_empty() => Err("has no lasers".to_owned()),
         None => Ok(lasers.into_values().collect()),

@@ -88,7 +88,7 @@ pub fn walk_payloads(
     }
 }
 
-/// A packet of the network, with the place of its first byte.
+/// A packet of the network, with the position of its first byte.
 struct Packet<'a> {
     link: Linktype,
     time_ns: u64,
@@ -134,7 +134,7 @@ fn ns_of(ticks: u64, ticks_per_s: u64) -> u64 {
     u64::try_from(u128::from(ticks) * 1_000_000_000 / u128::from(ticks_per_s.max(1))).unwrap_or(u64::MAX)
 }
 
-/// The sender and the place of the payload, if `packet` is a whole datagram of that length to `port`.
+/// The sender and the position of the payload, if `packet` is a whole datagram of that length to `port`.
 fn datagram(link: Linktype, packet: &[u8], port: u16, length: usize) -> Option<([u8; 4], usize)> {
     let sliced = match get_packetdata(packet, link, packet.len())? {
         PacketData::L2(frame) => LaxSlicedPacket::from_ethernet(frame).ok()?,

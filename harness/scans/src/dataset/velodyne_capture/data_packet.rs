@@ -41,7 +41,7 @@ const NEAR_M: [f32; 2] = [2.40, 1.93];
 /// Which laser measured a point, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Firing {
-    /// Its place in the table of lasers.
+    /// Its index in the table of lasers.
     pub laser_idx: usize,
     /// Microseconds after the first lasers of the packet.
     pub micros: f32,
@@ -142,19 +142,19 @@ impl<'a> DataPacket<'a> {
             let is_second_bank = self.bytes[begin..begin + 2] == SECOND_BANK.to_le_bytes();
             let (azimuth, step) = (f32::from(self.azimuth(block)), self.step(block));
             let (measurements, _) = self.bytes[begin + 4..begin + N_BLOCK_BYTES].as_chunks::<3>();
-            for (place, &[low, high, intensity]) in measurements.iter().enumerate().take(N_MEASUREMENTS) {
+            for (index, &[low, high, intensity]) in measurements.iter().enumerate().take(N_MEASUREMENTS) {
                 let distance = u16::from_le_bytes([low, high]);
                 let laser_idx = match self.model {
-                    VelodyneModel::Vlp16 => place % 16,
-                    VelodyneModel::Hdl32e => place,
-                    VelodyneModel::Hdl64e => place + if is_second_bank { N_MEASUREMENTS } else { 0 },
+                    VelodyneModel::Vlp16 => index % 16,
+                    VelodyneModel::Hdl32e => index,
+                    VelodyneModel::Hdl64e => index + if is_second_bank { N_MEASUREMENTS } else { 0 },
                 };
                 if let (true, Some(laser)) = (distance > 0, lasers.get(laser_idx)) {
-                    let hundredths = azimuth + step * self.share_of_step(place);
+                    let hundredths = azimuth + step * self.share_of_step(index);
                     let azimuth_rad = (hundredths / 100.0).to_radians();
                     let position_m = position_m(laser, azimuth_rad, f32::from(distance) * DISTANCE_STEP_M);
                     points.push(position_m.map(f64::from), f32::from(intensity) / 255.0)?;
-                    firings.push(Firing { laser_idx, micros: self.micros_after_first(block, place) });
+                    firings.push(Firing { laser_idx, micros: self.micros_after_first(block, index) });
                 }
             }
         }
@@ -162,23 +162,23 @@ impl<'a> DataPacket<'a> {
     }
 
     /// When a laser fires, as a share of the time from one column to the next.
-    fn share_of_step(&self, place: usize) -> f32 {
-        let [micros, of_column] = self.micros_of(place);
+    fn share_of_step(&self, index: usize) -> f32 {
+        let [micros, of_column] = self.micros_of(index);
         micros / of_column
     }
 
     /// Microseconds from the first lasers of the packet to this one.
-    fn micros_after_first(&self, block: usize, place: usize) -> f32 {
-        let [micros, of_column] = self.micros_of(place);
+    fn micros_after_first(&self, block: usize, index: usize) -> f32 {
+        let [micros, of_column] = self.micros_of(index);
         (block / self.n_blocks_of_column()) as f32 * of_column + micros
     }
 
     /// Microseconds from the beginning of a column to a laser, and to the next column.
-    fn micros_of(&self, place: usize) -> [f32; 2] {
+    fn micros_of(&self, index: usize) -> [f32; 2] {
         match self.model {
-            VelodyneModel::Vlp16 => [55.296 * (place / 16) as f32 + 2.304 * (place % 16) as f32, 110.592],
-            VelodyneModel::Hdl32e => [1.152 * place as f32, 46.08],
-            VelodyneModel::Hdl64e => [6.0 * (place / 4) as f32 + 1.2 * (place % 4) as f32, 48.0],
+            VelodyneModel::Vlp16 => [55.296 * (index / 16) as f32 + 2.304 * (index % 16) as f32, 110.592],
+            VelodyneModel::Hdl32e => [1.152 * index as f32, 46.08],
+            VelodyneModel::Hdl64e => [6.0 * (index / 4) as f32 + 1.2 * (index % 4) as f32, 48.0],
         }
     }
 }
@@ -219,8 +219,8 @@ mod tests {
             let at = block * N_BLOCK_BYTES;
             bytes[at..at + 2].copy_from_slice(&flags[block % 2].to_le_bytes());
             bytes[at + 2..at + 4].copy_from_slice(&(1000 + step * block as u16).to_le_bytes());
-            for place in 0..N_MEASUREMENTS {
-                let at = at + 4 + 3 * place;
+            for index in 0..N_MEASUREMENTS {
+                let at = at + 4 + 3 * index;
                 bytes[at..at + 2].copy_from_slice(&distance.to_le_bytes());
                 bytes[at + 2] = 51;
             }

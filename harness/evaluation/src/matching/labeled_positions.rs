@@ -1,4 +1,4 @@
-//! Whether objects were labelled at a place, whether or not the sensor saw anything there.
+//! Whether objects were labelled at a position, whether or not the sensor saw anything there.
 
 use nalgebra::{Matrix3x4, Vector4};
 use scans::annotation::{LabeledArea, LabeledScan, PointRegion};
@@ -6,24 +6,25 @@ use scans::annotation::{LabeledArea, LabeledScan, PointRegion};
 /// Number of directions that are distinguished where only points show what was labelled: one for each degree.
 const N_DIRECTIONS: usize = 360;
 
-/// Least share of the points in a direction that say something, where places in it count as labelled. Not a half: a camera
-/// sees nothing of the ground near the sensor, in whatever direction it looks.
+/// Least share of the points in a direction that say something, where positions in it count as labelled. Not a half: a
+/// camera sees nothing of the ground near the sensor, in whatever direction it looks.
 const MIN_LABELED_SHARE: f64 = 0.25;
 
-/// The places of a scan at which objects were labelled.
+/// The positions of a scan at which objects were labelled.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LabeledPlaces {
+pub struct LabeledPositions {
     area: LabeledArea,
     // For each direction, where points say it; else empty.
     is_outside: Vec<bool>,
 }
 
-impl LabeledPlaces {
+impl LabeledPositions {
     /// Those of `scan`.
     ///
-    /// Where only points say what was labelled, places are judged by direction, a degree wide: labelled regions are what a
-    /// camera or a person saw from the sensor. A place is outside if fewer than a quarter of the points in its direction are
-    /// inside the region; a direction without points is as the nearest one that has some, and a scan without points is outside.
+    /// Where only points say what was labelled, positions are judged by direction, a degree wide: labelled regions are what
+    /// a camera or a person saw from the sensor. A position is outside if fewer than a quarter of the points in its
+    /// direction are inside the region; a direction without points is as the nearest one that has some, and a scan without
+    /// points is outside.
     pub fn of(scan: &LabeledScan) -> Self {
         let is_outside = match scan.labeled_area {
             LabeledArea::AsPoints => outside_directions(scan),
@@ -34,22 +35,22 @@ impl LabeledPlaces {
         Self { area: scan.labeled_area, is_outside }
     }
 
-    /// Whether nothing was labelled at `place_m`, x and y in metres.
-    pub fn is_outside(&self, place_m: [f32; 2]) -> bool {
+    /// Whether nothing was labelled at `position_m`, x and y in metres.
+    pub fn is_outside(&self, position_m: [f32; 2]) -> bool {
         match &self.area {
             LabeledArea::Everywhere => false,
             LabeledArea::CameraImage { image_from_sensor, image_size_px } => {
-                !is_seen(place_m, image_from_sensor, *image_size_px)
+                !is_seen(position_m, image_from_sensor, *image_size_px)
             }
             LabeledArea::Ahead { to_either_side_deg } => {
-                place_m[1].atan2(place_m[0]).abs().to_degrees() > *to_either_side_deg
+                position_m[1].atan2(position_m[0]).abs().to_degrees() > *to_either_side_deg
             }
-            LabeledArea::AsPoints => self.is_outside[direction_of(place_m)],
+            LabeledArea::AsPoints => self.is_outside[direction_of(position_m)],
         }
     }
 }
 
-/// Whether any height at this place projects into the image.
+/// Whether any height at this position projects into the image.
 fn is_seen([x_m, y_m]: [f32; 2], image_from_sensor: &Matrix3x4<f64>, image_size_px: [u32; 2]) -> bool {
     let level = image_from_sensor * Vector4::new(f64::from(x_m), f64::from(y_m), 0.0, 1.0);
     let per_metre = image_from_sensor.column(2);
@@ -109,11 +110,11 @@ mod tests {
 
     /// Points all round at these ranges, of which those within `deg` of forward are inside the region.
     fn scan(labeled_area: LabeledArea, inside_deg: f32) -> LabeledScan {
-        let places = (0..720_u16).flat_map(|half_degrees| {
+        let positions = (0..720_u16).flat_map(|half_degrees| {
             let (sin, cos) = (f32::from(half_degrees) / 2.0 + 0.2).to_radians().sin_cos();
             [5.0, 20.0, 60.0].map(|range_m| [range_m * cos, range_m * sin, -1.7])
         });
-        let cloud: PointCloud = places.collect();
+        let cloud: PointCloud = positions.collect();
         let region = |[x_m, y_m, _]: [f32; 3]| {
             if y_m.atan2(x_m).abs().to_degrees() <= inside_deg {
                 PointRegion::Labeled
@@ -136,9 +137,9 @@ mod tests {
     }
 
     #[track_caller]
-    fn check(area: LabeledArea, place_m: [f32; 2], expected_outside: bool) {
-        let places = LabeledPlaces::of(&scan(area, 40.0));
-        assert_eq!(places.is_outside(place_m), expected_outside, "{area:?} {place_m:?}");
+    fn check(area: LabeledArea, position_m: [f32; 2], expected_outside: bool) {
+        let positions = LabeledPositions::of(&scan(area, 40.0));
+        assert_eq!(positions.is_outside(position_m), expected_outside, "{area:?} {position_m:?}");
     }
 
     #[test]
@@ -152,8 +153,9 @@ mod tests {
     }
 
     #[test]
-    fn a_tilted_camera_sees_places_at_some_height() {
-        // Turned down by 45°: nothing on the level of the sensor is in the image, the ground far ahead is, and nothing behind.
+    fn a_tilted_camera_sees_positions_at_some_height() {
+        // Turned down by 45°: nothing on the level of the sensor is in the image, the ground far ahead is, and nothing
+        // behind.
         let LabeledArea::CameraImage { image_from_sensor, image_size_px } = camera() else { unreachable!() };
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let camera_from_sensor = nalgebra::Matrix4::new(
@@ -183,21 +185,21 @@ mod tests {
         check(LabeledArea::AsPoints, [10.0, 9.0], true);
         check(LabeledArea::AsPoints, [-70.0, 0.1], true);
         let empty = LabeledScan { labeled_area: LabeledArea::AsPoints, ..labeled([], []) };
-        assert!(LabeledPlaces::of(&empty).is_outside([1.0, 0.0]));
+        assert!(LabeledPositions::of(&empty).is_outside([1.0, 0.0]));
     }
 
     #[test]
     fn a_direction_without_points_is_as_its_neighbours() {
         let cloud = PointCloud::from_iter([[10.0, 5.0, 0.0], [10.0, -5.0, 0.0], [f32::NAN, 0.0, 0.0]]);
         let point_regions = vec![PointRegion::Unscorable, PointRegion::Outside, PointRegion::Outside];
-        let places =
-            LabeledPlaces::of(&LabeledScan { cloud, point_regions, ..scan(LabeledArea::AsPoints, 0.0) });
-        assert!(!places.is_outside([10.0, 1.0]) && !places.is_outside([10.0, 50.0]));
-        assert!(places.is_outside([10.0, -1.0]) && places.is_outside([-10.0, -1.0]));
+        let positions =
+            LabeledPositions::of(&LabeledScan { cloud, point_regions, ..scan(LabeledArea::AsPoints, 0.0) });
+        assert!(!positions.is_outside([10.0, 1.0]) && !positions.is_outside([10.0, 50.0]));
+        assert!(positions.is_outside([10.0, -1.0]) && positions.is_outside([-10.0, -1.0]));
     }
 
     proptest! {
-        /// A place that a camera sees is one of which some height projects into the image, as trying heights finds.
+        /// A position that a camera sees is one of which some height projects into the image, as trying heights finds.
         #[test]
         fn a_camera_sees_what_trying_heights_finds(x_m in -60.0_f32..60.0, y_m in -60.0_f32..60.0) {
             let LabeledArea::CameraImage { image_from_sensor, image_size_px } = camera() else { unreachable!() };
