@@ -87,7 +87,7 @@ fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
         MistakeKind::False => "false",
     };
     let text = format!("worst {rank}: {kind} {}, {}", mistake.class, mistake.reason);
-    Some(Mark { position_m: mistake.place_m?, text })
+    Some(Mark { position_m: mistake.position_m?, text })
 }
 
 /// What is needed to run scans once more.

@@ -9,9 +9,9 @@ use reports::run_folder::run_directory::{
 };
 use reports::vocabulary::study::Study;
 use reports::vocabulary::task::Task;
-use reports::worst::places::{ObjectName, WorstPlaces};
+use reports::worst::objects::{ObjectName, WorstObjects};
 use reports::worst::points::{Patch, WorstPoints};
-use reports::worst::recorded::{RecordedPlace, Recordings};
+use reports::worst::recorded::{RecordedObject, Recordings};
 
 use super::executor::WholeResult;
 use super::rows_of_shards::merge_rows;
@@ -64,7 +64,7 @@ impl WholeResult for WholeRun {
 /// Writes what was seen around the worst mistakes, and where they are recorded.
 fn write_worst(
     shards: &[ShardDirectory<'_>],
-    worst: &WorstPlaces<usize>,
+    worst: &WorstObjects<usize>,
     (directory, pieces): (&RunDirectory, Pieces),
 ) -> Result<(), Failure> {
     let seen = shards.iter().map(ShardDirectory::worst_points).collect::<Result<Vec<WorstPoints>, _>>()?;
@@ -76,7 +76,7 @@ fn write_worst(
         patches.push(Patch { object: (*object).clone(), cells: cells.clone() });
     }
     directory.write_file(WORST_POINTS_JSON, WorstPoints::of_patches(patches).to_json().as_bytes())?;
-    let mut recorded: Vec<RecordedPlace> = Vec::new();
+    let mut recorded: Vec<RecordedObject> = Vec::new();
     for (object, shard_idx) in objects {
         let shard = &shards[shard_idx];
         let place = shard.record.worst_recorded.iter().find(|it| it.object == *object);
@@ -85,7 +85,7 @@ fn write_worst(
                 Pieces::One => place.recording.clone(),
                 Pieces::Shards => path_from(directory.target(), &shard.folder.join(&place.recording)),
             };
-            recorded.push(RecordedPlace { recording, ..place.clone() });
+            recorded.push(RecordedObject { recording, ..place.clone() });
         }
     }
     // Of one recording the number of the scan says enough.

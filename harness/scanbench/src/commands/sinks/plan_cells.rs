@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use detector::PointCloud;
-use reports::worst::places::PlanWindow;
+use reports::worst::objects::PlanWindow;
 use reports::worst::points::{PLAN_CELL_M, PlanCells, STANDING_M};
 
 /// The cells of `window` that hold points of `cloud`, which was recorded `sensor_height_m` above the road.
