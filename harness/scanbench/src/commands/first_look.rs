@@ -22,7 +22,7 @@ use scans::dataset::proposal_list::ProposalList;
 use scans::dataset::{DatasetDescription, DatasetError};
 use simulator::recognised_sensor::SeenBeams;
 
-use crate::commands::frame_facts::{FirstLook, Stated, places_looked_at};
+use crate::commands::frame_facts::{FirstLook, Stated, indices_looked_at};
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::open_scan::OpenedScan;
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
@@ -163,8 +163,8 @@ fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
 
 /// Some scans from first to last. The run itself reports what cannot be read, and before all else unknown names of classes.
 fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
-    let places = places_looked_at(opened.dataset.scan_ids().len());
-    let read: Vec<_> = places.map(|it| opened.dataset.read_scan(it)).collect();
+    let indices = indices_looked_at(opened.dataset.scan_ids().len());
+    let read: Vec<_> = indices.map(|it| opened.dataset.read_scan(it)).collect();
     if read.iter().any(|it| it.as_ref().is_err_and(DatasetError::is_usage_error)) {
         return Vec::new();
     }
@@ -175,9 +175,9 @@ fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
 fn next_scans(opened: &OpenedDataset, scans: &[LabeledScan]) -> Vec<(usize, LabeledScan)> {
     let ids = opened.dataset.scan_ids();
     let next = |(scan_idx, scan): (usize, &LabeledScan)| {
-        let place = ids.iter().position(|it| *it == scan.id)? + 1;
-        let is_of_drive = ids.get(place)?.sequence == scan.id.sequence;
-        is_of_drive.then(|| opened.dataset.read_scan(place).ok()).flatten().map(|it| (scan_idx, it))
+        let index = ids.iter().position(|it| *it == scan.id)? + 1;
+        let is_of_drive = ids.get(index)?.sequence == scan.id.sequence;
+        is_of_drive.then(|| opened.dataset.read_scan(index).ok()).flatten().map(|it| (scan_idx, it))
     };
     scans.iter().enumerate().filter_map(next).collect()
 }

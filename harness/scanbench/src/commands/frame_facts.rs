@@ -45,7 +45,7 @@ impl Stated {
 /// So many scans are looked at, from first to last.
 const N_SCANS: usize = 5;
 
-/// Places of the scans that are looked at, of `n` scans: always the same of a data set, whichever of them are run.
-pub fn places_looked_at(n: usize) -> impl Iterator<Item = usize> {
+/// Indices of the scans that are looked at, of `n` scans: always the same of a data set, whichever of them are run.
+pub fn indices_looked_at(n: usize) -> impl Iterator<Item = usize> {
     (0..n.min(N_SCANS)).map(move |it| it * n / n.min(N_SCANS))
 }

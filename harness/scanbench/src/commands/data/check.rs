@@ -25,12 +25,12 @@ const N_AT_ONCE: usize = 16;
 pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let mut first_damage = None;
-    for (place, opened) in
+    for (index, opened) in
         open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &ClassTable::default())?
             .iter()
             .enumerate()
     {
-        if place > 0 {
+        if index > 0 {
             print_result("")?;
         }
         let is_interrupted = || interrupted.load(Ordering::Relaxed);

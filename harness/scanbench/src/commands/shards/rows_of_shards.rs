@@ -34,7 +34,7 @@ pub struct MergedRows {
     pub tally: Tally,
     /// Those of rows under protocols of others.
     pub protocols: ProtocolTally,
-    /// The worst mistakes, with the place of the shard that each is in.
+    /// The worst mistakes, with the index of the shard that each is in.
     pub worst: WorstObjects<usize>,
     /// The times of each kind of processor by themselves, where these are unlike.
     pub of_processors: Vec<(String, Tally)>,

@@ -25,7 +25,7 @@ pub struct ShardDirectory<'a> {
 }
 
 impl<'a> ShardDirectory<'a> {
-    /// The shards at the paths that are their names, in this order of their places.
+    /// The shards at the paths that are their names, in this order of their indices.
     pub fn in_order<M: MadeInShards>(shards: &'a [NamedShard<M>], order: &[usize]) -> Vec<Self> {
         let directory = |idx: &usize| {
             let NamedShard { name, manifest } = &shards[*idx];

@@ -155,12 +155,13 @@ impl ShardFiles {
         for file in [self.boxes, self.kitti, self.labels].into_iter().flatten() {
             record.files.push(file.finish()?);
         }
-        let places = || self.worst.lists().flat_map(|(_, places)| places);
+        let objects = || self.worst.lists().flat_map(|(_, objects)| objects);
         let patch =
             |it: &WorstObject<SeenMistake>| Patch { object: it.object.clone(), cells: it.kept.0.clone() };
-        let points = WorstPoints::of_patches(places().map(patch).collect()).to_json();
+        let points = WorstPoints::of_patches(objects().map(patch).collect()).to_json();
         record.files.push(write_checksummed(folder, WORST_POINTS_JSON, points.as_bytes())?);
-        record.worst_recorded = recorded_places(places().map(|it| (&it.object, it.kept.1)), &self.recordings);
+        record.worst_recorded =
+            recorded_objects(objects().map(|it| (&it.object, it.kept.1)), &self.recordings);
         let mut agreement = Vec::new();
         for (dataset_idx, dataset) in self.datasets.into_iter().enumerate() {
             record.parts[dataset_idx].n_labels = dataset.n_labels;
@@ -187,13 +188,13 @@ fn begin_rows<Row: CsvRow>(folder: &Path, name: &'static str) -> Result<Checksum
     Ok(begun)
 }
 
-/// Those of `places`, objects with the numbers of their scans, that are in one of `recordings`; each once.
-fn recorded_places<'a>(
-    places: impl Iterator<Item = (&'a ObjectName, u64)>,
+/// Those of `seen`, objects with the numbers of their scans, that are in one of `recordings`; each once.
+fn recorded_objects<'a>(
+    seen: impl Iterator<Item = (&'a ObjectName, u64)>,
     recordings: &[ShardRecording],
 ) -> Vec<RecordedObject> {
     let mut recorded: Vec<RecordedObject> = Vec::new();
-    for (object, step) in places {
+    for (object, step) in seen {
         let holds =
             |it: &&ShardRecording| (it.first..it.end).contains(&step) && step.is_multiple_of(it.every);
         let Some(recording) = recordings.iter().find(holds) else { continue };

@@ -1,4 +1,4 @@
-//! What the sensor saw around a place, as cells of a ground plan.
+//! What the sensor saw around a position, as cells of a ground plan.
 
 use std::collections::BTreeMap;
 

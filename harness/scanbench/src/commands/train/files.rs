@@ -100,7 +100,7 @@ fn objects<const D: usize>(
     let mut rows = JudgedObjects::new(&model.features)?;
     for (dataset, candidate, object) in judged {
         let [x_m, y_m, _] = candidate.bounding_box.center_m.map(f64::from);
-        let place = JudgedObjectFacts {
+        let facts = JudgedObjectFacts {
             data: dataset,
             sequence: &candidate.sequence,
             kind: object.kind,
@@ -108,7 +108,7 @@ fn objects<const D: usize>(
             n_points: candidate.positions_m.len(),
             range_m: x_m.hypot(y_m),
         };
-        rows.write(place, svm.decision(&object.features), &object.features)?;
+        rows.write(facts, svm.decision(&object.features), &object.features)?;
     }
     Ok(rows.into_csv())
 }
