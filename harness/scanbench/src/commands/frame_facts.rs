@@ -2,7 +2,7 @@
 
 use reports::run_folder::manifest::SeenMounting;
 use reports::run_folder::seen_labels::SeenLabels;
-use scans::data_check::frame_doubt::FrameDoubt;
+use scans::data_check::frame_suspicion::FrameSuspicion;
 
 use crate::cli::SourceArgs;
 
@@ -13,8 +13,8 @@ pub struct FirstLook {
     pub seen: Option<SeenMounting>,
     /// Where points lie in the frames of labelled boxes; `None` if these are too few.
     pub label_points: Option<SeenLabels>,
-    /// Why its frame or its labels are doubtful.
-    pub doubts: Vec<FrameDoubt>,
+    /// Why its frame or its labels are suspect.
+    pub suspicions: Vec<FrameSuspicion>,
 }
 
 /// Who says how the sensor is mounted.
