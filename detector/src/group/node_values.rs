@@ -128,7 +128,7 @@ struct Shape {
     wall_length_m: f32,
 }
 
-/// Where the nodes are.
+/// The scan that the nodes lie in.
 #[derive(Debug, Clone, Copy)]
 pub struct NodeScene<'a> {
     /// The grid.

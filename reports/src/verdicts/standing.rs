@@ -28,8 +28,8 @@ pub struct Standing {
     pub ranking: Vec<RankedDetector>,
     /// The difference between the first and the second.
     pub lead: Option<PairedDifference>,
-    /// Data sets whose frame or labels are doubtful.
-    pub doubtful: Vec<String>,
+    /// Data sets whose frame or labels are suspect.
+    pub suspect: Vec<String>,
 }
 
 /// What one detector reached.
@@ -90,14 +90,14 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
                 |detector| tally.sample(&Question { dataset, task, detector, slice: Slice::All }, &draws);
             paired_difference(&sample(&second.detector)?, &sample(&ranking[0].detector)?, &metric)
         });
-        let (doubtful, has_others) = (doubtful(manifest, pool), pools.len() > 1);
-        Standing { task, pool: pool.clone(), has_others, metric, ranking, lead, doubtful }
+        let (suspect, has_others) = (suspect(manifest, pool), pools.len() > 1);
+        Standing { task, pool: pool.clone(), has_others, metric, ranking, lead, suspect }
     };
     let of_task = |task: &Task| pools.iter().map(|it| standing(*task, it)).collect::<Vec<_>>();
     tally.tasks().iter().flat_map(of_task).collect()
 }
 
-fn doubtful(manifest: &Manifest, pool: &Pool) -> Vec<String> {
+fn suspect(manifest: &Manifest, pool: &Pool) -> Vec<String> {
     let datasets = manifest.datasets.iter().filter(|it| pool.datasets.contains(&it.id));
     datasets.filter(|it| !it.doubts.is_empty()).map(|it| it.id.clone()).collect()
 }
@@ -145,7 +145,7 @@ impl Standing {
     /// What those have that are neither first nor second; nothing where nobody has anything.
     fn sentence_of_others(&self) -> String {
         let is_defined = |it: &&RankedDetector| it.value.is_some();
-        if !self.doubtful.is_empty() || !self.ranking.iter().any(|it| is_defined(&it)) {
+        if !self.suspect.is_empty() || !self.ranking.iter().any(|it| is_defined(&it)) {
             return String::new();
         }
         let defined = self.ranking.iter().filter(is_defined).skip(2);
@@ -177,10 +177,10 @@ impl Standing {
         let defined: Vec<&RankedDetector> = self.ranking.iter().filter(|it| it.value.is_some()).collect();
         match (&defined[..], &self.lead) {
             ([], _) => format!("{about}{metric} is undefined."),
-            _ if !self.doubtful.is_empty() => {
+            _ if !self.suspect.is_empty() => {
                 format!(
                     "{about}no verdict, since frame or labels of {} are doubtful.",
-                    self.doubtful.join(", ")
+                    self.suspect.join(", ")
                 )
             }
             ([only], _) => format!(
@@ -327,7 +327,7 @@ mod tests {
         });
         let pool = pools([("street", Origin::Simulated)]).remove(0);
         let (task, metric) = (Task::Objects, Metric::FRate);
-        Standing { task, pool, has_others: false, metric, ranking, lead, doubtful: Vec::new() }
+        Standing { task, pool, has_others: false, metric, ranking, lead, suspect: Vec::new() }
     }
 
     #[test]
@@ -410,13 +410,13 @@ mod tests {
     }
 
     #[test]
-    fn of_a_doubtful_frame_nobody_leads() {
-        let mut doubtful = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
-        doubtful.doubtful = vec!["mine".to_owned()];
+    fn of_a_suspect_frame_nobody_leads() {
+        let mut suspect = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
+        suspect.suspect = vec!["mine".to_owned()];
         let expected = "Task objects (simulated): no verdict, since frame or labels of mine are doubtful.";
-        assert_eq!(doubtful.sentence(), expected);
-        doubtful.ranking.truncate(1);
-        assert_eq!(doubtful.sentence(), expected);
+        assert_eq!(suspect.sentence(), expected);
+        suspect.ranking.truncate(1);
+        assert_eq!(suspect.sentence(), expected);
     }
 
     #[test]
