@@ -132,9 +132,9 @@ class Comparison:
         box = row_box(row, "annotation")
         is_same_box = box is None if annotation.box is None else box is not None and box.is_near(annotation.box, BOX_ROUNDING)
         self.fail_unless(is_same_box, name, annotation.box, box)
-        place = [float(row[f"annotation_center_{it}_m"]) for it in "xyz"]
-        is_there = np.allclose(scan.center_m(annotation), place, rtol=0, atol=BOX_ROUNDING)
-        self.fail_unless(is_there, name, scan.center_m(annotation), place)
+        position = [float(row[f"annotation_center_{it}_m"]) for it in "xyz"]
+        is_there = np.allclose(scan.center_m(annotation), position, rtol=0, atol=BOX_ROUNDING)
+        self.fail_unless(is_there, name, scan.center_m(annotation), position)
         outcome = self.judged.outcomes("annotations")[idx]
         if outcome is not None and outcome.cost is not None and row["cost"]:
             # Points on the faces of its box may or may not be its own.

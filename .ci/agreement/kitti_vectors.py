@@ -146,10 +146,10 @@ def found(draw: random.Random, things: list[Thing], wobble: float) -> list[Thing
 def line(scan: int, thing: Thing) -> str:
     box = " ".join(f"{it:.2f}" for it in thing["px"])
     size = " ".join(f"{thing[key]:.2f}" for key in "hwl")
-    place = " ".join(f"{thing[key]:.2f}" for key in ("x", "y", "z", "ry"))
+    position = " ".join(f"{thing[key]:.2f}" for key in ("x", "y", "z", "ry"))
     levels = f"{thing['truncation']:.2f} {thing['occlusion']}" if "score" not in thing else "-1 -1"
     score = f" {thing['score']}" if "score" in thing else ""
-    return f"{scan} -1 {thing['kind']} {levels} {thing['alpha']:.2f} {box} {size} {place}{score}\n"
+    return f"{scan} -1 {thing['kind']} {levels} {thing['alpha']:.2f} {box} {size} {position}{score}\n"
 
 
 def dont_care(draw: random.Random, scan: int) -> str:
@@ -233,9 +233,9 @@ def things_of(path: Path) -> list[Thing]:
     things = []
     for it in path.read_text().splitlines():
         kind, truncation, occlusion, _, _, _, _, _, *numbers = it.split()
-        place = dict(zip(("h", "w", "l", "x", "y", "z", "ry", "score"), map(float, numbers), strict=False))
-        if place["z"] > 3.0 and kind in (*SIZES_M, "Misc"):
-            thing = seen({"kind": kind, **place, "truncation": float(truncation), "occlusion": int(occlusion)})
+        position = dict(zip(("h", "w", "l", "x", "y", "z", "ry", "score"), map(float, numbers), strict=False))
+        if position["z"] > 3.0 and kind in (*SIZES_M, "Misc"):
+            thing = seen({"kind": kind, **position, "truncation": float(truncation), "occlusion": int(occlusion)})
             if thing["px"][2] > thing["px"][0] + 1 and thing["px"][3] > thing["px"][1] + 1:
                 things.append(thing)
     return things

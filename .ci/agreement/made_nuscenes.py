@@ -71,24 +71,24 @@ def make(folder: Path, seed: int = 5) -> MadeNuScenes:
 
 def make_scene(made: MadeNuScenes, scene: str, number: int, random: np.random.Generator) -> None:
     tables = made.tables
-    samples = [f"sample{number}{place:02}" for place in range(N_SAMPLES)]
+    samples = [f"sample{number}{index:02}" for index in range(N_SAMPLES)]
     tables["scene"].append(
         {"token": scene, "name": scene, "description": "", "log_token": "log", "nbr_samples": N_SAMPLES}
         | {"first_sample_token": samples[0], "last_sample_token": samples[-1]}
     )
     start, heading = random.normal(0, 1000, 2), random.uniform(-np.pi, np.pi)
-    things = [make_thing(f"{scene}-{place}", start, random) for place in range(60)]
+    things = [make_thing(f"{scene}-{index}", start, random) for index in range(60)]
     for thing in things:
         tables["instance"].append({"token": thing["token"], "category_token": thing["category"], "nbr_annotations": 0}
                                   | {"first_annotation_token": "", "last_annotation_token": ""})
     before: dict[str, Record] = {}
-    for place, sample in enumerate(samples):
+    for index, sample in enumerate(samples):
         # The fifth comes late, so that velocities over it are not known.
-        time_us = 10**15 + number * 10**9 + place * 500_000 + (2_000_000 if place >= 5 else 0)
-        ego = np.array([*(start + 2.0 * place * np.array([np.cos(heading), np.sin(heading)])), 0.0])
+        time_us = 10**15 + number * 10**9 + index * 500_000 + (2_000_000 if index >= 5 else 0)
+        ego = np.array([*(start + 2.0 * index * np.array([np.cos(heading), np.sin(heading)])), 0.0])
         made.egos[sample], made.labels[sample] = ego, []
         tables["ego_pose"].append({"token": f"pose{sample}", "timestamp": time_us, "translation": ego.tolist(), "rotation": upright(heading)})
-        neighbours = {"prev": samples[place - 1] if place else "", "next": samples[place + 1] if place + 1 < N_SAMPLES else ""}
+        neighbours = {"prev": samples[index - 1] if index else "", "next": samples[index + 1] if index + 1 < N_SAMPLES else ""}
         tables["sample"].append({"token": sample, "scene_token": scene, "timestamp": time_us} | neighbours)
         file = f"samples/LIDAR_TOP/{sample}.pcd.bin"
         tables["sample_data"].append(

@@ -22,15 +22,15 @@ def of_rows(folder: Path, rows: Path) -> dict[str, dict[str, list[Record]]]:
     labels = [it for it in boxes if it["kind"] == "annotation" and it["detector"] == labelled]
     tables = tables_of(samples)
     tables["instance"] = [
-        {"token": f"thing{place}", "category_token": CATEGORY_OF[it["class"]], "nbr_annotations": 1}
-        | {"first_annotation_token": f"label{place}", "last_annotation_token": f"label{place}"}
-        for place, it in enumerate(labels)
+        {"token": f"thing{index}", "category_token": CATEGORY_OF[it["class"]], "nbr_annotations": 1}
+        | {"first_annotation_token": f"label{index}", "last_annotation_token": f"label{index}"}
+        for index, it in enumerate(labels)
     ]
     tables["sample_annotation"] = [
         box_of(it)
-        | {"token": f"label{place}", "instance_token": f"thing{place}", "attribute_tokens": [], "visibility_token": "4"}
+        | {"token": f"label{index}", "instance_token": f"thing{index}", "attribute_tokens": [], "visibility_token": "4"}
         | {"num_lidar_pts": int(it["n_points"]), "num_radar_pts": 0, "prev": "", "next": ""}
-        for place, it in enumerate(labels)
+        for index, it in enumerate(labels)
     ]
     (folder / "v1.0-mini").mkdir(parents=True)
     (folder / "map.png").write_bytes(b"")
@@ -78,7 +78,7 @@ def tables_of(samples: list[str]) -> dict[str, list[Record]]:
         {"token": SCENES[0], "name": SCENES[0], "description": "", "log_token": "log", "nbr_samples": len(samples)}
         | {"first_sample_token": samples[0], "last_sample_token": samples[-1]}
     ]
-    times = {sample: 10**15 + place * 500_000 for place, sample in enumerate(samples)}
+    times = {sample: 10**15 + index * 500_000 for index, sample in enumerate(samples)}
     tables["sample"] = [{"token": it, "scene_token": SCENES[0], "timestamp": times[it], "prev": "", "next": ""} for it in samples]
     tables["ego_pose"] = [
         {"token": f"pose{it}", "timestamp": times[it], "translation": [0.0, 0.0, 0.0], "rotation": upright(0.0)} for it in samples

@@ -48,7 +48,7 @@ def make(root: Path) -> pd.DataFrame:
             categories = random.choice(CATEGORIES, 80).tolist() + ["PEDESTRIAN"] * (120 if number == 2 else 0)
             table = boxes(random, len(categories))
             table.insert(0, "category", categories)
-            table.insert(0, "track_uuid", [f"{log}-{place}" for place in range(len(table))])
+            table.insert(0, "track_uuid", [f"{log}-{index}" for index in range(len(table))])
             table.insert(0, "timestamp_ns", time_ns)
             table["num_interior_pts"] = random.integers(0, 40, len(table)) * (random.random(len(table)) < 0.9)
             sweeps.append(table)

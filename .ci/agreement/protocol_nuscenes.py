@@ -70,7 +70,7 @@ def check_made_up(scanbench: str, folder: Path) -> None:
         "alike": alike,
         "alike-shuffled": shuffled(alike),
         "cars": noisy(made, 3, {"car"}),
-        "one-box": {sample: distinct[sample][:1] if place == 0 else [] for place, sample in enumerate(made.labels)},
+        "one-box": {sample: distinct[sample][:1] if index == 0 else [] for index, sample in enumerate(made.labels)},
         "truth": made.labels,
     }
     for name, found in cases.items():

@@ -87,16 +87,16 @@ class Runner:
             words = tiny(words)
         # Of this very program, whatever is shown of it, now or in another block.
         files = [(self.root / it).read_text() for it in words if it.endswith(".toml") and (self.root / it).is_file()]
-        place = self.kept / checksum(json.dumps([words, files, self.of_program]).encode())
+        directory = self.kept / checksum(json.dumps([words, files, self.of_program]).encode())
         if output:
-            outputs[output] = place / "out"
+            outputs[output] = directory / "out"
         # Written last, so that what was interrupted is run again.
-        if not (place / "command.txt").is_file():
-            self.start(command, words, place)
-        return Result(command, place / "out", (place / "printed.txt").read_text())
+        if not (directory / "command.txt").is_file():
+            self.start(command, words, directory)
+        return Result(command, directory / "out", (directory / "printed.txt").read_text())
 
     def located(self, word: str, outputs: dict[str, Path]) -> str:
-        """A word with the directory of an earlier command, or the folder of recorded data, in the place of its name."""
+        """A word with the directory of an earlier command, or the folder of recorded data, instead of its name."""
         if is_recorded(word):
             return str(Path(self.data or "") / word.removeprefix("~/"))
         name, equals, value = word.rpartition("=")
@@ -105,27 +105,27 @@ class Runner:
         # The value of a parameter is TOML.
         return f'{name}="{outputs[value]}"' if equals else str(outputs[value])
 
-    def start(self, command: str, words: list[str], place: Path):
+    def start(self, command: str, words: list[str], directory: Path):
         print(f"  $ {command}", flush=True)
-        shutil.rmtree(place, ignore_errors=True)
-        place.mkdir(parents=True)
-        output = [] if words[0] == "compare" else ["-o", place / "out"]
-        with (place / "printed.txt").open("w") as printed, (place / "said.txt").open("w") as said:
+        shutil.rmtree(directory, ignore_errors=True)
+        directory.mkdir(parents=True)
+        output = [] if words[0] == "compare" else ["-o", directory / "out"]
+        with (directory / "printed.txt").open("w") as printed, (directory / "said.txt").open("w") as said:
             environment = os.environ | {"COLUMNS": COLUMNS}
             arguments = [self.program, *words, *output]
             ended = subprocess.run(arguments, cwd=self.root, env=environment, stdout=printed, stderr=said, check=False)
         if ended.returncode != 0:
-            last = (place / "said.txt").read_text().strip().splitlines()[-3:]
+            last = (directory / "said.txt").read_text().strip().splitlines()[-3:]
             raise CommandError(f"{command}: exit code {ended.returncode}: {' '.join(last)}")
-        (place / "command.txt").write_text(shlex.join(words) + "\n")
+        (directory / "command.txt").write_text(shlex.join(words) + "\n")
 
 
 def taken_out(words: list[str], option: str) -> tuple[list[str], str | None]:
     """The words without an option and its value, and the value."""
     if option not in words:
         return words, None
-    place = words.index(option)
-    return words[:place] + words[place + 2 :], words[place + 1]
+    index = words.index(option)
+    return words[:index] + words[index + 2 :], words[index + 1]
 
 
 def tiny(words: list[str]) -> list[str]:

@@ -30,7 +30,7 @@ class ShowError(Exception):
 @dataclass
 class Shown:
     text: str
-    files: dict[str, bytes] = field(default_factory=dict)  # pictures, by their place beside the page
+    files: dict[str, bytes] = field(default_factory=dict)  # pictures, by their path beside the page
 
 
 def left(result: Result, name: str) -> Path:

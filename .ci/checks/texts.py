@@ -53,9 +53,9 @@ def problems(root, files):
             if re.match(r"[a-z+]+:", target):
                 continue
             path, _, anchor = target.partition("#")
-            place = (root / file).parent / path if path else root / file
+            linked = (root / file).parent / path if path else root / file
             try:
-                to = str(place.resolve().relative_to(root.resolve()))
+                to = str(linked.resolve().relative_to(root.resolve()))
             except ValueError:
                 found.append(f"{file}: the link {target} leads out of the repository")
                 continue

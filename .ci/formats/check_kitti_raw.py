@@ -36,8 +36,8 @@ def write(folder: Path, random, n_scans):
     (folder / DATE / "calib_cam_to_cam.txt").write_text(cameras)
     for scan in range(n_scans):
         random.normal(0, 20, (2000, 4)).astype("<f4").tofile(drive / f"velodyne_points/data/{scan:010}.bin")
-        place = [49.015 + 1e-5 * scan, 8.434 + 2e-5 * scan, 112 + 0.1 * scan, *random.normal(0, 0.1, 2), random.uniform(-3, 3)]
-        (drive / f"oxts/data/{scan:010}.txt").write_text(" ".join(map(repr, [*map(float, place), *[0.0] * 19, *[0] * 5])))
+        position = [49.015 + 1e-5 * scan, 8.434 + 2e-5 * scan, 112 + 0.1 * scan, *random.normal(0, 0.1, 2), random.uniform(-3, 3)]
+        (drive / f"oxts/data/{scan:010}.txt").write_text(" ".join(map(repr, [*map(float, position), *[0.0] * 19, *[0] * 5])))
     times = [f"2011-09-26 13:02:{25 + it // 10}.{it % 10}51199337\n" for it in range(n_scans)]
     (drive / "velodyne_points/timestamps.txt").write_text("".join(times))
     (drive / "oxts/timestamps.txt").write_text("".join(times))
@@ -63,10 +63,10 @@ def labels(drive: Path, n_scans):
     by_scan = [[] for _ in range(n_scans)]
     for item in ElementTree.parse(drive / "tracklet_labels.xml").getroot().find("tracklets").findall("item"):
         height, width, length = (float(item.find(name).text) for name in "hwl")
-        for place, pose in enumerate(item.find("poses").findall("item")):
+        for index, pose in enumerate(item.find("poses").findall("item")):
             x, y, z, yaw = (float(pose.find(name).text) for name in ["tx", "ty", "tz", "rz"])
             box = numpy.array([x, y, z + height / 2, length, width, height, yaw])
-            by_scan[int(item.find("first_frame").text) + place].append((CLASSES[item.find("objectType").text], box))
+            by_scan[int(item.find("first_frame").text) + index].append((CLASSES[item.find("objectType").text], box))
     return by_scan
 
 

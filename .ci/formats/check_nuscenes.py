@@ -54,16 +54,16 @@ def check_read(scanbench, scratch: Path):
         clouds.append(cloud)
         world_from_lidar = matrix(pose["translation"], pose["rotation"]) @ matrix(calibration["translation"], calibration["rotation"])
         expected.append([])
-        for place in range(20):
+        for index in range(20):
             category = random.choice(list(CATEGORIES))
-            tables["instance"].append({"token": f"{number}-{place}", "category_token": category})
+            tables["instance"].append({"token": f"{number}-{index}", "category_token": category})
             near = matrix(random.uniform(-40, 40, 3), quaternion(random, True))
             world_from_box = world_from_lidar @ near
             # Upright in the world, as all are that people have labelled.
             rotation = quaternion(random, True)
             size = random.uniform(0.5, 5, 3)
             tables["sample_annotation"].append(
-                {"sample_token": f"sample{number}", "instance_token": f"{number}-{place}", "visibility_token": "4"}
+                {"sample_token": f"sample{number}", "instance_token": f"{number}-{index}", "visibility_token": "4"}
                 | {"translation": list(world_from_box[:3, 3]), "size": list(size), "rotation": list(rotation), "num_lidar_pts": 1}
             )
             lidar_from_box = numpy.linalg.inv(world_from_lidar) @ matrix(world_from_box[:3, 3], rotation)

@@ -24,7 +24,7 @@ def made(times_ns, random):
     numbers[:, 3:6] = random.uniform(0.5, 9, (n, 3))
     numbers[:, 6], numbers[:, 9] = numpy.cos(yaw / 2), numpy.sin(yaw / 2)
     numbers[:, 10] = random.uniform(-3, 3, n)
-    columns = {name: numbers[:, place] for place, name in enumerate(NUMBERS)}
+    columns = {name: numbers[:, index] for index, name in enumerate(NUMBERS)}
     columns["log_id"] = pyarrow.array(["drawn-log"] * n, pyarrow.large_string())
     columns["category"] = pyarrow.array(["REGULAR_VEHICLE"] * n, pyarrow.large_string())
     columns["timestamp_ns"] = numpy.repeat(times_ns, 20)

@@ -119,21 +119,21 @@ def as_here(command):
 
 
 def workplace(name, folder):
-    place = folder / name
-    (place / "data").mkdir(parents=True)
-    shutil.copytree(folder / "fleet", place / "data" / "fleet")
-    return place
+    directory = folder / name
+    (directory / "data").mkdir(parents=True)
+    shutil.copytree(folder / "fleet", directory / "data" / "fleet")
+    return directory
 
 
 def check_parallel(name, whole, folder, n_jobs, of_job, shard, merge):
     """Runs the lines `shard` as each of `n_jobs` jobs with the variables `of_job` of it, then the lines `merge`."""
-    place = workplace(name, folder)
+    directory = workplace(name, folder)
     for job in range(n_jobs):
         for line in shard:
-            run(["bash", "-eo", "pipefail", "-c", as_here(line)], place, **of_job(job))
+            run(["bash", "-eo", "pipefail", "-c", as_here(line)], directory, **of_job(job))
     for line in merge:
-        run(["bash", "-eo", "pipefail", "-c", as_here(line)], place)
-    same_run(whole, place / "runs" / "fleet")
+        run(["bash", "-eo", "pipefail", "-c", as_here(line)], directory)
+    same_run(whole, directory / "runs" / "fleet")
     print(f"{name}: {n_jobs} jobs and a merge, the bytes of the whole run")
 
 
@@ -161,11 +161,11 @@ def check_snakemake(whole, folder):
     if snakemake is None:
         print("Snakemake: LEFT OUT, it is not installed")
         return
-    place = workplace("Snakemake", folder)
+    directory = workplace("Snakemake", folder)
     [snakefile] = blocks("python")
-    (place / "Snakefile").write_text(as_here(snakefile), encoding="utf-8")
-    run([snakemake, "--cores", "2", "--quiet"], place)
-    same_run(whole, place / "runs" / "fleet")
+    (directory / "Snakefile").write_text(as_here(snakefile), encoding="utf-8")
+    run([snakemake, "--cores", "2", "--quiet"], directory)
+    same_run(whole, directory / "runs" / "fleet")
     print("Snakemake: the rules of the docs, the bytes of the whole run")
 
 
@@ -174,11 +174,11 @@ def check_nextflow(whole, folder):
     if nextflow is None:
         print("Nextflow: LEFT OUT, it is not installed")
         return
-    place = workplace("Nextflow", folder)
+    directory = workplace("Nextflow", folder)
     [pipeline] = blocks("groovy")
-    (place / "main.nf").write_text(as_here(pipeline), encoding="utf-8")
-    run([nextflow, "run", "main.nf"], place)
-    same_run(whole, place / "runs" / "fleet")
+    (directory / "main.nf").write_text(as_here(pipeline), encoding="utf-8")
+    run([nextflow, "run", "main.nf"], directory)
+    same_run(whole, directory / "runs" / "fleet")
     print("Nextflow: the processes of the docs, the bytes of the whole run")
 
 

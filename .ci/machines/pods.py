@@ -56,21 +56,21 @@ def kubectl(arguments):
     state = Path(os.environ["KUBECTL_STATE"])
     if arguments[0] == "apply" and arguments[1] == "-f":
         job = yaml.safe_load(Path(arguments[2]).read_text(encoding="utf-8"))
-        place = state / job["metadata"]["name"]
-        if place.exists():
-            print(f"job.batch/{place.name} unchanged")
+        job_file = state / job["metadata"]["name"]
+        if job_file.exists():
+            print(f"job.batch/{job_file.name} unchanged")
             return 0
         conditions, printed = run_job(job, os.environ["CLAIM"], os.environ["IMAGE_PATH"])
-        place.write_text(json.dumps(conditions), encoding="utf-8")
-        (state / f"{place.name}.log").write_text("".join(printed), encoding="utf-8")
-        print(f"job.batch/{place.name} created")
+        job_file.write_text(json.dumps(conditions), encoding="utf-8")
+        (state / f"{job_file.name}.log").write_text("".join(printed), encoding="utf-8")
+        print(f"job.batch/{job_file.name} created")
         return 0
     if arguments[0] == "get" and arguments[2] == "-o":
-        place = state / arguments[1].removeprefix("job/")
-        if not place.exists():
+        job_file = state / arguments[1].removeprefix("job/")
+        if not job_file.exists():
             return 1
         assert arguments[3] == 'jsonpath={.status.conditions[?(@.status=="True")].type}', arguments
-        print(" ".join(json.loads(place.read_text(encoding="utf-8"))), end="")
+        print(" ".join(json.loads(job_file.read_text(encoding="utf-8"))), end="")
         return 0
     raise SystemExit(f"kubectl {arguments}")
 

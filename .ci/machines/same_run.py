@@ -26,8 +26,8 @@ def without_times(name, content):
         return None
     if WITH_TIMES.fullmatch(name):
         header, *rows = csv.reader(content.decode().splitlines())
-        kept = [place for place, column in enumerate(header) if not TIME_COLUMN.fullmatch(column)]
-        return [[row[place] for place in kept] for row in [header, *rows]]
+        kept = [index for index, column in enumerate(header) if not TIME_COLUMN.fullmatch(column)]
+        return [[row[index] for index in kept] for row in [header, *rows]]
     if name == "report.json":
         report = json.loads(content)
         for part in ("rows", "overall"):
@@ -57,8 +57,8 @@ def main():
         compared.append(name)
         last_digit = re.search(rb"[0-9](?=[^0-9]*$)", whole[name])
         if name == "matches.csv":
-            place = last_digit.start()
-            changed = whole[name][:place] + (b"1" if last_digit[0] != b"1" else b"2") + whole[name][place + 1 :]
+            index = last_digit.start()
+            changed = whole[name][:index] + (b"1" if last_digit[0] != b"1" else b"2") + whole[name][index + 1 :]
             if without_times(name, changed) == expected:
                 sys.exit(f"a changed digit in {name} is not seen")
     for name in ("matches.csv", "scans.csv", "report.json"):

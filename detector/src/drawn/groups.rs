@@ -2,7 +2,7 @@
 
 use crate::drawn::surfaces::class_by_cell;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
-use crate::group::candidates::{Candidates, Doubt};
+use crate::group::candidates::{Candidates, Evidence};
 use crate::group::dense_cells::DenseCells;
 use crate::group::grouping_tree::GroupingTree;
 use crate::stage_product::Shape;
@@ -15,7 +15,9 @@ pub fn candidate_classes(
     candidates: &Candidates,
 ) -> Vec<SurfaceClass> {
     let mut of_points = class_by_cell(grid, |cell_idx| match classes[cell_idx as usize] {
-        SurfaceClass::Short if candidates.doubts(cell_idx).has(Doubt::Covered) => SurfaceClass::Tall,
+        SurfaceClass::Short if candidates.evidence_against(cell_idx).has(Evidence::Covered) => {
+            SurfaceClass::Tall
+        }
         SurfaceClass::Short => SurfaceClass::Ground,
         class => class,
     });

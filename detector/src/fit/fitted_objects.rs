@@ -27,7 +27,7 @@ pub struct FittedObject {
     /// How surely it is a vehicle, once that was asked.
     pub decision: Option<f32>,
     /// Whether it is kept only if a model classifies it as a vehicle.
-    pub is_doubtful: bool,
+    pub has_low_iou: bool,
     hull: Range<usize>,
     values: Option<Range<usize>>,
 }
@@ -67,8 +67,8 @@ impl FittedObjects {
         point_indices.extend(points.map(|(point_idx, _)| point_idx));
         self.hulls_m.extend_from_slice(hull_m);
         let (members, hull) = (start..point_indices.len(), hull_start..self.hulls_m.len());
-        let (decision, is_doubtful, values) = (None, false, None);
-        self.objects.push(FittedObject { members, bounding_box, decision, is_doubtful, hull, values });
+        let (decision, has_low_iou, values) = (None, false, None);
+        self.objects.push(FittedObject { members, bounding_box, decision, has_low_iou, hull, values });
         self.objects.last_mut().expect("it was pushed")
     }
 

@@ -26,7 +26,7 @@ pub struct CandidatesParams {
 
 /// Something that speaks against it that the points of a cell are those of an object of the street.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Doubt {
+pub enum Evidence {
     /// It lies on a wall.
     OnWall,
     /// A wall hides it, so that it is seen through a window, or the wall is none.
@@ -42,35 +42,35 @@ pub enum Doubt {
 }
 
 /// Number of things that may speak against it.
-pub const N_DOUBTS: usize = 6;
+pub const N_EVIDENCE: usize = 6;
 
 /// All that speaks against the points of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Doubts(u8);
+pub struct EvidenceAgainst(u8);
 
-impl Doubt {
+impl Evidence {
     /// Each, in the order of the values of groups.
-    pub const ALL: [Self; N_DOUBTS] =
+    pub const ALL: [Self; N_EVIDENCE] =
         [Self::OnWall, Self::BehindWall, Self::Tall, Self::Covered, Self::BesideTall, Self::CutOff];
 }
 
-impl Doubts {
+impl EvidenceAgainst {
     /// Nothing does.
     pub const NONE: Self = Self(0);
 
     /// Whether this does.
-    pub fn has(self, doubt: Doubt) -> bool {
-        self.0 & (1 << doubt as u8) != 0
+    pub fn has(self, evidence: Evidence) -> bool {
+        self.0 & (1 << evidence as u8) != 0
     }
 
-    fn add(&mut self, doubt: Doubt, holds: bool) {
-        self.0 |= u8::from(holds) << doubt as u8;
+    fn add(&mut self, evidence: Evidence, holds: bool) {
+        self.0 |= u8::from(holds) << evidence as u8;
     }
 }
 
 /// The points of what stands on the ground.
 ///
-/// A wall is no verdict here: its points are candidates, and [`Self::doubts`] says where they lie.
+/// A wall is no verdict here: its points are candidates, and [`Self::evidence_against`] says where they lie.
 #[derive(Debug, Clone)]
 pub struct Candidates {
     params: CandidatesParams,
@@ -78,7 +78,7 @@ pub struct Candidates {
     tall_height_m: f32,
     // For every cell, of an earlier scan for those that are not occupied.
     band_m: Vec<[f32; 2]>,
-    doubts: Vec<Doubts>,
+    evidence_against: Vec<EvidenceAgainst>,
     // Whether all of a cell hangs over the street, but for its ground.
     hangs: Vec<bool>,
     // For every cell, the index of its column of heights.
@@ -106,7 +106,7 @@ impl Candidates {
             foreground,
             tall_height_m,
             band_m: Vec::new(),
-            doubts: Vec::new(),
+            evidence_against: Vec::new(),
             hangs: Vec::new(),
             column_of_cell: Vec::new(),
             heights: Vec::new(),
@@ -129,14 +129,14 @@ impl Candidates {
         classes: &mut [SurfaceClass],
     ) {
         self.band_m.resize(classes.len(), NOWHERE_M);
-        self.doubts.resize(classes.len(), Doubts::NONE);
+        self.evidence_against.resize(classes.len(), EvidenceAgainst::NONE);
         self.hangs.resize(classes.len(), false);
         self.column_of_cell.resize(classes.len(), NOT_LOOKED_INTO);
         self.heights.clear();
         self.looked_into.clear();
         self.terrain_m.clear();
         for &cell_idx in grid.occupied() {
-            self.doubts[cell_idx as usize] = Doubts::NONE;
+            self.evidence_against[cell_idx as usize] = EvidenceAgainst::NONE;
             self.hangs[cell_idx as usize] = false;
             self.band_m[cell_idx as usize] = NOWHERE_M;
             match classes[cell_idx as usize] {
@@ -173,9 +173,9 @@ impl Candidates {
             let low_m = self.foreground.ground_top_m(grid, terrain, cell_idx);
             let part = StandingPart::of(self.heights[column], free_m, low_m - terrain_m);
             let StandingPart { foot_m, top_m, highest_m, .. } = part;
-            let doubts = &mut self.doubts[cell_idx as usize];
+            let against = &mut self.evidence_against[cell_idx as usize];
             if foot_m > self.params.highest_foot_m {
-                doubts.add(Doubt::Covered, true);
+                against.add(Evidence::Covered, true);
                 self.hangs[cell_idx as usize] = true;
                 // The road is seen below it: only what the field of view cuts off may still bear a wall.
                 if part.is_over_ground {
@@ -184,12 +184,12 @@ impl Candidates {
                 continue;
             }
             if top_m < highest_m {
-                doubts.add(Doubt::Covered, true);
+                against.add(Evidence::Covered, true);
             }
             if top_m <= self.tall_height_m {
                 classes[cell_idx as usize] = SurfaceClass::Short;
             } else {
-                doubts.add(Doubt::Tall, true);
+                against.add(Evidence::Tall, true);
                 if top_m > self.params.highest_top_m {
                     continue;
                 }
@@ -213,19 +213,20 @@ impl Candidates {
             let [low_m, high_m] = self.band_m[cell_idx as usize];
             let z_max_m = grid.cells()[cell_idx as usize].z_max_m;
             if low_m < high_m && z_max_m > low_m {
-                let doubts = &mut self.doubts[cell_idx as usize];
-                let is_on_wall = classes[cell_idx as usize] == SurfaceClass::Tall && !doubts.has(Doubt::Tall);
-                doubts.add(Doubt::OnWall, is_on_wall);
-                doubts.add(Doubt::BehindWall, walls.is_behind_wall(grid.center_m(cell_idx)));
+                let against = &mut self.evidence_against[cell_idx as usize];
+                let is_on_wall =
+                    classes[cell_idx as usize] == SurfaceClass::Tall && !against.has(Evidence::Tall);
+                against.add(Evidence::OnWall, is_on_wall);
+                against.add(Evidence::BehindWall, walls.is_behind_wall(grid.center_m(cell_idx)));
                 for neighbor_idx in grid.neighborhood(cell_idx) {
                     let is_too_tall = classes[neighbor_idx as usize] == SurfaceClass::Tall
                         && self.band_m[neighbor_idx as usize] == NOWHERE_M
                         && !self.hangs[neighbor_idx as usize];
-                    doubts.add(Doubt::BesideTall, is_too_tall);
+                    against.add(Evidence::BesideTall, is_too_tall);
                 }
                 let top_m = if z_max_m < high_m { z_max_m } else { high_m };
                 let [x_m, y_m] = grid.center_m(cell_idx);
-                doubts.add(Doubt::CutOff, walls.is_cut_off(single::hypot(x_m, y_m), top_m));
+                against.add(Evidence::CutOff, walls.is_cut_off(single::hypot(x_m, y_m), top_m));
                 self.cells.push(cell_idx);
                 self.tops_m.push(top_m);
             }
@@ -256,8 +257,8 @@ impl Candidates {
     }
 
     /// What speaks against a cell of the latest scan.
-    pub fn doubts(&self, cell_idx: u32) -> Doubts {
-        self.doubts[cell_idx as usize]
+    pub fn evidence_against(&self, cell_idx: u32) -> EvidenceAgainst {
+        self.evidence_against[cell_idx as usize]
     }
 
     /// Indices of the points in the scan, ascending.
@@ -343,37 +344,37 @@ mod tests {
     }
 
     /// The heights of the candidates above the road, in whole decimetres, and what speaks against the cell of the first.
-    fn found(columns: &[Column]) -> (Vec<i32>, Option<Doubts>) {
+    fn found(columns: &[Column]) -> (Vec<i32>, Option<EvidenceAgainst>) {
         let (cloud, grid, candidates) = candidates_of(&[columns, &[MAST]].concat());
         let height = |&it: &u32| ((cloud.z_m()[it as usize] + SENSOR_HEIGHT_M) * 10.0) as i32;
         let first = candidates.point_indices().first();
-        let doubts = first.map(|&it| candidates.doubts(grid.cell_of_point()[it as usize]));
-        (candidates.point_indices().iter().map(height).collect(), doubts)
+        let against = first.map(|&it| candidates.evidence_against(grid.cell_of_point()[it as usize]));
+        (candidates.point_indices().iter().map(height).collect(), against)
     }
 
-    fn only(doubt: Doubt) -> Doubts {
-        let mut doubts = Doubts::NONE;
-        doubts.add(doubt, true);
-        doubts
+    fn only(evidence: Evidence) -> EvidenceAgainst {
+        let mut against = EvidenceAgainst::NONE;
+        against.add(evidence, true);
+        against
     }
 
     const HERE: [f32; 2] = [9.0, 3.0];
 
     #[test]
     fn what_stands_on_the_road_is_a_candidate_and_the_road_is_not() {
-        assert_eq!(found(&[(HERE, 0..15)]), ((2..15).collect(), Some(Doubts::NONE)));
+        assert_eq!(found(&[(HERE, 0..15)]), ((2..15).collect(), Some(EvidenceAgainst::NONE)));
         assert_eq!(found(&[]).0, []);
     }
 
     #[test]
     fn the_road_over_a_mirror_image_is_no_candidate() {
-        let expected = ((2..15).collect(), Some(Doubts::NONE));
+        let expected = ((2..15).collect(), Some(EvidenceAgainst::NONE));
         assert_eq!(found(&[(HERE, 0..15), ([9.6, 3.0], -20..-12)]), expected);
     }
 
     #[test]
     fn a_crown_over_a_car_is_no_part_of_it() {
-        let covered = only(Doubt::Covered);
+        let covered = only(Evidence::Covered);
         assert_eq!(found(&[(HERE, 0..15), (HERE, 24..50)]), ((2..15).collect(), Some(covered)));
         // Branches that touch the roof hang not.
         assert_eq!(found(&[(HERE, 0..15), (HERE, 18..70)]).0, []);
@@ -381,7 +382,7 @@ mod tests {
 
     #[test]
     fn a_bonnet_over_the_road_stands_though_a_crown_is_above_it() {
-        let covered = only(Doubt::Covered);
+        let covered = only(Evidence::Covered);
         assert_eq!(found(&[(HERE, 9..13), (HERE, 24..50)]), ((9..13).collect(), Some(covered)));
     }
 
@@ -402,7 +403,7 @@ mod tests {
 
     #[test]
     fn a_truck_is_a_candidate_and_tall_and_a_house_is_none() {
-        let tall = only(Doubt::Tall);
+        let tall = only(Evidence::Tall);
         assert_eq!(found(&[(HERE, 0..38)]), ((2..38).collect(), Some(tall)));
         assert_eq!(found(&[(HERE, 0..60)]).0, []);
     }
@@ -411,10 +412,10 @@ mod tests {
     fn a_crown_beside_something_is_no_house() {
         // The drawn road ends before the crown, so that nothing is seen below it.
         let [at_the_end, beyond] = [[19.9, 3.0], [20.5, 3.0]];
-        let (heights, doubts) = found(&[(at_the_end, 0..10), (beyond, 40..60)]);
-        assert_eq!((heights, doubts), ((2..10).collect(), Some(Doubts::NONE)));
-        let (_, doubts) = found(&[(at_the_end, 0..10), (beyond, 0..60)]);
-        assert_eq!(doubts, Some(only(Doubt::BesideTall)));
+        let (heights, against) = found(&[(at_the_end, 0..10), (beyond, 40..60)]);
+        assert_eq!((heights, against), ((2..10).collect(), Some(EvidenceAgainst::NONE)));
+        let (_, against) = found(&[(at_the_end, 0..10), (beyond, 0..60)]);
+        assert_eq!(against, Some(only(Evidence::BesideTall)));
     }
 
     #[test]
@@ -423,7 +424,7 @@ mod tests {
             let (_, grid, candidates) = candidates_of(columns);
             let at = |&&it: &&u32| grid.center_m(it)[0] > 8.0;
             let cell_idx = *candidates.cells().iter().find(at).expect("it is a candidate");
-            candidates.doubts(cell_idx).has(Doubt::CutOff)
+            candidates.evidence_against(cell_idx).has(Evidence::CutOff)
         };
         // Nothing in the scan is higher for its range; a car would be no reason to think that the view ends there.
         assert!(cut_off(&[(HERE, 0..30)]) && !cut_off(&[(HERE, 0..15)]));
@@ -432,9 +433,9 @@ mod tests {
 
     #[test]
     fn what_stands_at_a_house_knows_it() {
-        let beside = only(Doubt::BesideTall);
-        let (heights, doubts) = found(&[(HERE, 0..10), ([9.6, 3.0], 0..60)]);
-        assert_eq!((heights, doubts), ((2..10).collect(), Some(beside)));
+        let beside = only(Evidence::BesideTall);
+        let (heights, against) = found(&[(HERE, 0..10), ([9.6, 3.0], 0..60)]);
+        assert_eq!((heights, against), ((2..10).collect(), Some(beside)));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
-use crate::group::candidates::{Candidates, Doubt};
+use crate::group::candidates::{Candidates, Evidence};
 use crate::group::dense_cells::DenseCells;
 use crate::group::linkage::{Linkage, LinkedScan, Links, N_LEVELS};
 use crate::segment::disjoint_sets::DisjointSets;
@@ -135,7 +135,7 @@ impl DenseGaps {
             let mean = statistics.iter().map(|it| it.n_points).sum::<u32>() as f32 / n_occupied as f32;
             let expected = self.expected.of_cell(grid, cell_idx);
             self.resolved_steps.push(expected.max_steps);
-            self.is_on_wall.push(candidates.doubts(cell_idx).has(Doubt::OnWall));
+            self.is_on_wall.push(candidates.evidence_against(cell_idx).has(Evidence::OnWall));
             let least = (self.params.low_density_share * mean.min(expected.object_points)).max(1.0);
             let mut statistics = statistics.iter();
             for along in 0..self.xi {

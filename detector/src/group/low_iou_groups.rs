@@ -77,8 +77,8 @@ mod tests {
             let is_offered = |it: &u32| expected_iou(*it) >= 3.0;
             let before = [taken_idx as u32 % n_nodes];
             let mut taken = before.to_vec();
-            let mut doubtful = LowIouGroups::default();
-            doubtful.add(&tree, (0..n_nodes).filter(is_offered).map(|it| (it, expected_iou(it))), &mut taken);
+            let mut low_iou = LowIouGroups::default();
+            low_iou.add(&tree, (0..n_nodes).filter(is_offered).map(|it| (it, expected_iou(it))), &mut taken);
             let holds = |a: u32, b: u32| {
                 std::iter::successors(Some(b), |&it| tree.nodes()[it as usize].parent).any(|it| it == a)
             };
@@ -86,12 +86,12 @@ mod tests {
             prop_assert!(taken.contains(&before[0]) && taken.is_sorted());
             for (index, &a) in taken.iter().enumerate() {
                 prop_assert!(taken[index + 1..].iter().all(|&b| !shares(a, b)));
-                prop_assert_eq!(doubtful.is_added(a), a != before[0]);
+                prop_assert_eq!(low_iou.is_added(a), a != before[0]);
                 prop_assert!(a == before[0] || is_offered(&a));
             }
             // What was not added shares something with a group of as high an expected IoU, or was there before.
             for it in (0..n_nodes).filter(is_offered).filter(|it| !taken.contains(it)) {
-                prop_assert!(!doubtful.is_added(it));
+                prop_assert!(!low_iou.is_added(it));
                 let stands_in_its_way = |&by: &u32| shares(it, by) && (by == before[0] || expected_iou(by) >= expected_iou(it));
                 prop_assert!(taken.iter().any(stands_in_its_way));
             }

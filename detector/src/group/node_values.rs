@@ -6,7 +6,7 @@ use crate::describe::cells_around::CellsAround;
 use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
-use crate::group::candidates::{Candidates, Doubt, N_DOUBTS};
+use crate::group::candidates::{Candidates, Evidence, N_EVIDENCE};
 use crate::group::dense_cells::{CellStatistics, DenseCells};
 use crate::group::grouping_tree::{GroupingTree, Node};
 use crate::group::linkage::N_LEVELS;
@@ -121,14 +121,14 @@ struct Shape {
     // Of what is too large none is taken.
     hull: Range<usize>,
     bounding_box: Option<OrientedBox>,
-    // Cells, and points of cells of which each [`Doubt`] holds.
+    // Cells, and points of cells of which each [`Evidence`] holds.
     n_cells: u32,
-    n_in_doubt: [u32; N_DOUBTS],
+    n_with_evidence: [u32; N_EVIDENCE],
     // The length of the longest wall that one of its cells lies on.
     wall_length_m: f32,
 }
 
-/// Where the nodes are.
+/// The scan that the nodes lie in.
 #[derive(Debug, Clone, Copy)]
 pub struct NodeScene<'a> {
     /// The grid.
@@ -254,7 +254,7 @@ impl NodeDescriber {
                 let part = &self.shapes[part as usize];
                 shape.n_cells += part.n_cells;
                 shape.wall_length_m = shape.wall_length_m.max(part.wall_length_m);
-                for (sum, n) in shape.n_in_doubt.iter_mut().zip(part.n_in_doubt) {
+                for (sum, n) in shape.n_with_evidence.iter_mut().zip(part.n_with_evidence) {
                     *sum += n;
                 }
             }
@@ -262,12 +262,12 @@ impl NodeDescriber {
         }
         for &dense_idx in tree.cells(node) {
             let cell_idx = scene.dense.cell_of_block()[scene.dense.block_of_dense(dense_idx)];
-            let doubts = scene.candidates.doubts(cell_idx);
+            let against = scene.candidates.evidence_against(cell_idx);
             let n_points = scene.dense.statistics()[dense_idx as usize].n_points;
             shape.n_cells += 1;
             shape.wall_length_m = shape.wall_length_m.max(scene.walls.length_of_wall_m(cell_idx));
-            for (sum, doubt) in shape.n_in_doubt.iter_mut().zip(Doubt::ALL) {
-                *sum += if doubts.has(doubt) { n_points } else { 0 };
+            for (sum, evidence) in shape.n_with_evidence.iter_mut().zip(Evidence::ALL) {
+                *sum += if against.has(evidence) { n_points } else { 0 };
             }
         }
         shape
@@ -295,7 +295,7 @@ impl NodeDescriber {
         let [share_of_whole, length_of_whole_m, width_of_whole_m, whole_joined_at, log_n_points_of_whole] =
             self.whole(tree, node);
         let [wall_share, behind_wall_share, tall_share, covered_share, beside_tall_share, cut_off_share] =
-            shape.n_in_doubt.map(share);
+            shape.n_with_evidence.map(share);
         // In the order of [`NODE_VALUES`]; the compiler counts them.
         [
             single::ln(n_points),

@@ -7,7 +7,7 @@ use super::partial_params::PartialParams;
 use super::patch_descriptor::{Descriptor, PatchDescriber};
 use super::patterns::PatternKind;
 use super::seen_extents::SeenExtents;
-use super::seen_form::{FormMeter, SeenForm};
+use super::shape_statistics::{ShapeMeter, ShapeStatistics};
 use super::thinned_points::ThinnedPoints;
 
 /// A keypoint with what is around it.
@@ -27,7 +27,7 @@ pub struct KeypointDescriber {
     surfaces: LocalSurfaces,
     keypoints: Keypoints,
     patches: PatchDescriber,
-    form_meter: FormMeter,
+    shape_meter: ShapeMeter,
     described: DescribedCloud,
 }
 
@@ -36,8 +36,8 @@ pub struct KeypointDescriber {
 pub struct DescribedCloud {
     /// How far its thinned points reach; nothing unless extents are counted.
     pub extents: SeenExtents,
-    /// What form all its points have; nothing unless forms are counted.
-    pub form: SeenForm,
+    /// Shape statistics of all its points; nothing unless these are counted.
+    pub shape: ShapeStatistics,
     /// Its keypoints.
     pub keypoints: Vec<DescribedKeypoint>,
 }
@@ -52,7 +52,7 @@ impl KeypointDescriber {
         positions_m: impl Iterator<Item = [f32; 3]>,
         params: &PartialParams,
     ) -> &DescribedCloud {
-        let Self { thinned, around, surfaces, keypoints, patches, form_meter, described } = self;
+        let Self { thinned, around, surfaces, keypoints, patches, shape_meter, described } = self;
         let PartialParams { thinning, surface, keypoints: keypoint_params, descriptor, patterns, .. } =
             params;
         thinned.fill(positions_m, thinning);
@@ -64,10 +64,10 @@ impl KeypointDescriber {
         } else {
             SeenExtents::default()
         };
-        described.form = if patterns.kinds.contains(&PatternKind::Form) {
-            form_meter.measure(thinned.all_points_m())
+        described.shape = if patterns.kinds.contains(&PatternKind::Form) {
+            shape_meter.measure(thinned.all_points_m())
         } else {
-            SeenForm::default()
+            ShapeStatistics::default()
         };
         described.keypoints.clear();
         described.keypoints.extend(keypoints.point_indices().iter().map(|&point_idx| {

@@ -8,7 +8,7 @@ pub mod neighborhoods;
 pub mod principal_frame;
 pub mod level_spread;
 pub mod seen_extents;
-pub mod seen_form;
+pub mod shape_statistics;
 
 // Keypoints: where the surface turns most, and what it is like there.
 pub mod local_surface;

@@ -85,7 +85,7 @@ impl PartialClassifier {
             let label = labeler.label_of(&it.descriptor);
             LabeledKeypoint { position_m: it.position_m, label }
         }));
-        self.patterns.fill(&self.keypoints, (&described.extents, &described.form), &params.patterns);
+        self.patterns.fill(&self.keypoints, (&described.extents, &described.shape), &params.patterns);
         vocabulary.fill_bag(self.patterns.patterns(), &params.bag, &mut self.bag);
         let by = DecidedBy { params: &params.decision, rejected_idx: self.rejected_idx, choice: self.choice };
         decision.judge(&self.bag, self.keypoints.len(), &by, &mut self.judgement);

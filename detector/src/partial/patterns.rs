@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::hull_volume::tetrahedron_m3;
 use super::neighborhoods::squared_distance;
 use super::seen_extents::SeenExtents;
-use super::seen_form::{N_SLICES, SeenForm};
+use super::shape_statistics::{N_SLICES, ShapeStatistics};
 
 /// Number of keypoints of a graph: one, and the three nearest to it.
 pub const N_VERTICES: usize = 4;
@@ -26,7 +26,8 @@ pub struct PatternParams {
     pub volume_edges_m3: Vec<f64>,
     /// Where bins of the extents of the whole end, in metres, ascending.
     pub extent_edges_m: Vec<f64>,
-    /// Where bins of the form of the whole end, ascending: metres for lengths, plain numbers for shares, ratios and the lean.
+    /// Where bins of the shape statistics of the whole end, ascending: metres for lengths, plain numbers for shares, ratios
+    /// and the lean.
     pub form_edges_m: Vec<f64>,
 }
 
@@ -44,8 +45,9 @@ pub enum PatternKind {
     /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose
     /// shares say nothing of size.
     Extents,
-    /// The form of all that is seen: its height, the spread of its points, overall and in six level slices, the share of points in
-    /// each slice, and the lean. A pattern joins three or four of these values, in wide bins that overlap. Not in the paper.
+    /// Shape statistics of all that is seen: its height, the spread of its points, overall and in six level slices, the
+    /// share of points in each slice, and the lean. A pattern joins three or four of these values, in wide bins that
+    /// overlap. Not in the paper.
     Form,
 }
 
@@ -94,9 +96,9 @@ impl Pattern {
 
 /// Number of kinds of patterns.
 pub const N_KINDS: usize = 5;
-/// Divisions of forms into wide bins, and how many edges a wide bin spans.
+/// Divisions of shape statistics into wide bins, and how many edges a wide bin spans.
 const N_DIVISIONS: usize = 3;
-/// Groups of values of the form.
+/// Groups of values of the shape statistics.
 const N_GROUPS: usize = 18;
 /// Ratios to the height of what is seen take it to be at least so much, in metres.
 const LEAST_HEIGHT_OF_RATIOS_M: f64 = 0.01;
@@ -127,7 +129,7 @@ impl Patterns {
     pub fn fill(
         &mut self,
         keypoints: &[LabeledKeypoint],
-        (extents, form): (&SeenExtents, &SeenForm),
+        (extents, shape): (&SeenExtents, &ShapeStatistics),
         params: &PatternParams,
     ) {
         self.graphs.clear();
@@ -144,7 +146,7 @@ impl Patterns {
             self.patterns.extend(patterns_of_extents(extents, &params.extent_edges_m));
         }
         if params.kinds.contains(&PatternKind::Form) {
-            self.patterns.extend(patterns_of_form(form, &params.form_edges_m));
+            self.patterns.extend(patterns_of_shape(shape, &params.form_edges_m));
         }
     }
 
@@ -154,7 +156,7 @@ impl Patterns {
         &self.graphs
     }
 
-    /// One pattern of every kind for each graph, and then those of the extents and of the form.
+    /// One pattern of every kind for each graph, and then those of the extents and of the shape statistics.
     pub fn patterns(&self) -> &[Pattern] {
         &self.patterns
     }
@@ -217,11 +219,11 @@ fn patterns_of_extents(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; 4] {
     })
 }
 
-/// Values of the form that make a pattern together; docs/decisions/object-clouds.md has how they were chosen. A rare pattern first
-/// forgets its fourth value, then its third.
-fn groups_of_form(form: &SeenForm) -> [([f64; 3], Option<f64>); N_GROUPS] {
-    let SeenForm { extents, spread, mean_height_m, deviation_up_m, lean, slices } = *form;
-    let (top_m, height_m, along_m) = (extents.top_m, form.height_m(), spread.deviation_along_m);
+/// Shape statistics that make a pattern together; docs/decisions/object-clouds.md has how they were chosen. A rare pattern
+/// first forgets its fourth value, then its third.
+fn groups_of_shape(shape: &ShapeStatistics) -> [([f64; 3], Option<f64>); N_GROUPS] {
+    let ShapeStatistics { extents, spread, mean_height_m, deviation_up_m, lean, slices } = *shape;
+    let (top_m, height_m, along_m) = (extents.top_m, shape.height_m(), spread.deviation_along_m);
     let shares = slices.map(|it| it.share);
     let lengths_m = slices.map(|it| it.spread.length_m);
     let deviations_m = slices.map(|it| it.spread.deviation_along_m);
@@ -256,8 +258,8 @@ fn ascending(mut values: [f64; N_SLICES]) -> [f64; N_SLICES] {
 }
 
 /// The bins of the values of each group, as wide as some edges, in every division.
-fn patterns_of_form(form: &SeenForm, edges_m: &[f64]) -> impl Iterator<Item = Pattern> {
-    (0..).zip(groups_of_form(form)).flat_map(move |(group, (three, fourth))| {
+fn patterns_of_shape(shape: &ShapeStatistics, edges_m: &[f64]) -> impl Iterator<Item = Pattern> {
+    (0..).zip(groups_of_shape(shape)).flat_map(move |(group, (three, fourth))| {
         (0..N_DIVISIONS).map(move |division| {
             let [first, second, third] = three.map(|it| wide_bin_of(it, edges_m, division));
             let fourth = fourth.map_or(ANY, |it| wide_bin_of(it, edges_m, division));
@@ -298,7 +300,7 @@ mod tests {
     #[track_caller]
     fn check(keypoints: &[LabeledKeypoint], kind: PatternKind, expected: &[[u8; 6]]) {
         let mut patterns = Patterns::default();
-        patterns.fill(keypoints, (&SeenExtents::default(), &SeenForm::default()), &params(kind));
+        patterns.fill(keypoints, (&SeenExtents::default(), &ShapeStatistics::default()), &params(kind));
         let found: Vec<[u8; 6]> = patterns
             .patterns()
             .iter()
@@ -321,7 +323,11 @@ mod tests {
             keypoint(9.0, 8.0, 0),
         ];
         let mut patterns = Patterns::default();
-        patterns.fill(&row, (&SeenExtents::default(), &SeenForm::default()), &params(PatternKind::Graph));
+        patterns.fill(
+            &row,
+            (&SeenExtents::default(), &ShapeStatistics::default()),
+            &params(PatternKind::Graph),
+        );
         assert_eq!(patterns.graphs()[0], [0, 1, 2, 3]);
         assert_eq!(patterns.graphs()[2], [2, 1, 3, 0]);
         check(&row[..4], PatternKind::Graph, &[[0, 0, 1, 3, 5, 7]; 4]);
@@ -347,9 +353,13 @@ mod tests {
             extent_edges_m: vec![],
             form_edges_m: vec![],
         };
-        patterns.fill(&[keypoint(0.0, 5.0, 2)], (&SeenExtents::default(), &SeenForm::default()), &nothing);
+        patterns.fill(
+            &[keypoint(0.0, 5.0, 2)],
+            (&SeenExtents::default(), &ShapeStatistics::default()),
+            &nothing,
+        );
         assert_eq!(patterns.patterns(), [Pattern::new(PatternKind::Graph, [ANY, ANY], [2, 255, 255, 255])]);
-        patterns.fill(&[], (&SeenExtents::default(), &SeenForm::default()), &nothing);
+        patterns.fill(&[], (&SeenExtents::default(), &ShapeStatistics::default()), &nothing);
         assert_eq!(patterns.patterns(), []);
     }
 
@@ -368,7 +378,7 @@ mod tests {
         let mut patterns = Patterns::default();
         patterns.fill(
             &[keypoint(0.0, 0.0, 9)],
-            (&extents, &SeenForm::default()),
+            (&extents, &ShapeStatistics::default()),
             &params(PatternKind::Extents),
         );
         let labels: Vec<[u8; 3]> = patterns
@@ -381,7 +391,7 @@ mod tests {
             .collect();
         assert_eq!(labels, [[0, 0, 1], [1, 1, 2], [2, 1, 1], [3, 2, 1]]);
         assert_eq!(patterns.patterns()[0].kind_number(), 3);
-        patterns.fill(&[], (&extents, &SeenForm::default()), &params(PatternKind::Extents));
+        patterns.fill(&[], (&extents, &ShapeStatistics::default()), &params(PatternKind::Extents));
         assert!(patterns.patterns().is_empty());
     }
 
@@ -390,12 +400,12 @@ mod tests {
         let edges_m: Vec<f64> = (1..8).map(f64::from).collect();
         let params = PatternParams { form_edges_m: edges_m, ..params(PatternKind::Form) };
         let extents = SeenExtents { bottom_m: 0.5, top_m: 6.5, length_m: 5.5, width_m: 3.5 };
-        let mut form = SeenForm { extents, lean: 4.5, ..SeenForm::default() };
-        form.slices[0].spread.length_m = 3.5;
-        form.slices[2].share = 1.5;
-        form.slices[5].share = 2.5;
+        let mut shape = ShapeStatistics { extents, lean: 4.5, ..ShapeStatistics::default() };
+        shape.slices[0].spread.length_m = 3.5;
+        shape.slices[2].share = 1.5;
+        shape.slices[5].share = 2.5;
         let mut patterns = Patterns::default();
-        patterns.fill(&[keypoint(0.0, 0.0, 9)], (&extents, &form), &params);
+        patterns.fill(&[keypoint(0.0, 0.0, 9)], (&extents, &shape), &params);
         assert_eq!(patterns.patterns().len(), 18 * 3);
         let numbers = |it: usize| patterns.patterns()[it].0.to_be_bytes();
         // The top, the length and the width exceed 6, 5 and 3 edges.
@@ -412,7 +422,7 @@ mod tests {
         // Shares of the first and the last slice, and the top; of the third, the fifth and the last.
         assert_eq!(numbers(3 * 16), [0, 4, 2, 255, 48, 0, 0, 255]);
         assert_eq!(numbers(3 * 17 + 2), [0, 4, 1, 255, 53, 1, 0, 255]);
-        patterns.fill(&[], (&extents, &form), &params);
+        patterns.fill(&[], (&extents, &shape), &params);
         assert!(patterns.patterns().is_empty());
     }
 }

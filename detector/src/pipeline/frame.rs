@@ -69,7 +69,7 @@ pub struct Groups {
     /// Those that are taken for objects, or for vehicles if a model says so: nodes of the tree, ascending, of which none holds another.
     pub taken: Vec<u32>,
     /// Which of them are taken only if a model takes them for vehicles.
-    pub doubtful: LowIouGroups,
+    pub low_iou: LowIouGroups,
     /// The points of those that are taken.
     pub points: NodePoints,
 }
@@ -107,7 +107,7 @@ impl Frame {
                 tree: GroupingTree::default(),
                 describer: NodeDescriber::default(),
                 taken: Vec::new(),
-                doubtful: LowIouGroups::default(),
+                low_iou: LowIouGroups::default(),
                 points: NodePoints::default(),
             },
             fitted: FittedObjects::default(),

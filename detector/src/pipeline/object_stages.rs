@@ -157,7 +157,7 @@ impl CompletedObjects {
     fn drop_background(&self, fitted: &mut FittedObjects, output: &mut DetectorOutput) {
         let FittedObjects { objects, members, .. } = fitted;
         objects.retain(|it| {
-            let is_kept = !it.is_doubtful || it.is_predicted_vehicle();
+            let is_kept = !it.has_low_iou || it.is_predicted_vehicle();
             if !is_kept {
                 output.rank(it.detection(members, DetectedClass::Object), self.ranked_log_odds);
             }

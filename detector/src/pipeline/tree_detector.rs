@@ -119,7 +119,7 @@ impl BestGroups {
 impl Stage for BestGroups {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
         self.expect_ious(&frame.groups);
-        let Groups { tree, describer, taken, doubtful, .. } = &mut frame.groups;
+        let Groups { tree, describer, taken, low_iou, .. } = &mut frame.groups;
         let GroupingParams { object_cost: cost, vehicle_cost, .. } = self.params;
         let described =
             || describer.described().iter().map(|it| it.node_idx).zip(self.expected_iou.iter().copied());
@@ -134,7 +134,7 @@ impl Stage for BestGroups {
         let is_offered = |&(_, expected_iou): &(u32, f32)| {
             asks_model && expected_iou >= vehicle_cost && expected_iou < cost
         };
-        doubtful.add(tree, described().filter(is_offered), taken);
+        low_iou.add(tree, described().filter(is_offered), taken);
     }
 
     fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
@@ -158,7 +158,7 @@ struct GroupBoxes {
 
 impl Stage for GroupBoxes {
     fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        let Frame { groups: Groups { candidates, dense, tree, taken, doubtful, points, .. }, fitted, .. } =
+        let Frame { groups: Groups { candidates, dense, tree, taken, low_iou, points, .. }, fitted, .. } =
             frame;
         points.fill(cloud, candidates, (dense, tree), taken.iter().copied());
         fitted.clear();
@@ -170,7 +170,7 @@ impl Stage for GroupBoxes {
             let point_indices = points.point_indices(group).iter().copied();
             let members = point_indices.zip(positions_m.iter().copied());
             let object = fitted.add(members, bounding_box, self.box_fit.hull_m());
-            object.is_doubtful = doubtful.is_added(node_idx);
+            object.has_low_iou = low_iou.is_added(node_idx);
         }
     }
 

@@ -29,10 +29,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let mut rows = csv::Reader::from_path(folder.path().join("out/scans.csv"))?;
     let headers = rows.headers()?.clone();
-    let place =
+    let column =
         |name: &str| headers.iter().position(|it| it == name).ok_or_else(|| format!("no column {name}"));
     let [n_points, detector, least, overhead] =
-        [place("n_points")?, place("detector")?, place("least_latency_ms")?, place("overhead_ms")?];
+        [column("n_points")?, column("detector")?, column("least_latency_ms")?, column("overhead_ms")?];
     let rows: Vec<csv::StringRecord> = rows.records().collect::<Result<_, _>>()?;
     let mut out = std::io::stdout().lock();
     let points: Vec<f64> = rows.iter().filter_map(|it| it[n_points].parse().ok()).collect();

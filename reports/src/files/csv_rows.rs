@@ -181,7 +181,7 @@ pub fn each_row_of<Row: CsvRow>(
     }
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(bad_row)? {
-        // By their places, which the check above makes sure of.
+        // By their indices, which the check above makes sure of.
         on_row(record.deserialize(None).map_err(bad_row)?);
     }
     Ok(())

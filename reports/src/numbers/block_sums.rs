@@ -80,12 +80,12 @@ impl BlockSums {
         *self = of_drives;
     }
 
-    /// The sums with the places of their blocks, in order; blocks without any are left out.
+    /// The sums with the indices of their blocks, in order; blocks without any are left out.
     pub(crate) fn placed(&self, blocks: &Blocks) -> Vec<(usize, Sums)> {
         let mut placed: BTreeMap<usize, Sums> = BTreeMap::new();
         let mut add = |second: &DriveSecond, sums: &Sums| {
-            if let Some(place) = blocks.place_of(second) {
-                placed.entry(place).or_default().add_times(sums, 1.0);
+            if let Some(index) = blocks.index_of(second) {
+                placed.entry(index).or_default().add_times(sums, 1.0);
             }
         };
         match self {

@@ -211,7 +211,7 @@ impl Interval {
 /// The blocks of one data set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blocks {
-    place_of_second: BTreeMap<DriveSecond, usize>,
+    index_of_second: BTreeMap<DriveSecond, usize>,
     count: BlockCount,
 }
 
@@ -223,8 +223,8 @@ impl Blocks {
     pub fn of(seconds: impl IntoIterator<Item = DriveSecond>) -> Self {
         let seconds: BTreeSet<DriveSecond> = seconds.into_iter().collect();
         let drives: BTreeSet<&str> = seconds.iter().map(|it| it.drive.as_str()).collect();
-        let place_of_drive: BTreeMap<&str, usize> = drives.into_iter().zip(0..).collect();
-        let n_drives = place_of_drive.len();
+        let index_of_drive: BTreeMap<&str, usize> = drives.into_iter().zip(0..).collect();
+        let n_drives = index_of_drive.len();
         let kind = |part: DrivePart| match part {
             DrivePart::Whole => BlockKind::Named,
             _ if n_drives >= FEWEST_DRIVES => BlockKind::Drives,
@@ -233,18 +233,18 @@ impl Blocks {
         };
         let kind =
             seconds.iter().map(|it| kind(it.part)).reduce(BlockKind::with).unwrap_or(BlockKind::Seconds);
-        let (places, n_blocks): (Vec<usize>, _) = if n_drives >= FEWEST_DRIVES {
-            (seconds.iter().map(|it| place_of_drive[it.drive.as_str()]).collect(), n_drives)
+        let (indices, n_blocks): (Vec<usize>, _) = if n_drives >= FEWEST_DRIVES {
+            (seconds.iter().map(|it| index_of_drive[it.drive.as_str()]).collect(), n_drives)
         } else {
             ((0..seconds.len()).collect(), seconds.len())
         };
         let count = BlockCount::of_dataset(n_blocks as u64, kind);
-        Self { place_of_second: seconds.into_iter().zip(places).collect(), count }
+        Self { index_of_second: seconds.into_iter().zip(indices).collect(), count }
     }
 
-    /// The place of the block that holds these scans, from 0; `None` if they are none of the data set's.
-    pub fn place_of(&self, second: &DriveSecond) -> Option<usize> {
-        self.place_of_second.get(second).copied()
+    /// The index of the block that holds these scans, from 0; `None` if they are none of the data set's.
+    pub fn index_of(&self, second: &DriveSecond) -> Option<usize> {
+        self.index_of_second.get(second).copied()
     }
 
     /// How many there are.
@@ -351,9 +351,9 @@ mod tests {
             let second =
                 |&(drive, ms): &(u8, u32)| DriveSecond::of(&drive.to_string(), f64::from(ms) / 1000.0);
             let blocks = Blocks::of(scans.iter().map(second));
-            let places: BTreeSet<usize> =
-                scans.iter().map(|it| blocks.place_of(&second(it)).unwrap()).collect();
-            prop_assert_eq!(places, (0..blocks.len()).collect::<BTreeSet<_>>());
+            let indices: BTreeSet<usize> =
+                scans.iter().map(|it| blocks.index_of(&second(it)).unwrap()).collect();
+            prop_assert_eq!(indices, (0..blocks.len()).collect::<BTreeSet<_>>());
             // Another order of the scans gives the same blocks.
             prop_assert_eq!(&Blocks::of(scans.iter().rev().map(second)), &blocks);
         }

@@ -37,12 +37,12 @@ impl OperatingRow {
     }
 
     /// False-positive rate and recall.
-    pub(crate) fn roc_place(&self) -> Option<(f64, f64)> {
+    pub(crate) fn roc_position(&self) -> Option<(f64, f64)> {
         Some((self.false_positive_rate.as_ref()?.0, self.recall.as_ref()?.0))
     }
 
     /// Recall and precision.
-    pub(crate) fn precision_recall_place(&self) -> Option<(f64, f64)> {
+    pub(crate) fn precision_recall_position(&self) -> Option<(f64, f64)> {
         Some((self.recall.as_ref()?.0, self.precision.as_ref()?.0))
     }
 }

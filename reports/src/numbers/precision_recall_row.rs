@@ -46,7 +46,7 @@ impl PrecisionRecallRow {
     }
 
     /// Recall and precision, where recall is defined.
-    pub fn place(&self) -> Option<(f64, f64)> {
+    pub fn position(&self) -> Option<(f64, f64)> {
         Some((self.recall?.0, self.precision.0))
     }
 }

@@ -17,10 +17,10 @@ pub struct ScanToCut {
     pub work: u64,
 }
 
-/// The scans of `shard`: of each data set of the run, in order, a range of places among its scans.
+/// The scans of `shard`: of each data set of the run, in order, a range of positions among its scans.
 ///
 /// The run is cut where the work before the cut is nearest to the share of the shards before it. A shard is empty where there are
-/// fewer places to cut than shards.
+/// fewer positions to cut than shards.
 pub fn scans_of_shard(datasets: &[Vec<ScanToCut>], shard: Shard) -> Vec<Range<usize>> {
     let cuts = possible_cuts(datasets);
     let work = cuts.last().map_or(0, |it| it.work_before);
@@ -28,12 +28,12 @@ pub fn scans_of_shard(datasets: &[Vec<ScanToCut>], shard: Shard) -> Vec<Range<us
         let count = u128::from(shard.count());
         let wanted = work * u128::from(n_shards);
         let nearest = cuts.iter().min_by_key(|it| (it.work_before * count).abs_diff(wanted));
-        nearest.map_or(0, |it| it.place)
+        nearest.map_or(0, |it| it.position)
     };
     let [first, end] = [shard.index() - 1, shard.index()].map(cut);
     let mut n_before = 0;
     let part = |scans: &Vec<ScanToCut>| {
-        let within = |place: usize| place.clamp(n_before, n_before + scans.len()) - n_before;
+        let within = |position: usize| position.clamp(n_before, n_before + scans.len()) - n_before;
         let part = within(first)..within(end);
         n_before += scans.len();
         part
@@ -41,22 +41,22 @@ pub fn scans_of_shard(datasets: &[Vec<ScanToCut>], shard: Shard) -> Vec<Range<us
     datasets.iter().map(part).collect()
 }
 
-/// A place between two scans of the run, or at an end of it.
+/// A position between two scans of the run, or at an end of it.
 struct Cut {
     /// Scans before it.
-    place: usize,
+    position: usize,
     /// Their work.
     work_before: u128,
 }
 
-/// All places that no block of scans reaches across, in order.
+/// All positions that no block of scans reaches across, in order.
 fn possible_cuts(datasets: &[Vec<ScanToCut>]) -> Vec<Cut> {
-    let mut cuts = vec![Cut { place: 0, work_before: 0 }];
-    let (mut place, mut work_before) = (0, 0);
+    let mut cuts = vec![Cut { position: 0, work_before: 0 }];
+    let (mut position, mut work_before) = (0, 0);
     for scans in datasets {
         let blocks = Blocks::of(scans.iter().map(|it| it.second.clone()));
         let blocks_of_scans: Vec<Option<usize>> =
-            scans.iter().map(|it| blocks.place_of(&it.second)).collect();
+            scans.iter().map(|it| blocks.index_of(&it.second)).collect();
         let mut last_scans = vec![0; blocks.len()];
         for (scan_idx, block_idx) in blocks_of_scans.iter().enumerate() {
             if let Some(block_idx) = block_idx {
@@ -66,10 +66,10 @@ fn possible_cuts(datasets: &[Vec<ScanToCut>]) -> Vec<Cut> {
         let mut reach = 0;
         for (scan_idx, (scan, block_idx)) in scans.iter().zip(&blocks_of_scans).enumerate() {
             reach = reach.max(block_idx.map_or(scan_idx, |it| last_scans[it]));
-            place += 1;
+            position += 1;
             work_before += u128::from(scan.work.max(1));
             if reach == scan_idx {
-                cuts.push(Cut { place, work_before });
+                cuts.push(Cut { position, work_before });
             }
         }
     }
@@ -163,7 +163,7 @@ mod tests {
                     prop_assert!(part.is_empty() || part.start == n_before);
                     n_before += part.len();
                     for scan in &scans[part] {
-                        let block_idx = blocks.place_of(&scan.second).unwrap();
+                        let block_idx = blocks.index_of(&scan.second).unwrap();
                         prop_assert_eq!(*shard_of_block[block_idx].get_or_insert(shard_idx), shard_idx);
                     }
                 }

@@ -15,7 +15,7 @@ pub struct SweepCurve<'a> {
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint<'a> {
-    /// The value of the first parameter as a number; its place among the values if one of these is none.
+    /// The value of the first parameter as a number; its index among the values if one of these is none.
     pub x: f64,
     /// The value as it is written.
     pub x_text: &'a str,
@@ -39,14 +39,14 @@ impl SweepScores {
                     && first.subject.detector == score.subject.detector
                     && first.subject.extent == score.subject.extent
             };
-            let place = curves.iter().position(fits).unwrap_or_else(|| {
+            let index = curves.iter().position(fits).unwrap_or_else(|| {
                 curves.push(SweepCurve { others, points: Vec::new() });
                 curves.len() - 1
             });
             let x_text = score.subject.values[0].as_str();
-            let x = number(x_text).filter(|_| is_numeric).unwrap_or(curves[place].points.len() as f64);
+            let x = number(x_text).filter(|_| is_numeric).unwrap_or(curves[index].points.len() as f64);
             let time = self.times.iter().find(|it| it.subject == score.subject);
-            curves[place].points.push(CurvePoint { x, x_text, score, time });
+            curves[index].points.push(CurvePoint { x, x_text, score, time });
         }
         curves
     }
@@ -92,7 +92,7 @@ fn short(name: &str) -> &str {
 }
 
 impl SweepCurve<'_> {
-    /// Place of the point with the highest rate, the first of several.
+    /// Index of the point with the highest rate, the first of several.
     pub fn best(&self) -> Option<usize> {
         highest(self.points.iter().map(|it| it.score.rate()))
     }
@@ -105,11 +105,11 @@ impl SweepCurve<'_> {
     }
 }
 
-/// Place of the highest value, the first of several; `None` if there is no value at all.
+/// Index of the highest value, the first of several; `None` if there is no value at all.
 pub(crate) fn highest(values: impl Iterator<Item = Option<f64>>) -> Option<usize> {
-    let defined = values.enumerate().filter_map(|(place, value)| Some((place, value?)));
+    let defined = values.enumerate().filter_map(|(index, value)| Some((index, value?)));
     let higher = |best: (usize, f64), it: (usize, f64)| if it.1 > best.1 { it } else { best };
-    defined.reduce(higher).map(|(place, _)| place)
+    defined.reduce(higher).map(|(index, _)| index)
 }
 
 #[cfg(test)]
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn other_parameters_make_other_curves_and_words_have_places() {
+    fn other_parameters_make_other_curves_and_words_have_indices() {
         let mut sweep = cell_sizes(&[(5, Some(5), None, 0.1), (8, Some(1), None, 0.2)]);
         sweep.parameters = vec!["kd_tree.foreground".to_owned(), "hierarchical.grid.xi".to_owned()];
         sweep.n_swept = 2;

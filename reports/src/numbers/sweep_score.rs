@@ -31,7 +31,7 @@ pub struct SweepScores {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepSubject {
     // First, because subjects are compared: most differ in it.
-    /// Place of the point in the sweep.
+    /// Index of the point in the sweep.
     pub point_idx: usize,
     /// How much it covers.
     pub extent: Extent,

@@ -74,7 +74,7 @@ pub enum Processors {
     Unlike,
 }
 
-/// Places of data set, task and detector.
+/// Indices of data set, task and detector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Key {
     dataset: usize,
@@ -151,8 +151,8 @@ impl Tally {
         if self.processors == Processors::Unlike {
             return;
         }
-        let dataset = self.dataset_place(&row.dataset);
-        let detector = place_of(&mut self.detectors, &row.detector);
+        let dataset = self.dataset_idx(&row.dataset);
+        let detector = index_of(&mut self.detectors, &row.detector);
         self.times[dataset].add_stage(detector, &row.stage, row.time_ms);
     }
 
@@ -219,15 +219,15 @@ impl Tally {
     }
 
     fn key(&mut self, dataset: &str, task: Task, detector: &str) -> Key {
-        let dataset = self.dataset_place(dataset);
+        let dataset = self.dataset_idx(dataset);
         if !self.tasks.contains(&task) {
             self.tasks.push(task);
         }
-        Key { dataset, task, detector: place_of(&mut self.detectors, detector) }
+        Key { dataset, task, detector: index_of(&mut self.detectors, detector) }
     }
 
-    fn dataset_place(&mut self, dataset: &str) -> usize {
-        let dataset = place_of(&mut self.datasets, dataset);
+    fn dataset_idx(&mut self, dataset: &str) -> usize {
+        let dataset = index_of(&mut self.datasets, dataset);
         self.scans.resize(self.datasets.len(), BTreeMap::new());
         self.drives.resize(self.datasets.len(), BTreeSet::new());
         self.times.resize(self.datasets.len(), Times::default());
@@ -247,7 +247,8 @@ impl Tally {
         pools(self.datasets.iter().map(|id| (id.as_str(), origin(id))))
     }
 
-    /// Places of the data sets that a number about `extent` is made of: the id of a data set, or the name of several together.
+    /// Indices of the data sets that a number about `extent` is made of: the id of a data set, or the name of several
+    /// together.
     pub(crate) fn datasets_in(&self, extent: &str) -> Vec<usize> {
         let pools = self.pools();
         let is_in_pool = |id: &String| {
@@ -255,8 +256,8 @@ impl Tally {
             let is_all = extent == OVERALL && pools.len() == 1;
             is_all || pools.iter().any(|it| it.extent.name() == extent && it.datasets.contains(id))
         };
-        let places = self.datasets.iter().enumerate();
-        places.filter(|(_, id)| *id == extent || is_in_pool(id)).map(|(place, _)| place).collect()
+        let indices = self.datasets.iter().enumerate();
+        indices.filter(|(_, id)| *id == extent || is_in_pool(id)).map(|(index, _)| index).collect()
     }
 
     /// The tasks, in the order in which they were seen.
@@ -289,8 +290,8 @@ impl Tally {
         self.scans.iter().map(blocks).collect()
     }
 
-    /// The scans of a data set, given by its place: the sequence and the number of each, and what it is drawn with, by sequence and
-    /// number.
+    /// The scans of a data set, given by its index: the sequence and the number of each, and what it is drawn with, by
+    /// sequence and number.
     pub(crate) fn scans(&self, dataset_idx: usize) -> impl Iterator<Item = (&str, u32, DriveSecond)> {
         let sequences = self.scans[dataset_idx].iter();
         sequences.flat_map(|(sequence, scans)| {
@@ -336,7 +337,7 @@ impl Gathered {
         }
     }
 
-    /// The sums of `slice`, with the places of their blocks; blocks without any are left out.
+    /// The sums of `slice`, with the indices of their blocks; blocks without any are left out.
     pub(crate) fn sums_of_blocks(&self, slice: &Slice, blocks: &Blocks) -> Vec<(usize, Sums)> {
         self.slices.get(slice).map_or_else(Vec::new, |it| it.placed(blocks))
     }
@@ -366,7 +367,7 @@ impl Gathered {
     }
 }
 
-fn place_of(names: &mut Vec<String>, name: &str) -> usize {
+fn index_of(names: &mut Vec<String>, name: &str) -> usize {
     names.iter().position(|it| it == name).unwrap_or_else(|| {
         names.push(name.to_owned());
         names.len() - 1

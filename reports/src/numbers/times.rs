@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::vocabulary::task::Task;
 
-/// Times of the scans of one data set, by task and detector, and of the stages, by detector. Detectors are places in a tally.
+/// Times of the scans of one data set, by task and detector, and of the stages, by detector. Detectors are indices in a
+/// tally.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Times {
     // In milliseconds, as all times here.

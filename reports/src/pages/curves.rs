@@ -15,7 +15,7 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     }
     let has_curve = |name: &str| {
         let mut of_detectors = facts.curves.iter().flat_map(|it| &it.of_detectors);
-        of_detectors.any(|(detector, places)| detector == name && !places.is_empty())
+        of_detectors.any(|(detector, positions)| detector == name && !positions.is_empty())
     };
     let key = key_of(&facts.detectors(), has_curve);
     let panels: Vec<ThemedPanel> = facts.curves.iter().map(|it| panel(facts, it)).collect();

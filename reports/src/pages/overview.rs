@@ -96,12 +96,12 @@ fn plot(facts: &RunFacts, standing: &Standing) -> crate::plots::themed_panel::Th
     let paper = paper_rows(facts, standing);
     let percent = |it: f64| 100.0 * it;
     let row = |name: &&str| {
-        let place = standing.places.iter().find(|it| it.detector == *name);
+        let ranked = standing.ranking.iter().find(|it| it.detector == *name);
         StandingRow {
             name: (*name).to_owned(),
             detector_idx: facts.detector_idx(name),
-            percent: place.and_then(|it| it.value).map(percent),
-            interval_percent: place.and_then(|it| it.interval).map(|it| it.ends.map(percent)),
+            percent: ranked.and_then(|it| it.value).map(percent),
+            interval_percent: ranked.and_then(|it| it.interval).map(|it| it.ends.map(percent)),
             paper_percent: paper.as_ref().and_then(|paper| paper(name)),
         }
     };
@@ -129,6 +129,6 @@ fn paper_rows<'a>(facts: &RunFacts, standing: &'a Standing) -> Option<impl Fn(&s
     let row = table.rows.iter().find(|it| it.recordings == recordings)?;
     let states = move |detector: &str| Some(table.score_beside(row, detector)?.f_rate_percent);
     let is_stated =
-        standing.metric == Metric::FRate && standing.places.iter().any(|it| it.detector == PAPER_DETECTOR);
+        standing.metric == Metric::FRate && standing.ranking.iter().any(|it| it.detector == PAPER_DETECTOR);
     is_stated.then_some(states)
 }

@@ -18,7 +18,8 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                 @let ([file_end, on], origin) = (facts.of_pool(&pool.pool), pool.pool.origin.name());
                 @let together = if pool.pool.is_of_several() { ", all data sets together" } else { "" };
                 @let has_curve = |name: &str| {
-                    of_task.rates.iter().flat_map(|it| &it.1).any(|it| it.name == name && it.places.iter().any(Option::is_some))
+                    let mut series = of_task.rates.iter().flat_map(|it| &it.1);
+                    series.any(|it| it.name == name && it.positions.iter().any(Option::is_some))
                 };
                 @let panels: Vec<_> =
                     of_task.rates.iter().map(|(rate, rates)| range_plot(rate, &of_task.bins, rates)).collect();

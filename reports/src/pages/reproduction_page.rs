@@ -163,7 +163,7 @@ mod tests {
             settings_svg: Some(&svg),
             command,
         };
-        // Each panel has its place.
+        // Each panel has its position.
         assert!(page.html().contains(&svg) && svg.matches("<svg x=").count() == 2, "{svg}");
         assert!(!ReproductionPage { settings_svg: None, ..page }.html().contains("#settings"));
     }

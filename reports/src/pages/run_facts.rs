@@ -12,7 +12,7 @@ use crate::numbers::precision_recall_row::PrecisionRecallRow;
 use crate::numbers::run_report::{RunReport, Subject};
 use crate::numbers::sums::Term;
 use crate::numbers::tally::Tally;
-use crate::plots::series::{Place, Series};
+use crate::plots::series::{Position, Series};
 use crate::protocols::given_classes::GivenClasses;
 use crate::protocols::protocol_report::ProtocolReport;
 use crate::rows::agreement_row::AgreementRow;
@@ -33,7 +33,7 @@ use crate::verdicts::standing::{Speeds, Standing, speeds, standings};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
-use crate::worst::places::{WorstPlace, WorstPlaces};
+use crate::worst::objects::{WorstObject, WorstObjects};
 use crate::worst::points::WorstPoints;
 use crate::worst::recorded::Recordings;
 
@@ -49,7 +49,7 @@ pub(super) struct RunFacts {
     pub(super) pools: Vec<PoolFacts>,
     /// Data set by data set.
     pub(super) curves: Vec<DatasetCurves>,
-    pub(super) worst: WorstPlaces<()>,
+    pub(super) worst: WorstObjects<()>,
     /// All boxes of the scans that a worst mistake is in.
     pub(super) boxes: BTreeMap<ScanName, Vec<SeenBox>>,
     pub(super) points: Option<WorstPoints>,
@@ -160,7 +160,7 @@ impl RunFacts {
         };
         let failures = detectors.iter().filter_map(failed_detector).collect();
         let matches = directory.join(MATCHES_CSV);
-        let (mut worst, mut reasons) = (WorstPlaces::default(), ReasonTally::default());
+        let (mut worst, mut reasons) = (WorstObjects::default(), ReasonTally::default());
         each_row(&matches, |row: MatchRow| {
             tally.add_match(&row);
             worst.add(&row, |_| ());
@@ -216,7 +216,7 @@ impl RunFacts {
         }
     }
 
-    /// Place of `detector` in the order of the run.
+    /// Index of `detector` in the order of the run.
     pub(super) fn detector_idx(&self, detector: &str) -> usize {
         self.manifest.detectors.iter().position(|it| it.name == detector).unwrap_or(0)
     }
@@ -239,11 +239,11 @@ impl PoolFacts {
             times.sort_by(f64::total_cmp);
         }
         let detectors: Vec<String> = times_ms.iter().map(|(name, _)| name.clone()).collect();
-        let places = tally.datasets_in(pool.extent.name()).into_iter();
+        let indices = tally.datasets_in(pool.extent.name()).into_iter();
         let ranges =
             tally.tasks().iter().filter_map(|it| task_ranges((tally, draws), &pool, *it, &detectors));
         Self {
-            blocks: places.map(|it| draws[it].blocks()).reduce(BlockCount::with),
+            blocks: indices.map(|it| draws[it].blocks()).reduce(BlockCount::with),
             ranges: ranges.collect(),
             stages_ms: detectors.iter().map(|it| (it.clone(), stages_of(report, &pool, it))).collect(),
             times_ms,
@@ -283,12 +283,12 @@ fn task_ranges(
         let sample = sample(detector, *slice)?;
         let within = Distribution::new(sample.resampled_values(metric), sample.blocks)
             .map(|it| it.interval().ends.map(|it| 100.0 * it));
-        Some(Place { x: bin.into(), y: 100.0 * sample.value(metric)?, within })
+        Some(Position { x: bin.into(), y: 100.0 * sample.value(metric)?, within })
     };
     let of_detectors = |metric: &Metric| {
         let of_detector = |it: &String| {
             let rates = (0..).zip(&slices).map(|bin| rate(it, bin, metric));
-            Series { name: it.clone(), places: rates.collect() }
+            Series { name: it.clone(), positions: rates.collect() }
         };
         detectors.iter().map(of_detector).collect::<Vec<_>>()
     };
@@ -296,7 +296,7 @@ fn task_ranges(
     let rates = rates.into_iter().map(|(name, metric)| (name, of_detectors(&metric)));
     // What is undefined everywhere, as precision where false objects are unknown, is not drawn.
     let is_defined =
-        |(_, rates): &(_, Vec<Series>)| rates.iter().flat_map(|it| &it.places).any(Option::is_some);
+        |(_, rates): &(_, Vec<Series>)| rates.iter().flat_map(|it| &it.positions).any(Option::is_some);
     let rates: Vec<_> = rates.filter(is_defined).collect();
     let bins = slices.iter().map(|it| it.name().trim_start_matches("range/").to_owned()).collect();
     let n_annotations = slices.iter().map(n_annotations).collect();
@@ -307,7 +307,7 @@ fn curves(rows: &[PrecisionRecallRow], detectors: &[String]) -> Vec<DatasetCurve
     let mut all: Vec<DatasetCurves> = Vec::new();
     for row in rows {
         let (dataset, task, detector) = row.subject();
-        let Some(place) = row.place() else { continue };
+        let Some(position) = row.position() else { continue };
         let known = all.iter().position(|it| it.dataset == dataset && it.task == task);
         let curves_idx = known.unwrap_or_else(|| {
             let of_detectors = detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
@@ -315,8 +315,8 @@ fn curves(rows: &[PrecisionRecallRow], detectors: &[String]) -> Vec<DatasetCurve
             all.len() - 1
         });
         let curves = &mut all[curves_idx];
-        if let Some((_, places)) = curves.of_detectors.iter_mut().find(|(name, _)| name == detector) {
-            places.push(place);
+        if let Some((_, positions)) = curves.of_detectors.iter_mut().find(|(name, _)| name == detector) {
+            positions.push(position);
         }
     }
     all
@@ -336,10 +336,10 @@ fn stages_of(report: &RunReport, pool: &Pool, detector: &str) -> Vec<(String, f6
 /// The boxes of all scans that a mistake of `worst` is in; each once for every task.
 fn boxes_of(
     matches: &Path,
-    worst: &WorstPlaces<()>,
+    worst: &WorstObjects<()>,
 ) -> Result<BTreeMap<ScanName, Vec<SeenBox>>, ArchiveError> {
-    let places = worst.lists().flat_map(|(_, places)| places);
-    let mut boxes: BTreeMap<ScanName, Vec<SeenBox>> = places.map(|it| (scan_name(it), Vec::new())).collect();
+    let objects = worst.lists().flat_map(|(_, objects)| objects);
+    let mut boxes: BTreeMap<ScanName, Vec<SeenBox>> = objects.map(|it| (scan_name(it), Vec::new())).collect();
     each_row(matches, |row: MatchRow| {
         let name = ScanName { dataset: row.dataset.clone(), sequence: row.sequence.clone(), scan: row.scan };
         let Some(boxes) = boxes.get_mut(&name) else { return };
@@ -371,7 +371,7 @@ fn boxes_of(
 }
 
 /// The scan of a mistake.
-pub(super) fn scan_name(place: &WorstPlace<()>) -> ScanName {
-    let object = &place.object;
+pub(super) fn scan_name(worst: &WorstObject<()>) -> ScanName {
+    let object = &worst.object;
     ScanName { dataset: object.dataset.clone(), sequence: object.sequence.clone(), scan: object.scan }
 }

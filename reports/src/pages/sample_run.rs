@@ -92,7 +92,7 @@ impl SampleRun<'_> {
         manifest
     }
 
-    /// What `row` makes of every data set, detector with its place, task and scan.
+    /// What `row` makes of every data set, detector with its index, task and scan.
     fn each<Row>(&self, row: impl Fn(&str, (usize, &str), Task, u32) -> Vec<Row>) -> Vec<Row> {
         let mut rows = Vec::new();
         for dataset in self.datasets {
@@ -141,8 +141,8 @@ impl SampleRun<'_> {
             let n_found = N_OBJECTS - Self::n_missed(detector_idx);
             let of_annotations = (0..N_OBJECTS).map(|id| {
                 let (track, bounding_box) = (Some(id as u32), Some(box_at(id)));
-                let placeless = AnnotationFacts::placeless(self.class, 100 + id);
-                let annotation = AnnotationFacts { id, track, bounding_box, ..placeless };
+                let without_position = AnnotationFacts::without_position(self.class, 100 + id);
+                let annotation = AnnotationFacts { id, track, bounding_box, ..without_position };
                 if id < n_found {
                     MatchOutcome::Matched { annotation, detection: detection(id), cost: 0.1 }
                 } else {

@@ -7,11 +7,11 @@ use super::run_facts::{RunFacts, SeenBox, scan_name};
 use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
 use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::task::Task;
-use crate::worst::places::{MistakeList, WorstPlace};
+use crate::worst::objects::{MistakeList, WorstObject};
 
-/// Nothing if no mistake has a place.
+/// Nothing if no mistake has a position.
 pub(super) fn worst(facts: &RunFacts) -> Markup {
-    if facts.worst.lists().all(|(_, places)| places.is_empty()) {
+    if facts.worst.lists().all(|(_, objects)| objects.is_empty()) {
         return html! {};
     }
     let mut tasks: Vec<Task> = facts.standings.iter().map(|it| it.task).collect();
@@ -39,12 +39,12 @@ fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> M
         (kind, facts.worst.of(&list))
     });
     html! {
-        @if lists.iter().any(|(_, places)| !places.is_empty()) {
+        @if lists.iter().any(|(_, objects)| !objects.is_empty()) {
             details.worst open[is_open] {
                 summary { "Task " (task) ": " (detector) }
                 div.scenes {
-                    @for (kind, places) in lists {
-                        @for place in places { (scene(facts, task, detector, kind, place)) }
+                    @for (kind, objects) in lists {
+                        @for worst in objects { (scene(facts, task, detector, kind, worst)) }
                     }
                 }
             }
@@ -57,13 +57,13 @@ fn scene(
     task: Task,
     detector: &str,
     kind: Option<MistakeKind>,
-    place: &WorstPlace<()>,
+    worst: &WorstObject<()>,
 ) -> Markup {
     let word = kind.map_or("matched", MistakeKind::name);
-    let boxes = facts.boxes.get(&scan_name(place)).map_or(&[][..], Vec::as_slice);
+    let boxes = facts.boxes.get(&scan_name(worst)).map_or(&[][..], Vec::as_slice);
     let is_near = |it: &&SeenBox| {
         let [x_m, y_m, _] = it.bounding_box.center_m;
-        place.window.holds(x_m, y_m)
+        worst.window.holds(x_m, y_m)
     };
     let near = || boxes.iter().filter(is_near);
     let annotations =
@@ -79,15 +79,15 @@ fn scene(
         bounding_box: it.bounding_box,
         is_asked: is_asked(it),
     });
-    let [x_m, y_m] = place.window.center_m;
+    let [x_m, y_m] = worst.window.center_m;
     let range_m = f64::from(x_m).hypot(f64::from(y_m));
-    let object = &place.object;
+    let object = &worst.object;
     let is_simulated = facts.manifest.datasets.iter().any(|it| it.id == object.dataset && it.simulated);
-    let label = format!("{word} {} of {detector}, {range_m:.0} m away, seen from above", place.class);
+    let label = format!("{word} {} of {detector}, {range_m:.0} m away, seen from above", worst.class);
     let plot = scene_plot(
         &Scene {
-            window: place.window,
-            subject: place.bounding_box,
+            window: worst.window,
+            subject: worst.bounding_box,
             cells: facts.points.as_ref().and_then(|it| it.around(object)),
             annotations,
             detections: detections.collect(),
@@ -98,11 +98,11 @@ fn scene(
         figure.scene.matched[kind.is_none()] {
             (PreEscaped(plot.inline()))
             figcaption {
-                strong { (word) " " (place.class) } ": " (place.reason) br;
-                (place.n_points) " points, " (format!("{range_m:.1}")) " m away" br;
+                strong { (word) " " (worst.class) } ": " (worst.reason) br;
+                (worst.n_points) " points, " (format!("{range_m:.1}")) " m away" br;
                 span.where { (object.dataset) @if is_simulated { " (simulated)" } ", " (object.sequence) ", scan " (object.scan) }
-                @if let Some(place) = facts.recordings.as_ref().and_then(|it| it.of(object)) {
-                    br; "recorded in " a href=(place.recording) { (place.recording) } ", at scan " (place.step)
+                @if let Some(recorded) = facts.recordings.as_ref().and_then(|it| it.of(object)) {
+                    br; "recorded in " a href=(recorded.recording) { (recorded.recording) } ", at scan " (recorded.step)
                 }
             }
         }

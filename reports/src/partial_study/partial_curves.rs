@@ -66,24 +66,24 @@ pub struct PartialCurve {
 impl ClassAtStep {
     /// The share whose predicted class is right.
     pub fn recall(&self, class: PartialClass) -> Option<f64> {
-        let n_right = self.predicted[place_of(Predicted::from(class))];
+        let n_right = self.predicted[index_of(Predicted::from(class))];
         (self.n_objects > 0).then(|| n_right as f64 / self.n_objects as f64)
     }
 
     /// The mean error to `class`.
     pub fn mean_error(&self, class: PartialClass) -> Option<f64> {
-        let (sum, n) = self.errors[class_place(class)];
+        let (sum, n) = self.errors[class_idx(class)];
         (n > 0).then(|| sum / n as f64)
     }
 
     /// Whether every object had enough to be judged by.
     pub fn are_all_judged(&self) -> bool {
-        self.predicted[place_of(Predicted::NotJudged)] == 0
+        self.predicted[index_of(Predicted::NotJudged)] == 0
     }
 
     fn add(&mut self, row: &PartialRow) {
         self.n_objects += 1;
-        self.predicted[place_of(row.predicted)] += 1;
+        self.predicted[index_of(row.predicted)] += 1;
         for (sum, error) in self.errors.iter_mut().zip(row.errors()) {
             if let Some(error) = error {
                 *sum = (sum.0 + error, sum.1 + 1);
@@ -92,11 +92,11 @@ impl ClassAtStep {
     }
 }
 
-fn place_of(predicted: Predicted) -> usize {
+fn index_of(predicted: Predicted) -> usize {
     Predicted::ALL.iter().position(|it| *it == predicted).expect("all are listed")
 }
 
-fn class_place(class: PartialClass) -> usize {
+fn class_idx(class: PartialClass) -> usize {
     PartialClass::ALL.iter().position(|it| *it == class).expect("all are listed")
 }
 
@@ -107,13 +107,13 @@ impl PartialCurve {
             [&row.data, &row.direction, &row.method, &row.trained_on].map(String::as_str).map(str::to_owned)
         };
         let mut groups: Vec<([String; 4], Vec<&PartialRow>)> = Vec::new();
-        let mut place_of_group: BTreeMap<[String; 4], usize> = BTreeMap::new();
+        let mut index_of_group: BTreeMap<[String; 4], usize> = BTreeMap::new();
         for row in rows {
-            let place = *place_of_group.entry(key(row)).or_insert_with(|| {
+            let index = *index_of_group.entry(key(row)).or_insert_with(|| {
                 groups.push((key(row), Vec::new()));
                 groups.len() - 1
             });
-            groups[place].1.push(row);
+            groups[index].1.push(row);
         }
         groups.into_iter().map(|(names, rows)| Self::of(names, &rows)).collect()
     }

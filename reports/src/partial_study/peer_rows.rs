@@ -95,14 +95,14 @@ pub fn read_peer_rows(
     let mut rows: Vec<PartialRow> = Vec::new();
     let mut done = BTreeSet::new();
     for part in ours {
-        let place = (part.object.clone(), part.direction.clone(), part.step);
-        if !done.insert(place.clone()) {
+        let part_key = (part.object.clone(), part.direction.clone(), part.step);
+        if !done.insert(part_key.clone()) {
             continue;
         }
         let (path, from) = (path.to_path_buf(), part.direction.clone());
         // Simulated objects are written as files of this name.
         let as_file = (format!("{}/{}.npy", part.true_class, part.object), part.direction.clone(), part.step);
-        let Some((line, row)) = said.get(&place).or_else(|| said.get(&as_file)) else {
+        let Some((line, row)) = said.get(&part_key).or_else(|| said.get(&as_file)) else {
             return Err(PeerError::Missing { path, object: part.object.clone(), from, step: part.step });
         };
         if row.n_points != part.n_points() {

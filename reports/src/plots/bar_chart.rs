@@ -36,9 +36,9 @@ fn bin_marks(curves: &CurvePair, bin_idx: usize) -> Vec<Mark> {
     });
     let mut marks = bars(corners).to_vec();
     for ([from, to], value) in BARS.into_iter().zip(values) {
-        let place = (start + f64::midpoint(from, to), value.unwrap_or(0.0));
+        let position = (start + f64::midpoint(from, to), value.unwrap_or(0.0));
         let text = value.map_or_else(|| "–".to_owned(), three_digits);
-        marks.push(Mark::text(place, [0, -4], text, text_style(TEXT_PX, HPos::Center, VPos::Bottom)));
+        marks.push(Mark::text(position, [0, -4], text, text_style(TEXT_PX, HPos::Center, VPos::Bottom)));
     }
     let ratio = curves.ratio(bin_idx);
     let ratio = ratio.map_or("no ratio".to_owned(), |it| format!("ratio {}", fixed_decimals(it, 2)));

@@ -43,9 +43,9 @@ fn panel(lines: &[&BoxErrorLine], (error, by): (BoxError, &str), top: f64) -> Pa
     for series in 0..first.fits.len() {
         let mark = SeriesMark(series);
         let aside = ASIDE * (series as f64 - (first.fits.len() as f64 - 1.0) / 2.0);
-        let medians = (0_u32..).zip(lines).filter_map(|(place, line)| {
+        let medians = (0_u32..).zip(lines).filter_map(|(index, line)| {
             let it = line.fits.get(series)?.1?;
-            Some((f64::from(place) + aside, it))
+            Some((f64::from(index) + aside, it))
         });
         let medians: Vec<_> = medians.collect();
         let bars = medians.iter().filter_map(|&(x, it)| {

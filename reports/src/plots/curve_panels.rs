@@ -7,7 +7,7 @@ use super::figure::{
     Axis, Chart, Figure, Frame, LEFT_MARGIN_PX, LEFT_PX, LEFT_ROOM_PX, Labels, Panel, TEXT_PX, USUAL_FRAME,
 };
 use super::marks::{BLACK, Mark, text_style};
-use super::series::{KEY_LINE_PX, Place, Points, Series, key_lines, key_name, series_marks};
+use super::series::{KEY_LINE_PX, Points, Position, Series, key_lines, key_name, series_marks};
 
 const WIDTH_PX: u32 = 900;
 const PANEL_PX: u32 = 300;
@@ -17,9 +17,9 @@ const HEADROOM: f64 = 0.08;
 /// Something that is pointed at, with what is said about it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Note {
-    /// A ring around the place.
+    /// A ring around the position.
     Ring((f64, f64), String),
-    /// A small ring around the place, with the text aside.
+    /// A small ring around the position, with the text aside.
     Front((f64, f64), String),
     /// A dotted line through the panel.
     Upright(f64, String),
@@ -33,11 +33,11 @@ pub(crate) struct CurvePanel {
     pub(crate) title: String,
     pub(crate) x_title: String,
     pub(crate) y_title: String,
-    /// What stands at the places of the x axis if these are no numbers.
+    /// What stands at the positions of the x axis if these are no numbers.
     pub(crate) x_words: Option<Vec<String>>,
     pub(crate) series: Vec<Series>,
     pub(crate) notes: Vec<Note>,
-    /// A thin line through these places.
+    /// A thin line through these positions.
     pub(crate) thread: Vec<(f64, f64)>,
     /// The ends of the y axis, unless they follow from the values.
     pub(crate) y_range: Option<[f64; 2]>,
@@ -86,17 +86,17 @@ fn drawn(panel: &CurvePanel) -> Panel {
 }
 
 fn note_marks(note: &Note, y: [f64; 2]) -> Vec<Mark> {
-    let text = |place, aside_px, text: &str, (horizontal, vertical)| {
-        Mark::text(place, aside_px, text, text_style(TEXT_PX - 1, horizontal, vertical))
+    let text = |position, aside_px, text: &str, (horizontal, vertical)| {
+        Mark::text(position, aside_px, text, text_style(TEXT_PX - 1, horizontal, vertical))
     };
     match note {
-        Note::Ring(place, said) => vec![
-            Mark::circle(*place, 9, BLACK.stroke_width(2)),
-            text(*place, [0, -12], said, (HPos::Center, VPos::Bottom)),
+        Note::Ring(position, said) => vec![
+            Mark::circle(*position, 9, BLACK.stroke_width(2)),
+            text(*position, [0, -12], said, (HPos::Center, VPos::Bottom)),
         ],
-        Note::Front(place, said) => vec![
-            Mark::circle(*place, 7, BLACK.stroke_width(1)),
-            text(*place, [-7, -3], said, (HPos::Right, VPos::Bottom)),
+        Note::Front(position, said) => vec![
+            Mark::circle(*position, 7, BLACK.stroke_width(1)),
+            text(*position, [-7, -3], said, (HPos::Right, VPos::Bottom)),
         ],
         Note::Upright(x, said) => vec![
             Mark::line(y.map(|it| (*x, it)), BLACK, 1).dashed(Some([2, 4])),
@@ -108,16 +108,16 @@ fn note_marks(note: &Note, y: [f64; 2]) -> Vec<Mark> {
 
 /// From left to right and from below to above all that is drawn; `None` if there is nothing.
 fn ranges(panel: &CurvePanel) -> Option<[[f64; 2]; 2]> {
-    let places = || panel.series.iter().flat_map(|it| &it.places).flatten();
+    let positions = || panel.series.iter().flat_map(|it| &it.positions).flatten();
     let spread = |values: &mut dyn Iterator<Item = f64>| {
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], it| [low.min(it), high.max(it)])
     };
-    let ys = |it: &Place| [it.y, it.within.map_or(it.y, |it| it[0]), it.within.map_or(it.y, |it| it[1])];
+    let ys = |it: &Position| [it.y, it.within.map_or(it.y, |it| it[0]), it.within.map_or(it.y, |it| it[1])];
     let noted_x = panel.notes.iter().map(|it| match it {
         Note::Ring((x, _), _) | Note::Front((x, _), _) | Note::Upright(x, _) | Note::Cross((x, _)) => *x,
     });
-    let x = spread(&mut places().map(|it| it.x).chain(noted_x));
-    let y = panel.y_range.unwrap_or_else(|| spread(&mut places().flat_map(ys)));
+    let x = spread(&mut positions().map(|it| it.x).chain(noted_x));
+    let y = panel.y_range.unwrap_or_else(|| spread(&mut positions().flat_map(ys)));
     let padded = |[low, high]: [f64; 2], share: f64| {
         let room = if high > low { share * (high - low) } else { 0.5 * low.abs().max(1e-6) };
         [low - room, high + room]
@@ -131,12 +131,12 @@ mod tests {
     use super::*;
     use crate::files::texts::check_holds;
 
-    fn panel(places: &[(f64, f64)]) -> CurvePanel {
-        let place = |&(x, y): &(f64, f64)| Some(Place { x, y, within: Some([y - 0.1, y + 0.1]) });
-        let places = places.iter().map(place).collect();
+    fn panel(positions: &[(f64, f64)]) -> CurvePanel {
+        let position = |&(x, y): &(f64, f64)| Some(Position { x, y, within: Some([y - 0.1, y + 0.1]) });
+        let positions = positions.iter().map(position).collect();
         CurvePanel {
             title: "objects".to_owned(),
-            series: vec![Series { name: "hierarchical".to_owned(), places }],
+            series: vec![Series { name: "hierarchical".to_owned(), positions }],
             ..CurvePanel::over("cell size (m)", "F-rate (%)")
         }
     }
@@ -150,7 +150,7 @@ mod tests {
         let mut two = panel(&[(0.2, 3.0), (0.4, 4.0)]);
         let single = svg(&[two.clone()], "Street (simulated)");
         assert!(!single.contains("hierarchical"), "{single}");
-        two.series.push(Series { name: "pca".to_owned(), places: two.series[0].places.clone() });
+        two.series.push(Series { name: "pca".to_owned(), positions: two.series[0].positions.clone() });
         let both = svg(&[two], "Street (simulated)");
         check_holds(
             &both,

@@ -8,7 +8,7 @@ use super::figure::{
     Axis, Chart, Figure, Frame, LEFT_MARGIN_PX, LEFT_PX, LEFT_ROOM_PX, Labels, Scale, TEXT_PX, USUAL_FRAME,
 };
 use super::marks::{BLACK, Mark, color, text_style};
-use super::series::{Place, Points, Series, key_lines, series_marks};
+use super::series::{Points, Position, Series, key_lines, series_marks};
 use crate::numbers::curve_pair::{ALIKE_FACTOR, CurveBin, CurvePair, Measured, Sides};
 
 const HEADING_PX: u32 = 88;
@@ -45,11 +45,12 @@ pub fn curve_plot(curves: &CurvePair, names: Sides<&str>) -> String {
     Figure { width_px: 900, heading_px: HEADING_PX, heading, rows }.svg()
 }
 
-/// Both curves, on a scale on which the same ratio is the same distance everywhere. Values of 0, which have no place on it, are gaps.
+/// Both curves, on a scale on which the same ratio is the same distance everywhere. Values of 0, which have no position on
+/// it, are gaps.
 fn line_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
     let ends = value_range(curves);
     let sides: [fn(&CurveBin) -> Measured; 2] = [|bin| bin.measured.left, |bin| bin.measured.right];
-    let series = sides.map(|side| Series { name: String::new(), places: places(curves, side) });
+    let series = sides.map(|side| Series { name: String::new(), positions: positions(curves, side) });
     let x = Axis::linear("", ends_m, 16).labelled(Labels::Blank);
     let y = Axis::linear(format!("{} ({})", curves.title, curves.unit), ends, 11);
     let y = Axis { scale: Scale::Logarithmic(ends), ..y };
@@ -73,9 +74,9 @@ fn ratio_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
         Mark::circle((middle_m, doublings.clamp(-edge, edge)), 3, style)
     }));
     if farthest > edge {
-        let place = (f64::midpoint(ends_m[0], ends_m[1]), reach);
+        let position = (f64::midpoint(ends_m[0], ends_m[1]), reach);
         let style = text_style(TEXT_PX, HPos::Center, VPos::Top);
-        marks.push(Mark::text(place, [0, 4], "hollow: off the scale", style));
+        marks.push(Mark::text(position, [0, 4], "hollow: off the scale", style));
     }
     let x = Axis::linear(format!("{} (m)", curves.bins_of.unwrap_or_default()), ends_m, 16);
     let y = Axis::linear("ratio, left / right", [-reach, reach], 7).labelled(Labels::Ratios);
@@ -89,13 +90,13 @@ fn middle_m(bin: &CurveBin) -> Option<f64> {
     bin.ends_m.map(|[from_m, to_m]| f64::midpoint(from_m, to_m))
 }
 
-/// Of every bin its value, if that has a place on the scale.
-fn places(curves: &CurvePair, side: impl Fn(&CurveBin) -> Measured) -> Vec<Option<Place>> {
-    let place = |bin: &CurveBin| {
+/// Of every bin its value, if that has a position on the scale.
+fn positions(curves: &CurvePair, side: impl Fn(&CurveBin) -> Measured) -> Vec<Option<Position>> {
+    let position = |bin: &CurveBin| {
         let y = side(bin).value.filter(|&value| value > 0.0)?;
-        Some(Place { x: middle_m(bin)?, y, within: None })
+        Some(Position { x: middle_m(bin)?, y, within: None })
     };
-    curves.bins.iter().map(place).collect()
+    curves.bins.iter().map(position).collect()
 }
 
 /// From below the least value above 0 to above the greatest.
@@ -145,11 +146,11 @@ mod tests {
     }
 
     #[test]
-    fn zeros_have_no_place() {
+    fn zeros_have_no_position() {
         let curves = pair(&[(1.0, 1.0), (0.0, 1.0), (4.0, 1.0)]);
-        let places = places(&curves, |bin| bin.measured.left);
+        let positions = positions(&curves, |bin| bin.measured.left);
         assert_eq!(
-            places.iter().map(|it| it.map(|it| (it.x, it.y))).collect::<Vec<_>>(),
+            positions.iter().map(|it| it.map(|it| (it.x, it.y))).collect::<Vec<_>>(),
             [Some((1.5, 1.0)), None, Some((3.5, 4.0))]
         );
     }

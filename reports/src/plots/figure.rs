@@ -1,4 +1,4 @@
-//! A figure: a title and a key above panels in rows. This is the one place where panels are drawn.
+//! A figure: a title and a key above panels in rows. This is the only module that draws panels.
 
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! The plot of the fitness of cells over their size.
 
 use super::curve_panels::{CurvePanel, Note, curve_figure};
-use super::series::{Place, Series};
+use super::series::{Position, Series};
 use super::sweep_panels::{about_bars, curves_of, heading, words};
 use crate::numbers::sweep_curve::{SweepCurve, highest};
 use crate::numbers::sweep_score::{FitnessValue, SweepScores};
@@ -19,18 +19,19 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
     let panels = (0..n_readings).map(|reading_idx| {
         let mut series: Vec<Series> = Vec::new();
         for curve in &curves {
-            let places: Vec<_> = readings(curve, reading_idx).map(|(x, it)| fitness_place(x, it)).collect();
+            let positions: Vec<_> =
+                readings(curve, reading_idx).map(|(x, it)| fitness_position(x, it)).collect();
             // Tasks, and parameters that are none of the grid's, have the same cells.
-            if series.iter().all(|it| it.places != places) {
+            if series.iter().all(|it| it.positions != positions) {
                 let subject = &curve.points[0].score.subject;
                 let name = [vec![subject.detector.clone()], curve.others.clone()].concat().join(", ");
-                series.push(Series { name, places });
+                series.push(Series { name, positions });
             }
         }
         let mut notes = Vec::new();
         let of_first: Vec<(f64, &FitnessValue)> = readings(first, reading_idx).collect();
         if let Some(fittest) = highest(of_first.iter().map(|(_, it)| it.in_range()))
-            && let Some(at) = fitness_place(of_first[fittest].0, of_first[fittest].1)
+            && let Some(at) = fitness_position(of_first[fittest].0, of_first[fittest].1)
         {
             let text = first.points[fittest].x_text.to_owned();
             notes.push(Note::Ring((at.x, at.y), text));
@@ -69,8 +70,8 @@ fn readings<'a>(
     curve.points.iter().filter_map(move |it| Some((it.x, &it.score.cells.as_ref()?.readings[reading_idx])))
 }
 
-fn fitness_place(x: f64, value: &FitnessValue) -> Option<Place> {
-    Some(Place { x, y: value.value?, within: value.within })
+fn fitness_position(x: f64, value: &FitnessValue) -> Option<Position> {
+    Some(Position { x, y: value.value?, within: value.within })
 }
 
 /// The y axis of a reading that has a range: that of its values, as far as they are near the range, so that a pole does not

@@ -2,7 +2,7 @@
 
 use super::figure::{Axis, Chart, Figure, LEFT_PX, Panel};
 use super::marks::Mark;
-use super::series::{KEY_LINE_PX, Place, Points, Series, key_lines, series_marks};
+use super::series::{KEY_LINE_PX, Points, Position, Series, key_lines, series_marks};
 use crate::numbers::gap_curve::GapCurve;
 use crate::tables::studies::gap_table::curves_by_range;
 
@@ -46,11 +46,11 @@ fn panel(curves: &[&GapCurve]) -> Panel {
 
 /// The shares at the gaps at which pairs were judged.
 fn series(curve: &GapCurve) -> Series {
-    let places = curve.points.iter().filter_map(|(gap_m, counts)| {
+    let positions = curve.points.iter().filter_map(|(gap_m, counts)| {
         let within = counts.separated_within()?.map(|it| it * 100.0);
-        Some(Some(Place { x: *gap_m, y: counts.separated()? * 100.0, within: Some(within) }))
+        Some(Some(Position { x: *gap_m, y: counts.separated()? * 100.0, within: Some(within) }))
     });
-    Series { name: curve.detector.clone(), places: places.collect() }
+    Series { name: curve.detector.clone(), positions: positions.collect() }
 }
 
 #[cfg(test)]

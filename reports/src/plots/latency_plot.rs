@@ -1,7 +1,7 @@
 //! The share of scans that are done within a time.
 
 use super::figure::{Axis, Scale};
-use super::series::{Place, Points, Series};
+use super::series::{Points, Position, Series};
 use super::small_panel::small_panel;
 use super::themed_panel::ThemedPanel;
 
@@ -14,7 +14,7 @@ pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<
     let to = (1.5 * most).max(12.0 * from);
     let series: Vec<Series> = of_detectors
         .iter()
-        .map(|(name, times)| Series { name: name.clone(), places: steps(times) })
+        .map(|(name, times)| Series { name: name.clone(), positions: steps(times) })
         .collect();
     let about = "share of scans that finish within a time in milliseconds";
     let scale = Scale::Logarithmic([from, to]);
@@ -26,19 +26,19 @@ pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<
 const MOST_STEPS: usize = 2000;
 
 /// The share rises by a step at every time or, of very many, at as many of them as can be seen.
-fn steps(times: &[f64]) -> Vec<Option<Place>> {
+fn steps(times: &[f64]) -> Vec<Option<Position>> {
     let n = times.len() as f64;
     let n_at_once = times.len().div_ceil(MOST_STEPS).max(1);
     let mut n_before = 0;
-    let places = times.chunks(n_at_once).flat_map(|alike| {
+    let positions = times.chunks(n_at_once).flat_map(|alike| {
         let n_done = [n_before, n_before + alike.len()];
         n_before = n_done[1];
         // Nothing is said to be done earlier than it was.
         n_done.map(|n_done| {
-            Some(Place { x: alike[alike.len() - 1], y: 100.0 * n_done as f64 / n, within: None })
+            Some(Position { x: alike[alike.len() - 1], y: 100.0 * n_done as f64 / n, within: None })
         })
     });
-    places.collect()
+    positions.collect()
 }
 
 #[cfg(test)]

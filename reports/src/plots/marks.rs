@@ -1,4 +1,4 @@
-//! What is drawn on panels: lines, rectangles, circles, markers of series and text, at places of data or of pixels.
+//! What is drawn on panels: lines, rectangles, circles, markers of series and text, at positions of data or of pixels.
 
 use std::slice::Iter;
 
@@ -20,28 +20,32 @@ pub(crate) const QUIET: RGBColor = color(palette::QUIET);
 #[derive(Clone)]
 pub(crate) struct Mark {
     /// Across and upright, as the axes of a chart have them; in pixels, from the upper left corner.
-    places: Vec<(f64, f64)>,
+    positions: Vec<(f64, f64)>,
     shape: Shape,
 }
 
 #[derive(Clone)]
 enum Shape {
-    /// Through all places, with the lengths of dashes and of gaps in pixels.
+    /// Through all positions, with the lengths of dashes and of gaps in pixels.
     Line(ShapeStyle, Option<[i32; 2]>),
     /// Filled, between two corners.
     Rectangle(RGBColor),
     /// With its radius in pixels.
     Circle(u32, ShapeStyle),
-    /// Paths, in pixels from the place.
+    /// Paths, in pixels from the position.
     Paths(&'static [&'static [[i32; 2]]], ShapeStyle),
-    /// With its distance in pixels from the place.
+    /// With its distance in pixels from the position.
     Text(String, [i32; 2], TextStyle<'static>),
 }
 
 impl Mark {
-    pub(crate) fn line(places: impl IntoIterator<Item = (f64, f64)>, color: RGBColor, width_px: u32) -> Self {
+    pub(crate) fn line(
+        positions: impl IntoIterator<Item = (f64, f64)>,
+        color: RGBColor,
+        width_px: u32,
+    ) -> Self {
         let shape = Shape::Line(color.stroke_width(width_px), None);
-        Self { places: places.into_iter().collect(), shape }
+        Self { positions: positions.into_iter().collect(), shape }
     }
 
     /// A line, with the lengths of dashes and of gaps in pixels.
@@ -53,7 +57,7 @@ impl Mark {
     }
 
     pub(crate) fn rectangle(corners: [(f64, f64); 2], color: RGBColor) -> Self {
-        Self { places: corners.to_vec(), shape: Shape::Rectangle(color) }
+        Self { positions: corners.to_vec(), shape: Shape::Rectangle(color) }
     }
 
     /// An upright rectangle with nothing in it.
@@ -61,35 +65,35 @@ impl Mark {
         Self::line([from, (to.0, from.1), to, (from.0, to.1), from], color, LINE_WIDTH_PX)
     }
 
-    pub(crate) fn circle(place: (f64, f64), radius_px: u32, style: ShapeStyle) -> Self {
-        Self { places: vec![place], shape: Shape::Circle(radius_px, style) }
+    pub(crate) fn circle(position: (f64, f64), radius_px: u32, style: ShapeStyle) -> Self {
+        Self { positions: vec![position], shape: Shape::Circle(radius_px, style) }
     }
 
     /// A cross, as markers of series have it but larger.
-    pub(crate) fn cross(place: (f64, f64)) -> Self {
+    pub(crate) fn cross(position: (f64, f64)) -> Self {
         const PATHS: &[&[[i32; 2]]] = &[&[[-5, -5], [5, 5]], &[[-5, 5], [5, -5]]];
-        Self { places: vec![place], shape: Shape::Paths(PATHS, BLACK.stroke_width(2)) }
+        Self { positions: vec![position], shape: Shape::Paths(PATHS, BLACK.stroke_width(2)) }
     }
 
     /// A hollow diamond.
-    pub(crate) fn diamond(place: (f64, f64)) -> Self {
+    pub(crate) fn diamond(position: (f64, f64)) -> Self {
         const PATHS: &[&[[i32; 2]]] = &[&[[0, -6], [5, 0], [0, 6], [-5, 0], [0, -6]]];
-        Self { places: vec![place], shape: Shape::Paths(PATHS, BLACK.stroke_width(1)) }
+        Self { positions: vec![position], shape: Shape::Paths(PATHS, BLACK.stroke_width(1)) }
     }
 
-    /// Text, `aside_px` to the right of and below `place`.
+    /// Text, `aside_px` to the right of and below `position`.
     pub(crate) fn text(
-        place: (f64, f64),
+        position: (f64, f64),
         aside_px: [i32; 2],
         text: impl Into<String>,
         style: TextStyle<'static>,
     ) -> Self {
-        Self { places: vec![place], shape: Shape::Text(text.into(), aside_px, style) }
+        Self { positions: vec![position], shape: Shape::Text(text.into(), aside_px, style) }
     }
 
     /// The title of a figure, in pixels.
-    pub(crate) fn title(text: &str, place: (f64, f64)) -> Self {
-        Self::text(place, [0, 0], text, text_style(20, HPos::Left, VPos::Center))
+    pub(crate) fn title(text: &str, position: (f64, f64)) -> Self {
+        Self::text(position, [0, 0], text, text_style(20, HPos::Left, VPos::Center))
     }
 }
 
@@ -123,12 +127,12 @@ impl SeriesMark {
         [None, Some([9, 5]), Some([2, 4]), Some([14, 4]), Some([5, 2])][self.0 % 5]
     }
 
-    pub(crate) fn line(self, places: impl IntoIterator<Item = (f64, f64)>) -> Mark {
-        Mark::line(places, self.color(), LINE_WIDTH_PX).dashed(self.dashes_px())
+    pub(crate) fn line(self, positions: impl IntoIterator<Item = (f64, f64)>) -> Mark {
+        Mark::line(positions, self.color(), LINE_WIDTH_PX).dashed(self.dashes_px())
     }
 
     /// A filled circle, hollow triangle, hollow square, cross or plus.
-    pub(crate) fn marker(self, place: (f64, f64)) -> Mark {
+    pub(crate) fn marker(self, position: (f64, f64)) -> Mark {
         const PATHS: [&[&[[i32; 2]]]; 4] = [
             &[&[[0, -6], [5, 4], [-5, 4], [0, -6]]],
             &[&[[-4, -4], [4, -4], [4, 4], [-4, 4], [-4, -4]]],
@@ -136,10 +140,10 @@ impl SeriesMark {
             &[&[[-5, 0], [5, 0]], &[[0, -5], [0, 5]]],
         ];
         match self.0 % 5 {
-            0 => Mark::circle(place, 4, self.color().filled()),
+            0 => Mark::circle(position, 4, self.color().filled()),
             form => {
                 let style = self.color().stroke_width(LINE_WIDTH_PX);
-                Mark { places: vec![place], shape: Shape::Paths(PATHS[form - 1], style) }
+                Mark { positions: vec![position], shape: Shape::Paths(PATHS[form - 1], style) }
             }
         }
     }
@@ -150,27 +154,28 @@ impl<'a> PointCollection<'a, (f64, f64)> for &'a Mark {
     type IntoIter = Iter<'a, (f64, f64)>;
 
     fn point_iter(self) -> Self::IntoIter {
-        self.places.iter()
+        self.positions.iter()
     }
 }
 
 impl<Backend: DrawingBackend> Drawable<Backend> for Mark {
-    fn draw<Places: Iterator<Item = BackendCoord>>(
+    fn draw<Positions: Iterator<Item = BackendCoord>>(
         &self,
-        mut places: Places,
+        mut positions: Positions,
         backend: &mut Backend,
         size_px: (u32, u32),
     ) -> Result<(), DrawingErrorKind<Backend::ErrorType>> {
         if let Shape::Line(style, dashes_px) = &self.shape {
-            let Some([dash_px, gap_px]) = *dashes_px else { return backend.draw_path(places, style) };
+            let Some([dash_px, gap_px]) = *dashes_px else { return backend.draw_path(positions, style) };
             let nowhere = std::iter::empty::<BackendCoord>();
-            return DashedPathElement::new(nowhere, dash_px, gap_px, *style).draw(places, backend, size_px);
+            return DashedPathElement::new(nowhere, dash_px, gap_px, *style)
+                .draw(positions, backend, size_px);
         }
-        let Some((x, y)) = places.next() else { return Ok(()) };
+        let Some((x, y)) = positions.next() else { return Ok(()) };
         match &self.shape {
             Shape::Line(..) => Ok(()),
             Shape::Rectangle(color) => {
-                let (to_x, to_y) = places.next().unwrap_or((x, y));
+                let (to_x, to_y) = positions.next().unwrap_or((x, y));
                 let corners = [(x.min(to_x), y.min(to_y)), (x.max(to_x), y.max(to_y))];
                 backend.draw_rect(corners[0], corners[1], color, true)
             }

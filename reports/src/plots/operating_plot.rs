@@ -8,17 +8,17 @@ use crate::numbers::operating_curve::OperatingRow;
 /// `title` says what was judged.
 pub fn operating_plot(rows: &[OperatingRow], title: &str) -> String {
     // A classifier that classifies nothing as a vehicle has recall 0 and makes no mistake.
-    let roc = std::iter::once((0.0, 0.0)).chain(rows.iter().filter_map(OperatingRow::roc_place));
-    let precision_recall = rows.iter().filter_map(OperatingRow::precision_recall_place);
+    let roc = std::iter::once((0.0, 0.0)).chain(rows.iter().filter_map(OperatingRow::roc_position));
+    let precision_recall = rows.iter().filter_map(OperatingRow::precision_recall_position);
     let panels =
         vec![panel(roc, ["false-positive rate", "recall"]), panel(precision_recall, ["recall", "precision"])];
     let heading = vec![Mark::title(title, (LEFT_PX, 20.0))];
     Figure { width_px: 900, heading_px: 40, heading, rows: vec![(440, panels)] }.svg()
 }
 
-fn panel(places: impl Iterator<Item = (f64, f64)>, names: [&str; 2]) -> Panel {
+fn panel(positions: impl Iterator<Item = (f64, f64)>, names: [&str; 2]) -> Panel {
     let [x, y] = names.map(|it| Axis::linear(it, [-0.01, 1.01], 6));
-    Chart::new(x, y, vec![SeriesMark(0).line(places)]).into()
+    Chart::new(x, y, vec![SeriesMark(0).line(positions)]).into()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::curve_panels::{CurvePanel, Note, curve_figure};
-use super::series::{Place, Series};
+use super::series::{Position, Series};
 use super::sweep_panels::{curves_of, heading};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
@@ -37,11 +37,11 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
         let front = pareto_front(&points.iter().map(|it| (it.0, it.1)).collect::<Vec<_>>());
         let series = detectors.iter().enumerate().map(|(detector_idx, name)| Series {
             name: (*name).to_owned(),
-            // Single places between gaps: nothing leads from one to the next.
-            places: points
+            // Single positions between gaps: nothing leads from one to the next.
+            positions: points
                 .iter()
                 .filter(|it| it.2 == detector_idx)
-                .flat_map(|it| [Some(Place { x: it.0, y: it.1, within: None }), None])
+                .flat_map(|it| [Some(Position { x: it.0, y: it.1, within: None }), None])
                 .collect(),
         });
         let notes = front_notes(&points, &front);
@@ -82,7 +82,7 @@ fn front_notes(points: &[(f64, f64, usize, String)], front: &[usize]) -> Vec<Not
     notes
 }
 
-/// Places of the points that no other is at least as fast and as good as, and better in one of both; the fastest first.
+/// Indices of the points that no other is at least as fast and as good as, and better in one of both; the fastest first.
 pub(crate) fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
     let beats = |a: &(f64, f64), b: &(f64, f64)| a.0 <= b.0 && a.1 >= b.1 && a != b;
     let mut front: Vec<usize> =

@@ -2,7 +2,7 @@
 
 use super::curve_panels::{CurvePanel, Note, curve_figure};
 use super::figure::Figure;
-use super::series::{Place, Series};
+use super::series::{Position, Series};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::vocabulary::partial_class::PartialClass;
 
@@ -15,7 +15,7 @@ pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> Figure {
     let panels = PartialClass::LEARNT.into_iter().filter(there).map(|of| {
         let series = PartialClass::LEARNT.into_iter().map(|to| Series {
             name: format!("to {}", to.name()),
-            places: places(curve, |step| Some((step.classes.get(&of)?.mean_error(to)?, None))),
+            positions: positions(curve, |step| Some((step.classes.get(&of)?.mean_error(to)?, None))),
         });
         let note = |step: u32| Note::Upright(f64::from(step), "all judged".to_owned());
         let notes = curve.first_step_all_judged(of).map(note).into_iter().collect();
@@ -36,7 +36,7 @@ pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> Figure {
     let panels = curves.chunk_by(of_same).flat_map(|same| same.chunks(4)).map(|few| {
         let series = few.iter().map(|curve| Series {
             name: format!("{} ({})", curve.method, curve.trained_on),
-            places: places(curve, |step| {
+            positions: positions(curve, |step| {
                 Some((100.0 * step.mean_recall?, step.within.map(|it| it.ends.map(|end| 100.0 * end))))
             }),
         });
@@ -56,11 +56,13 @@ pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> Figure {
 /// How often a class predicted with some chance was right; the thin line is where both are the same.
 pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> Figure {
     let panels = curves.iter().filter(|it| !it.calibration.is_empty()).map(|curve| {
-        let place = |&(chance, right, _): &(f64, f64, u64)| {
-            Some(Place { x: 100.0 * chance, y: 100.0 * right, within: None })
+        let position = |&(chance, right, _): &(f64, f64, u64)| {
+            Some(Position { x: 100.0 * chance, y: 100.0 * right, within: None })
         };
-        let series =
-            Series { name: curve.method.clone(), places: curve.calibration.iter().map(place).collect() };
+        let series = Series {
+            name: curve.method.clone(),
+            positions: curve.calibration.iter().map(position).collect(),
+        };
         CurvePanel {
             title: format!(
                 "{} from {}, {} ({})",
@@ -75,15 +77,15 @@ pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> Figure 
     curve_figure(&panels.collect::<Vec<_>>(), title)
 }
 
-fn places(
+fn positions(
     curve: &PartialCurve,
     value: impl Fn(&PartialStep) -> Option<(f64, Option<[f64; 2]>)>,
-) -> Vec<Option<Place>> {
-    let place = |step: &PartialStep| {
+) -> Vec<Option<Position>> {
+    let position = |step: &PartialStep| {
         let (y, within) = value(step)?;
-        Some(Place { x: f64::from(step.step), y, within })
+        Some(Position { x: f64::from(step.step), y, within })
     };
-    curve.steps.iter().map(place).collect()
+    curve.steps.iter().map(position).collect()
 }
 
 #[cfg(test)]

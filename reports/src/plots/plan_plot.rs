@@ -10,7 +10,7 @@ use super::marks::{BLACK, LINE_WIDTH_PX, Mark, QUIET, SeriesMark};
 pub struct Plan {
     /// What stands above it.
     pub title: String,
-    /// Places that belong together, in metres: a marker of its own for each group.
+    /// Positions that belong together, in metres: a marker of its own for each group.
     pub groups: Vec<Vec<[f64; 2]>>,
     /// Closed outlines in metres; the first corner is not repeated.
     pub outlines: Vec<Vec<[f64; 2]>>,
@@ -39,11 +39,11 @@ pub fn plan_plot(plans: &[Plan], title: &str) -> String {
     figure.svg()
 }
 
-/// The square around all places: from, to in x and y; `None` if there are none.
+/// The square around all positions: from, to in x and y; `None` if there are none.
 fn window_m(plans: &[Plan]) -> Option<[[f64; 2]; 2]> {
-    let places = plans.iter().flat_map(|it| it.groups.iter().chain(&it.outlines)).flatten();
-    let ends = places.fold([[f64::INFINITY, f64::NEG_INFINITY]; 2], |ends, place| {
-        [0, 1].map(|axis| [ends[axis][0].min(place[axis]), ends[axis][1].max(place[axis])])
+    let positions = plans.iter().flat_map(|it| it.groups.iter().chain(&it.outlines)).flatten();
+    let ends = positions.fold([[f64::INFINITY, f64::NEG_INFINITY]; 2], |ends, position| {
+        [0, 1].map(|axis| [ends[axis][0].min(position[axis]), ends[axis][1].max(position[axis])])
     });
     let half_m = ends.iter().map(|[from, to]| (to - from) / 2.0).fold(0.0, f64::max) + ROOM_M;
     let window = ends.map(|[from, to]| [f64::midpoint(from, to) - half_m, f64::midpoint(from, to) + half_m]);
@@ -52,8 +52,8 @@ fn window_m(plans: &[Plan]) -> Option<[[f64; 2]; 2]> {
 
 fn panel(plan: &Plan, [x, y]: [[f64; 2]; 2]) -> Panel {
     let mut marks = grid_marks(plan, [x, y]);
-    for (group, places) in plan.groups.iter().enumerate() {
-        marks.extend(places.iter().map(|&[x, y]| SeriesMark(group).marker((x, y))));
+    for (group, positions) in plan.groups.iter().enumerate() {
+        marks.extend(positions.iter().map(|&[x, y]| SeriesMark(group).marker((x, y))));
     }
     let closed = |outline: &Vec<[f64; 2]>| {
         let corners = outline.iter().chain(outline.first()).map(|&[x, y]| (x, y));

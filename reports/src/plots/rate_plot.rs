@@ -1,7 +1,7 @@
 //! The plot of the rates of a sweep over its first parameter.
 
 use super::curve_panels::{CurvePanel, curve_figure};
-use super::series::{Place, Series};
+use super::series::{Position, Series};
 use super::sweep_panels::{about_bars, add_series, curves_of, heading, words};
 use crate::numbers::sweep_curve::CurvePoint;
 use crate::numbers::sweep_score::SweepScores;
@@ -22,14 +22,14 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
             x_words: words(curve.points.iter().map(|it| it.x_text)),
             ..CurvePanel::over(sweep.axis_title(), format!("{} (%)", first.rate_name()))
         };
-        let place = |it: &CurvePoint<'_>| {
+        let position = |it: &CurvePoint<'_>| {
             let percent = |it: f64| 100.0 * it;
             let within = it.score.rate_within().map(|it| it.map(percent));
-            Some(Place { x: it.x, y: percent(it.score.rate()?), within })
+            Some(Position { x: it.x, y: percent(it.score.rate()?), within })
         };
-        let places = curve.points.iter().map(place).collect();
+        let positions = curve.points.iter().map(position).collect();
         let best = curve.best().map(|it| (it, curve.points[it].x_text));
-        add_series(&mut panels, panel, Series { name: first.subject.detector.clone(), places }, best);
+        add_series(&mut panels, panel, Series { name: first.subject.detector.clone(), positions }, best);
     }
     let title = format!("{}. Ring: best. {}", heading(&curves), about_bars(&curves));
     curve_figure(&panels, &title).panel(title).document()

@@ -1,7 +1,7 @@
 //! Precision over recall as the least score falls that a detection needs.
 
 use super::figure::Axis;
-use super::series::{Place, Points, Series};
+use super::series::{Points, Position, Series};
 use super::small_panel::small_panel;
 use super::themed_panel::ThemedPanel;
 
@@ -9,10 +9,10 @@ use super::themed_panel::ThemedPanel;
 pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedPanel {
     let series: Vec<Series> = curves
         .iter()
-        .map(|(name, places)| {
-            let percent = thinned(places).into_iter().map(|(x, y)| (100.0 * x, 100.0 * y));
-            let places = percent.map(|(x, y)| Some(Place { x, y, within: None })).collect();
-            Series { name: name.clone(), places }
+        .map(|(name, positions)| {
+            let percent = thinned(positions).into_iter().map(|(x, y)| (100.0 * x, 100.0 * y));
+            let positions = percent.map(|(x, y)| Some(Position { x, y, within: None })).collect();
+            Series { name: name.clone(), positions }
         })
         .collect();
     let about = format!("precision over recall on {title}, both in percent");
@@ -20,13 +20,13 @@ pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedP
     small_panel([title, &about], x, "precision (%)", &series, Points::Line)
 }
 
-/// The places that can be distinguished on a panel: hundreds of detections lie on a pixel.
-fn thinned(places: &[(f64, f64)]) -> Vec<(f64, f64)> {
+/// The positions that can be distinguished on a panel: hundreds of detections lie on a pixel.
+fn thinned(positions: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let pixel = |(x, y): (f64, f64)| [(x * 400.0).round() as i64, (y * 400.0).round() as i64];
     let mut kept: Vec<(f64, f64)> = Vec::new();
-    for &place in places {
-        if kept.last().is_none_or(|last| pixel(*last) != pixel(place)) {
-            kept.push(place);
+    for &position in positions {
+        if kept.last().is_none_or(|last| pixel(*last) != pixel(position)) {
+            kept.push(position);
         }
     }
     kept

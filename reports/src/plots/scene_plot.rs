@@ -9,12 +9,12 @@ use super::palette::{BLACK, QUIET, Rgb, YELLOW, detector_hue};
 use super::theme::{Paint, hex, painted};
 use super::themed_panel::{KEY_SIZE_PX, KeyEntry, ThemedPanel};
 use crate::rows::match_outcome::BoxFacts;
-use crate::worst::places::PlanWindow;
+use crate::worst::objects::PlanWindow;
 use crate::worst::points::{PLAN_CELL_M, PlanCells};
 
 const SIDE_PX: u32 = 200;
 /// Of the disc that marks an object without a box.
-const PLACE_RADIUS_PX: u32 = 14;
+const POSITION_RADIUS_PX: u32 = 14;
 /// Dashes of what was found and taken for something else.
 const ANOTHER_CLASS: Option<[i32; 2]> = Some([1, 3]);
 
@@ -23,7 +23,7 @@ const ANOTHER_CLASS: Option<[i32; 2]> = Some([1, 3]);
 pub struct Scene<'a> {
     /// Where.
     pub window: PlanWindow,
-    /// What it is about; a box without extent is a place, in the middle of the window.
+    /// What it is about; a box without extent is a position, in the middle of the window.
     pub subject: BoxFacts,
     /// What was seen, if that was kept.
     pub cells: Option<&'a PlanCells>,
@@ -36,7 +36,7 @@ pub struct Scene<'a> {
 /// A box of a detector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneDetection {
-    /// Place of the detector in the order of the run.
+    /// Index of the detector in the order of the run.
     pub detector_idx: usize,
     /// The box.
     pub bounding_box: BoxFacts,
@@ -49,18 +49,18 @@ pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
     let Scene { window, subject, cells, annotations, detections } = scene;
     let half = f64::from(SIDE_PX) / 2.0;
     let scale = half / f64::from(window.half_m);
-    let place = |[x_m, y_m]: [f64; 2]| {
+    let position = |[x_m, y_m]: [f64; 2]| {
         let [forward, left] = [x_m - f64::from(window.center_m[0]), y_m - f64::from(window.center_m[1])];
         format!("{:.1},{:.1}", half - left * scale, half - forward * scale)
     };
-    let polygon = |it: &BoxFacts| format!(r#"polygon points="{}""#, corners(it).map(place).join(" "));
+    let polygon = |it: &BoxFacts| format!(r#"polygon points="{}""#, corners(it).map(position).join(" "));
     let mut elements = cells.map(|it| seen_cells(it, scale)).unwrap_or_default();
     let [length_m, width_m, _] = subject.length_width_height_m;
     elements.push(subject_shape(&if length_m > 0.0 || width_m > 0.0 {
         polygon(subject)
     } else {
-        // No box is labelled: the place is all that is known.
-        format!(r#"circle cx="{half}" cy="{half}" r="{PLACE_RADIUS_PX}""#)
+        // No box is labelled: the position is all that is known.
+        format!(r#"circle cx="{half}" cy="{half}" r="{POSITION_RADIUS_PX}""#)
     }));
     elements.extend(annotations.iter().map(|it| {
         let width_px = if it == subject { 2.8 } else { 1.5 };
@@ -160,10 +160,10 @@ fn sensor_mark(window: PlanWindow) -> String {
 /// Cells as runs from left to right, in cells from the middle of the object.
 fn runs(cells: &[[i32; 2]]) -> String {
     // On the screen: down is −forward, right is −left.
-    let mut places: Vec<[i32; 2]> = cells.iter().map(|[forward, left]| [-forward, -left]).collect();
-    places.sort_unstable();
+    let mut positions: Vec<[i32; 2]> = cells.iter().map(|[forward, left]| [-forward, -left]).collect();
+    positions.sort_unstable();
     let mut path = String::new();
-    for run in places.chunk_by(|a, b| a[0] == b[0] && b[1] == a[1] + 1) {
+    for run in positions.chunk_by(|a, b| a[0] == b[0] && b[1] == a[1] + 1) {
         let [down, right] = run[0];
         let _ = write!(path, "M{right} {down}h{}", run.len());
     }

@@ -6,22 +6,22 @@ use super::figure::{Figure, LEFT_PX, TEXT_PX};
 use super::marks::{Mark, SeriesMark, text_style};
 use super::themed_panel::{KEY_SIZE_PX, KeyEntry};
 
-/// A place on a chart, with the interval of its value.
+/// A position on a chart, with the interval of its value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct Position {
     pub(crate) x: f64,
     pub(crate) y: f64,
     pub(crate) within: Option<[f64; 2]>,
 }
 
-/// Places that belong together; where one is missing the line is broken.
+/// Positions that belong together; where one is missing the line is broken.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Series {
     pub(crate) name: String,
-    pub(crate) places: Vec<Option<Place>>,
+    pub(crate) positions: Vec<Option<Position>>,
 }
 
-/// How the places of series are drawn.
+/// How the positions of series are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Points {
     /// A marker each, with its interval, joined by lines; series so far apart that intervals do not hide each other.
@@ -39,20 +39,20 @@ pub(crate) fn series_marks(series: &[Series], points: Points, y: [f64; 2]) -> Ve
             Points::Marked { apart } => apart * (series_idx as f64 - (series.len() as f64 - 1.0) / 2.0),
             Points::Line => 0.0,
         };
-        let is_shown = |it: &Place| (y[0]..=y[1]).contains(&it.y);
-        for stretch in of_series.places.split(|it| !it.as_ref().is_some_and(is_shown)) {
-            let places: Vec<Place> = stretch.iter().copied().flatten().collect();
-            if places.is_empty() {
+        let is_shown = |it: &Position| (y[0]..=y[1]).contains(&it.y);
+        for stretch in of_series.positions.split(|it| !it.as_ref().is_some_and(is_shown)) {
+            let positions: Vec<Position> = stretch.iter().copied().flatten().collect();
+            if positions.is_empty() {
                 continue;
             }
-            marks.push(mark.line(places.iter().map(|it| (it.x + aside, it.y))));
+            marks.push(mark.line(positions.iter().map(|it| (it.x + aside, it.y))));
             if points != Points::Line {
-                let bars = places.iter().filter_map(|it| {
+                let bars = positions.iter().filter_map(|it| {
                     let ends = it.within?.map(|end| (it.x + aside, end.clamp(y[0], y[1])));
                     Some(Mark::line(ends, mark.color(), 1))
                 });
                 marks.extend(bars);
-                marks.extend(places.iter().map(|it| mark.marker((it.x + aside, it.y))));
+                marks.extend(positions.iter().map(|it| mark.marker((it.x + aside, it.y))));
             }
         }
     }

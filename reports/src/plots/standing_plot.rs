@@ -15,7 +15,7 @@ use crate::files::fixed_decimals::fixed_decimals;
 pub struct StandingRow {
     /// Its name.
     pub name: String,
-    /// Its place in the order of the run, which decides the colour.
+    /// Its index in the order of the run, which decides the colour.
     pub detector_idx: usize,
     /// Its rate in percent; `None` where that is undefined.
     pub percent: Option<f64>,
@@ -121,8 +121,8 @@ fn marks(title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> Vec<
     marks
 }
 
-fn text(place_px: (f64, f64), text: String, horizontal: HPos) -> Mark {
-    Mark::text(place_px, [0, 0], text, text_style(SMALL_TEXT_PX, horizontal, VPos::Center))
+fn text(position_px: (f64, f64), text: String, horizontal: HPos) -> Mark {
+    Mark::text(position_px, [0, 0], text, text_style(SMALL_TEXT_PX, horizontal, VPos::Center))
 }
 
 const TICK_PERCENT: f64 = 10.0;

@@ -14,10 +14,10 @@ const F_RATE: &str = "F-rate, % (bars: 95 % interval)";
 pub fn ablation_plot(table: &AblationTable) -> String {
     let of_extents = table.scores.chunk_by(|left, right| left.extent == right.extent);
     let parts = of_extents.map(|scores| {
-        let rows = scores.iter().enumerate().map(|(place, it)| {
+        let rows = scores.iter().enumerate().map(|(index, it)| {
             row(
                 it.variant.clone(),
-                usize::from(place > 0),
+                usize::from(index > 0),
                 it.counts.f_rate(),
                 it.f_rate_within.map(|it| it.ends),
             )

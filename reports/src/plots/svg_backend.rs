@@ -104,9 +104,9 @@ impl DrawingBackend for SvgBackend<'_> {
     ) -> Written {
         let (painted, [fill, stroke]) = paint(style.color(), is_filled);
         let (width, height, opacity) = (right - left, bottom - top, style.color().alpha);
-        let place: &Attributes<'_> = &[("x", &left), ("y", &top), ("width", &width), ("height", &height)];
+        let position: &Attributes<'_> = &[("x", &left), ("y", &top), ("width", &width), ("height", &height)];
         let style_of: &Attributes<'_> = &[("opacity", &opacity), ("fill", &fill), ("stroke", &stroke)];
-        self.element("rect", (painted, style.color()), &[place, style_of].concat(), None)
+        self.element("rect", (painted, style.color()), &[position, style_of].concat(), None)
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
@@ -137,9 +137,9 @@ impl DrawingBackend for SvgBackend<'_> {
     ) -> Written {
         let (painted, [fill, stroke]) = paint(style.color(), is_filled);
         let (opacity, width) = (style.color().alpha, style.stroke_width());
-        let place: &Attributes<'_> = &[("cx", &x), ("cy", &y), ("r", &radius_px), ("opacity", &opacity)];
+        let position: &Attributes<'_> = &[("cx", &x), ("cy", &y), ("r", &radius_px), ("opacity", &opacity)];
         let style_of: &Attributes<'_> = &[("fill", &fill), ("stroke", &stroke), ("stroke-width", &width)];
-        self.element("circle", (painted, style.color()), &[place, style_of].concat(), None)
+        self.element("circle", (painted, style.color()), &[position, style_of].concat(), None)
     }
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Written {
@@ -157,9 +157,9 @@ impl DrawingBackend for SvgBackend<'_> {
         // The library counts the height of lines, browsers that of letters.
         let (family, size_px) = (font.as_str(), style.size() / 1.24);
         let (fill, turned) = (hex(color.rgb.into()), format!("rotate(270, {x}, {y})"));
-        let place: &Attributes<'_> = &[("x", &x), ("y", &y), ("dy", &down), ("text-anchor", &anchor)];
+        let position: &Attributes<'_> = &[("x", &x), ("y", &y), ("dy", &down), ("text-anchor", &anchor)];
         let letters: &Attributes<'_> = &[("font-family", &family), ("font-size", &size_px)];
-        let mut attributes = [place, letters, &[("opacity", &color.alpha), ("fill", &fill)]].concat();
+        let mut attributes = [position, letters, &[("opacity", &color.alpha), ("fill", &fill)]].concat();
         if matches!(style.style(), FontStyle::Bold) {
             attributes.push(("font-weight", &"bold"));
         }

@@ -41,7 +41,7 @@ pub(crate) fn words<'a>(values: impl Iterator<Item = &'a str> + Clone) -> Option
     (!is_numeric).then(|| values.map(str::to_owned).collect())
 }
 
-/// Adds `series` to the one of `panels` that has the title of `panel`, or to `panel`, with a ring around its best place.
+/// Adds `series` to the one of `panels` that has the title of `panel`, or to `panel`, with a ring around its best position.
 pub(crate) fn add_series(
     panels: &mut Vec<CurvePanel>,
     panel: CurvePanel,
@@ -54,7 +54,7 @@ pub(crate) fn add_series(
     });
     let panel = &mut panels[panel_idx];
     if let Some((best, text)) = best {
-        panel.notes.extend(series.places[best].map(|at| Note::Ring((at.x, at.y), text.to_owned())));
+        panel.notes.extend(series.positions[best].map(|at| Note::Ring((at.x, at.y), text.to_owned())));
     }
     panel.series.push(series);
 }

@@ -1,7 +1,7 @@
 //! The plot of the principal numbers of a protocol over the first parameter of a sweep.
 
 use super::curve_panels::{CurvePanel, curve_figure};
-use super::series::{Place, Series};
+use super::series::{Position, Series};
 use super::sweep_panels::{add_series, words};
 use crate::numbers::sweep_curve::axis_title;
 use crate::protocols::swept_number_curves::{NumberCurve, NumberPoint};
@@ -21,13 +21,13 @@ pub fn swept_protocol_plot(swept: &SweptNumbers, protocol: Protocol, extent: &Ex
     let title = title(curves.first()?);
     let mut panels = Vec::new();
     for curve in &curves {
-        let place = |it: &NumberPoint<'_>| {
+        let position = |it: &NumberPoint<'_>| {
             let number = &it.swept.number;
-            Some(Place { x: it.x, y: number.value?, within: number.interval.map(|it| it.ends) })
+            Some(Position { x: it.x, y: number.value?, within: number.interval.map(|it| it.ends) })
         };
-        let places = curve.points.iter().map(place).collect();
+        let positions = curve.points.iter().map(position).collect();
         let best = curve.best().map(|it| (it, curve.points[it].x_text));
-        let series = Series { name: curve.first().number.detector.clone(), places };
+        let series = Series { name: curve.first().number.detector.clone(), positions };
         add_series(&mut panels, panel(curve, &swept.parameters), series, best);
     }
     Some(curve_figure(&panels, &title).panel(title).document())

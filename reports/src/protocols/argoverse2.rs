@@ -45,7 +45,7 @@ impl Argoverse2 {
         Self { classes: RankedClass::all(RankedProtocol::Argoverse2, scans, rows) }
     }
 
-    /// The classes that the scans have annotations of, each with its place.
+    /// The classes that the scans have annotations of, each with its index.
     fn present(&self) -> impl Iterator<Item = (usize, &RankedClass)> {
         self.classes.iter().enumerate().filter(|(_, class)| class.n() > 0)
     }
@@ -61,8 +61,8 @@ impl Argoverse2 {
         let all: Vec<&ClassScores> = scores.iter().map(|it| it.as_ref().unwrap_or(&nothing)).collect();
         let present: Vec<&ClassScores> = scores.iter().flatten().collect();
         let mut values: Vec<Option<f64>> = mean(&all).into_iter().chain(mean(&present)).collect();
-        for (place, _) in self.present() {
-            let numbers: [Option<f64>; OF_CLASS.len()] = match &scores[place] {
+        for (index, _) in self.present() {
+            let numbers: [Option<f64>; OF_CLASS.len()] = match &scores[index] {
                 None => [None; OF_CLASS.len()],
                 Some(it) => std::array::from_fn(|number| {
                     let numbers = it.numbers.iter().chain(&it.average_precisions);
@@ -84,7 +84,7 @@ impl Ranking for Argoverse2 {
         });
         let of_classes = self
             .present()
-            .flat_map(|(place, class)| OF_CLASS.map(|it| ProtocolMetric::new(names[place], it, class.n())));
+            .flat_map(|(index, class)| OF_CLASS.map(|it| ProtocolMetric::new(names[index], it, class.n())));
         of_several.chain(of_classes).collect()
     }
 
@@ -134,8 +134,8 @@ impl ClassScores {
 /// The means over what is found at 2 m, in each draw.
 fn mean_errors<const N: usize>(class: &RankedClass, times: &[Times<N>]) -> [[f64; 3]; N] {
     let (mut n, mut sums) = ([0.0; N], [[0.0; N]; 3]);
-    for (place, errors) in class.errors() {
-        let n_times = class.times_of(place, times);
+    for (index, errors) in class.errors() {
+        let n_times = class.times_of(index, times);
         add(&mut n, n_times);
         let errors = [errors.translation_m, errors.scale, errors.orientation_rad];
         for (sums, error) in sums.iter_mut().zip(errors) {
@@ -193,12 +193,12 @@ mod tests {
     fn slow_average(is_right: &[bool], n: usize) -> f64 {
         let mut points = Vec::new();
         let mut n_found = 0;
-        for (place, it) in is_right.iter().enumerate() {
+        for (index, it) in is_right.iter().enumerate() {
             n_found += usize::from(*it);
-            points.push([n_found as f64 / n as f64, n_found as f64 / (place + 1) as f64]);
+            points.push([n_found as f64 / n as f64, n_found as f64 / (index + 1) as f64]);
         }
-        for place in (1..points.len()).rev() {
-            points[place - 1][1] = points[place - 1][1].max(points[place][1]);
+        for index in (1..points.len()).rev() {
+            points[index - 1][1] = points[index - 1][1].max(points[index][1]);
         }
         let at = |recall: f64| {
             let Some(first) = points.first() else { return 0.0 };

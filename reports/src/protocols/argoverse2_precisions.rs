@@ -125,7 +125,7 @@ impl<const N: usize> BestPrecisions<N> {
             }
             let mut sum = 0.0;
             for it in &self.passed[draw] {
-                it.recalls.clone().for_each(|place| sum += it.at(place));
+                it.recalls.clone().for_each(|index| sum += it.at(index));
             }
             let reached = self.n_found[draw] / self.n_annotations[draw];
             if n_all[draw] > 0.0 && next < N_RECALLS && recall_at(next) == reached {
@@ -138,10 +138,10 @@ impl<const N: usize> BestPrecisions<N> {
 
 impl PassedRecalls {
     /// The best precision at one of the recalls. Behind a false detection it is that of what comes next.
-    fn at(&self, place: usize) -> f64 {
+    fn at(&self, index: usize) -> f64 {
         match self.follows {
             Some([recall, precision]) if precision > self.best => {
-                on_line(recall_at(place), [recall, precision], [self.recall, self.best])
+                on_line(recall_at(index), [recall, precision], [self.recall, self.best])
             }
             _ => self.best,
         }

@@ -17,10 +17,10 @@ pub type Times<const N: usize> = [f64; N];
 /// Scans by name, with the blocks that they are drawn in. The draws are the first of those that other rates have.
 #[derive(Debug, Clone)]
 pub struct DrawnScans {
-    // Invariant: ascending, and as many as `place_of_scan`.
+    // Invariant: ascending, and as many as `index_of_scan`.
     names: Vec<ScanName>,
-    // Of each scan the place of its data set among `resamples`, and that of its block in it.
-    place_of_scan: Vec<(usize, usize)>,
+    // Of each scan the index of its data set among `resamples`, and that of its block in it.
+    index_of_scan: Vec<(usize, usize)>,
     resamples: Vec<Resamples>,
 }
 
@@ -43,22 +43,22 @@ impl DrawnScans {
         for (id, of_dataset) in datasets {
             let blocks = Blocks::of(of_dataset.iter().map(|(_, second)| second.clone()));
             for (name, second) in of_dataset {
-                let block = blocks.place_of(&second).expect("blocks are made of the same scans");
+                let block = blocks.index_of(&second).expect("blocks are made of the same scans");
                 scans.push((name, (resamples.len(), block)));
             }
             resamples.push(Resamples::first(N_PROTOCOL_RESAMPLES, id, blocks.count()));
         }
         scans.sort();
-        let (names, place_of_scan) = scans.into_iter().unzip();
-        Self { names, place_of_scan, resamples }
+        let (names, index_of_scan) = scans.into_iter().unzip();
+        Self { names, index_of_scan, resamples }
     }
 
     /// These scans without any draw, where only the numbers themselves matter.
     pub fn undrawn(mut names: Vec<ScanName>) -> Self {
         names.sort();
         names.dedup();
-        let place_of_scan = vec![(0, 0); names.len()];
-        Self { names, place_of_scan, resamples: Vec::new() }
+        let index_of_scan = vec![(0, 0); names.len()];
+        Self { names, index_of_scan, resamples: Vec::new() }
     }
 
     /// The scans, ascending.
@@ -78,10 +78,10 @@ impl DrawnScans {
 
     /// How often each scan is there in draw `first` and those after it; never in a draw beyond the last.
     pub fn times(&self, first: usize) -> Vec<Times<N_LANES>> {
-        let mut times = vec![[0.0; N_LANES]; self.place_of_scan.len()];
+        let mut times = vec![[0.0; N_LANES]; self.index_of_scan.len()];
         for (lane, draw) in (first..self.n_draws()).take(N_LANES).enumerate() {
             let drawn: Vec<&[u16]> = self.resamples.iter().map(|it| it.times_drawn(draw)).collect();
-            for (times, (dataset, block)) in times.iter_mut().zip(&self.place_of_scan) {
+            for (times, (dataset, block)) in times.iter_mut().zip(&self.index_of_scan) {
                 times[lane] = f64::from(drawn[*dataset][*block]);
             }
         }
@@ -97,7 +97,7 @@ pub(super) fn add<const N: usize>(sums: &mut [f64; N], terms: &[f64; N]) {
     }
 }
 
-/// How many there are in each draw of what `counts` names: places of scans, and how many each has.
+/// How many there are in each draw of what `counts` names: indices of scans, and how many each has.
 pub(super) fn n_in_draws<const N: usize>(counts: &[(u32, u32)], times: &[Times<N>]) -> [f64; N] {
     let mut sums = [0.0; N];
     for (scan, n) in counts {

@@ -35,12 +35,12 @@ impl ScoredGround {
 
     fn terms(&self) -> [f64; N_TERMS] {
         let mut all = [0.0; N_TERMS];
-        for (place, definition) in GroundDefinition::ALL.into_iter().enumerate() {
+        for (index, definition) in GroundDefinition::ALL.into_iter().enumerate() {
             let Some(counts) = self.by_definition.get(&definition) else { continue };
             let GroundCounts { n_found, n_false, n_missed, n_others } = *counts;
             let counts = [n_found, n_false, n_missed, n_others].map(|it| it as f64);
             let terms = counts.into_iter().chain(rates(counts).into_iter().flat_map(moments));
-            let own = &mut all[place * N_TERMS_OF_ONE..][..N_TERMS_OF_ONE];
+            let own = &mut all[index * N_TERMS_OF_ONE..][..N_TERMS_OF_ONE];
             own.iter_mut().zip(terms).for_each(|(it, term)| *it = term);
         }
         all
@@ -72,8 +72,8 @@ impl Ground {
 impl UnderProtocol for Ground {
     fn metrics(&self) -> Vec<ProtocolMetric> {
         let total = self.terms.total();
-        let of_definition = |(place, definition): (usize, GroundDefinition)| {
-            let own = &total[place * N_TERMS_OF_ONE..][..N_TERMS_OF_ONE];
+        let of_definition = |(index, definition): (usize, GroundDefinition)| {
+            let own = &total[index * N_TERMS_OF_ONE..][..N_TERMS_OF_ONE];
             let metric = |id: &str, direction, n: f64| {
                 ProtocolMetric::new(definition.name(), (id, "ratio", direction), n as u64)
             };
@@ -81,8 +81,8 @@ impl UnderProtocol for Ground {
             let of_points = RATES.into_iter().chain(["iou"]);
             let mut metrics: Vec<ProtocolMetric> =
                 of_points.map(|id| metric(id, HigherIsBetter, n_points)).collect();
-            for (place, id) in RATES.into_iter().enumerate() {
-                let n_scans = own[4 + 3 * place];
+            for (index, id) in RATES.into_iter().enumerate() {
+                let n_scans = own[4 + 3 * index];
                 metrics.push(metric(&format!("{id}_per_scan"), HigherIsBetter, n_scans));
                 metrics.push(metric(&format!("{id}_per_scan_deviation"), LowerIsBetter, n_scans));
             }
@@ -130,8 +130,8 @@ mod tests {
         let (metrics, values) = (under.metrics(), under.values(&[1, 1, 1]));
         assert_eq!(metrics.len(), values.len());
         let of = |id: &str| {
-            let place = metrics.iter().position(|it| it.class == "groundgrid" && it.id == id).unwrap();
-            (values[place], metrics[place].n)
+            let index = metrics.iter().position(|it| it.class == "groundgrid" && it.id == id).unwrap();
+            (values[index], metrics[index].n)
         };
         assert_eq!(of("precision"), (Some(9.0 / 11.0), 27));
         assert_eq!(of("recall"), (Some(0.9), 27));

@@ -78,8 +78,8 @@ fn under_protocol<T>(rows: &[RankedBoxRow], look: impl FnOnce(&dyn UnderProtocol
 /// The number called `metric` of `class`, where scan *i* is there `times[i]` times.
 pub(super) fn number(rows: &[RankedBoxRow], times: &[u16], class: &str, metric: &str) -> Option<f64> {
     under_protocol(rows, |rows| {
-        let place = rows.metrics().iter().position(|it| it.class == class && it.id == metric);
-        rows.values(times)[place.unwrap_or_else(|| panic!("no {metric} of {class}"))]
+        let index = rows.metrics().iter().position(|it| it.class == class && it.id == metric);
+        rows.values(times)[index.unwrap_or_else(|| panic!("no {metric} of {class}"))]
     })
 }
 

@@ -30,7 +30,7 @@ const OF_CLASS: [(&str, &str, Direction); 10] = [
     ("aae", "ratio", Direction::LowerIsBetter),
 ];
 
-/// The places of these numbers that classes are summed up by.
+/// The indices of these numbers that classes are summed up by.
 const SUMMED_UP: [usize; 6] = [0, 5, 6, 7, 8, 9];
 
 /// What one detector made of scans.
@@ -56,8 +56,8 @@ impl Nuscenes {
     fn values_of(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
         let mut values = Self::of_all(scores);
         values.extend(self.of_present(scores));
-        for (place, name, class) in self.present() {
-            let it = &scores[place];
+        for (index, name, class) in self.present() {
+            let it = &scores[index];
             let is_there = it.n_annotations > 0.0;
             let precisions = [it.average_precision()].into_iter().chain(it.average_precisions);
             values.extend(precisions.map(|value| is_there.then_some(value)));
@@ -73,10 +73,10 @@ impl Nuscenes {
         [true, true, orientation, motion && class.has_velocity, motion && class.has_attribute]
     }
 
-    /// The classes that the scans have annotations of, each with its name and its place.
+    /// The classes that the scans have annotations of, each with its name and its index.
     fn present(&self) -> impl Iterator<Item = (usize, &'static str, &RankedClass)> {
         let named = RankedProtocol::Nuscenes.classes().iter().zip(&self.classes).enumerate();
-        named.filter(|(_, (_, class))| class.n() > 0).map(|(place, (name, class))| (place, *name, class))
+        named.filter(|(_, (_, class))| class.n() > 0).map(|(index, (name, class))| (index, *name, class))
     }
 
     /// mAP, the mean errors and NDS of the makers: over all ten classes, also those that there are no annotations of.
@@ -91,11 +91,11 @@ impl Nuscenes {
 
     /// The same over what there are annotations of, with the errors that are known.
     fn of_present(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
-        let drawn: Vec<_> = self.present().filter(|(place, ..)| scores[*place].n_annotations > 0.0).collect();
-        let precision = mean(drawn.iter().map(|(place, ..)| scores[*place].average_precision()));
+        let drawn: Vec<_> = self.present().filter(|(index, ..)| scores[*index].n_annotations > 0.0).collect();
+        let precision = mean(drawn.iter().map(|(index, ..)| scores[*index].average_precision()));
         let errors: [Option<f64>; N_ERRORS] = std::array::from_fn(|kind| {
             let known = drawn.iter().filter(|(_, name, class)| Self::known_errors(class, name)[kind]);
-            mean(known.map(|(place, ..)| scores[*place].errors[kind]))
+            mean(known.map(|(index, ..)| scores[*index].errors[kind]))
         });
         let known: Vec<f64> = errors.into_iter().flatten().collect();
         let score = precision.map(|it| detection_score(it, &known));

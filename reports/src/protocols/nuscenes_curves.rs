@@ -11,7 +11,7 @@ const LEAST_PRECISION: f64 = 0.1;
 /// The first recall that counts: 0.11.
 const FIRST_RECALL: usize = 11;
 
-/// Number of errors: of place, size, heading, velocity and attribute.
+/// Number of errors: of position, size, heading, velocity and attribute.
 pub(super) const N_ERRORS: usize = 5;
 
 /// Precision and score at each of the recalls, and 0 where they are not reached.
@@ -73,16 +73,16 @@ impl<const N: usize> Curves<N> {
 
     /// Takes the values at recalls between what was found before `finder` and with it.
     fn pass(&mut self, class: &RankedClass, times: &[Times<N>], finder: &Finder, n_before: &[f64; N]) {
-        let n_times = class.times_of(finder.place, times);
+        let n_times = class.times_of(finder.index, times);
         let (n_found, n_needed) = (self.n_found, self.n_needed);
         for draw in (0..N).filter(|it| n_found[*it] >= n_needed[*it]) {
             let n_found_before = n_found[draw] - n_times[draw];
             let from = (n_before[draw] > 0.0).then(|| {
-                let score = class.last_score(finder.place as usize, times, draw);
+                let score = class.last_score(finder.index as usize, times, draw);
                 self.point(draw, n_found_before, n_before[draw], score)
             });
             let n_all = n_before[draw] + n_times[draw];
-            let to = self.point(draw, n_found[draw], n_all, class.score(finder.place));
+            let to = self.point(draw, n_found[draw], n_all, class.score(finder.index));
             let next = &mut self.next[draw];
             while *next < N_RECALLS && recall_at(*next) < to[0] {
                 self.of_draws[draw].take(*next, from.unwrap_or(to), to);
@@ -123,15 +123,15 @@ impl<const N: usize> Curves<N> {
 
 impl RecallCurve {
     /// Takes the values at one recall from the line between two points.
-    fn take(&mut self, place: usize, from: [f64; 3], to: [f64; 3]) {
+    fn take(&mut self, index: usize, from: [f64; 3], to: [f64; 3]) {
         let at = |axis: usize| {
             if from == to {
                 to[axis]
             } else {
-                on_line(recall_at(place), [from[0], from[axis]], [to[0], to[axis]])
+                on_line(recall_at(index), [from[0], from[axis]], [to[0], to[axis]])
             }
         };
-        (self.precisions[place], self.scores[place]) = (at(1), at(2));
+        (self.precisions[index], self.scores[index]) = (at(1), at(2));
     }
 
     /// Average precision.
@@ -160,8 +160,8 @@ pub(super) fn mean_errors<const N: usize>(
     let mut lookups: [Lookup<'_>; N] = std::array::from_fn(|draw| Lookup::of(curves[draw].as_ref()));
     let mut next = lookups.each_ref().map(Lookup::next);
     let mut running = RunningErrors { sums: [[0.0; N]; N_ERRORS], counts: [[0.0; N]; N_ERRORS] };
-    for (place_of_found, (place, errors)) in found.iter().enumerate() {
-        let (score, n_times) = (class.score(*place), class.times_of(*place, times));
+    for (index_of_found, (index, errors)) in found.iter().enumerate() {
+        let (score, n_times) = (class.score(*index), class.times_of(*index, times));
         let is_asked = |(next, n): (&f64, &f64)| u32::from(score <= *next) * u32::from(*n > 0.0);
         if next.iter().zip(n_times).map(is_asked).sum::<u32>() == 0 {
             running.add(errors, n_times);
@@ -171,9 +171,9 @@ pub(super) fn mean_errors<const N: usize>(
         running.add(errors, n_times);
         let looked_up = next;
         for draw in (0..N).filter(|it| score <= looked_up[*it] && n_times[*it] > 0.0) {
-            let is_there = |(place, _): &&(u32, &PairErrors)| class.times_of(*place, times)[draw] > 0.0;
-            let from = found[..place_of_found].iter().rfind(is_there);
-            let from = from.map(|(place, _)| (class.score(*place), before.means(draw)));
+            let is_there = |(index, _): &&(u32, &PairErrors)| class.times_of(*index, times)[draw] > 0.0;
+            let from = found[..index_of_found].iter().rfind(is_there);
+            let from = from.map(|(index, _)| (class.score(*index), before.means(draw)));
             lookups[draw].take(from, (score, running.means(draw)));
             next[draw] = lookups[draw].next();
         }

@@ -27,8 +27,8 @@ impl ProtocolReport {
     /// The content of the file: one number a line.
     pub fn to_json(&self) -> String {
         let mut json = format!("{{\n  \"schema\": {SCHEMA},\n  \"rows\": [");
-        for (place, row) in self.rows.iter().enumerate() {
-            let separator = if place == 0 { "" } else { "," };
+        for (index, row) in self.rows.iter().enumerate() {
+            let separator = if index == 0 { "" } else { "," };
             let row = serde_json::to_string(row).expect("a row has text keys and finite numbers");
             write!(json, "{separator}\n    {row}").expect("a string takes all that is written");
         }

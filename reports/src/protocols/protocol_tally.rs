@@ -176,13 +176,13 @@ fn numbers_of(
     (protocol, dataset, detector): (Protocol, &str, &str),
 ) -> Vec<ProtocolNumber> {
     let drawn = DrawnValues::new(rows, scans);
-    let number = |(place, metric)| ProtocolNumber {
+    let number = |(index, metric)| ProtocolNumber {
         protocol,
         dataset: dataset.to_owned(),
         detector: detector.to_owned(),
         metric,
-        value: drawn.values[place],
-        interval: drawn.interval(place, scans),
+        value: drawn.values[index],
+        interval: drawn.interval(index, scans),
     };
     rows.metrics().into_iter().enumerate().map(number).collect()
 }

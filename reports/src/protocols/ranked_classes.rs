@@ -10,7 +10,7 @@ use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, RankedProtocol};
 /// What counts of one scan.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct RankedScan {
-    // By the place of their class.
+    // By the index of their class.
     annotations: BTreeMap<u8, Annotations>,
     detections: Vec<FoundBox>,
 }
@@ -58,10 +58,10 @@ impl RankedScan {
 /// The boxes of one class in all scans.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RankedClass {
-    // Of each scan that has some: its place, and how many.
+    // Of each scan that has some: its index, and how many.
     annotations: Vec<(u32, u32)>,
-    // Invariant: of each detection the place of its scan and its score, the best score first; those of like scores by scan, and in a scan by
-    // their numbers.
+    // Invariant: of each detection the index of its scan and its score, the best score first; those of like scores by scan,
+    // and in a scan by their numbers.
     scans: Vec<u32>,
     scores: Vec<f64>,
     // Those that find something, in the same order.
@@ -75,22 +75,22 @@ pub(super) struct RankedClass {
 /// A detection that finds an annotation at some distance.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Finder {
-    /// Its place in the ranking.
-    pub(super) place: u32,
+    /// Its index in the ranking.
+    pub(super) index: u32,
     pairs: u8,
     // At the distance of errors, if it finds one there.
     errors: Option<PairErrors>,
 }
 
 impl Finder {
-    /// Whether it finds an annotation at the distance at this place of `PAIR_DISTANCES_M`.
+    /// Whether it finds an annotation at the distance at this index of `PAIR_DISTANCES_M`.
     pub(super) fn finds_at(&self, distance: usize) -> bool {
         self.pairs >> distance & 1 == 1
     }
 }
 
 impl RankedClass {
-    /// The classes of `protocol`, in its order, of the scans at the places of their names in `scans`, which ascend.
+    /// The classes of `protocol`, in its order, of the scans at the indices of their names in `scans`, which ascend.
     pub(super) fn all(
         protocol: RankedProtocol,
         scans: &[ScanName],
@@ -99,17 +99,17 @@ impl RankedClass {
         let mut classes = vec![Self::default(); protocol.classes().len()];
         let mut detections: Vec<Vec<(f64, u32, &FoundBox)>> = vec![Vec::new(); classes.len()];
         for (name, scan) in rows {
-            let Ok(place) = scans.binary_search(name) else { continue };
+            let Ok(index) = scans.binary_search(name) else { continue };
             for (class, annotations) in &scan.annotations {
                 let class = &mut classes[usize::from(*class)];
-                class.annotations.push((place as u32, annotations.n));
+                class.annotations.push((index as u32, annotations.n));
                 class.has_velocity |= annotations.n_with_velocity > 0;
                 class.has_attribute |= annotations.n_with_attribute > 0;
             }
             let mut by_id: Vec<&FoundBox> = scan.detections.iter().collect();
             by_id.sort_by_key(|it| it.id);
             for it in by_id {
-                detections[usize::from(it.class)].push((it.score, place as u32, it));
+                detections[usize::from(it.class)].push((it.score, index as u32, it));
             }
         }
         for (class, detections) in classes.iter_mut().zip(detections) {
@@ -126,8 +126,8 @@ impl RankedClass {
         self.scores = detections.iter().map(|(score, ..)| *score).collect();
         let finders = (0..).zip(detections).filter(|(_, (_, _, it))| it.pairs != 0);
         self.finders = finders
-            .map(|(place, (_, _, it))| Finder {
-                place,
+            .map(|(index, (_, _, it))| Finder {
+                index,
                 pairs: it.pairs,
                 errors: it.errors.as_deref().copied(),
             })
@@ -150,13 +150,13 @@ impl RankedClass {
     }
 
     /// The score of a detection.
-    pub(super) fn score(&self, place: u32) -> f64 {
-        self.scores[place as usize]
+    pub(super) fn score(&self, index: u32) -> f64 {
+        self.scores[index as usize]
     }
 
     /// How often a detection is there in each draw.
-    pub(super) fn times_of<'a, const N: usize>(&self, place: u32, times: &'a [Times<N>]) -> &'a Times<N> {
-        &times[self.scans[place as usize] as usize]
+    pub(super) fn times_of<'a, const N: usize>(&self, index: u32, times: &'a [Times<N>]) -> &'a Times<N> {
+        &times[self.scans[index as usize] as usize]
     }
 
     /// The score of the last of the first `n` detections that is there in a draw; 0 if none is.
@@ -175,14 +175,14 @@ impl RankedClass {
     ) -> [f64; N] {
         let (mut n_all, mut next) = ([0.0; N], 0);
         for finder in &self.finders {
-            let place = finder.place as usize;
-            for scan in &self.scans[next..place] {
+            let index = finder.index as usize;
+            for scan in &self.scans[next..index] {
                 add(&mut n_all, &times[*scan as usize]);
             }
-            let n_times = &times[self.scans[place] as usize];
+            let n_times = &times[self.scans[index] as usize];
             visit(finder, n_times, &n_all);
             add(&mut n_all, n_times);
-            next = place + 1;
+            next = index + 1;
         }
         for scan in &self.scans[next..] {
             add(&mut n_all, &times[*scan as usize]);
@@ -190,11 +190,12 @@ impl RankedClass {
         n_all
     }
 
-    /// The detections that find something at the distance of errors, the best first: their places, and how far they are off.
+    /// The detections that find something at the distance of errors, the best first: their indices, and how far they are
+    /// off.
     pub(super) fn errors(&self) -> impl Iterator<Item = (u32, &PairErrors)> {
         self.finders
             .iter()
             .filter(|it| it.finds_at(ERROR_DISTANCE))
-            .filter_map(|it| Some((it.place, it.errors.as_ref()?)))
+            .filter_map(|it| Some((it.index, it.errors.as_ref()?)))
     }
 }

@@ -3,19 +3,19 @@
 /// Number of recalls: 0, 0.01, …, 1.
 pub(super) const N_RECALLS: usize = 101;
 
-/// The recall at `place`, to the bit as `NumPy`'s `linspace` has it: where a recall that was reached lies on it, the last bit decides
-/// which precision is taken.
-pub(super) fn recall_at(place: usize) -> f64 {
-    if place + 1 == N_RECALLS { 1.0 } else { place as f64 * 0.01 }
+/// The recall at `index`, to the bit as `NumPy`'s `linspace` has it: where a recall that was reached lies on it, the last
+/// bit decides which precision is taken.
+pub(super) fn recall_at(index: usize) -> f64 {
+    if index + 1 == N_RECALLS { 1.0 } else { index as f64 * 0.01 }
 }
 
-/// How many of `n_annotations` have to be found for a recall beyond that at `place`; infinitely many where there is no such place. Quotients
-/// decide, so that it is the same as to compare recalls.
-pub(super) fn n_to_pass(place: usize, n_annotations: f64) -> f64 {
-    if place == N_RECALLS {
+/// How many of `n_annotations` have to be found for a recall beyond that at `index`; infinitely many where there is no such
+/// index. Quotients decide, so that it is the same as to compare recalls.
+pub(super) fn n_to_pass(index: usize, n_annotations: f64) -> f64 {
+    if index == N_RECALLS {
         return f64::INFINITY;
     }
-    let recall = recall_at(place);
+    let recall = recall_at(index);
     let mut n_found = ((recall * n_annotations).floor() - 1.0).max(0.0);
     while n_found == 0.0 || n_found / n_annotations <= recall {
         n_found += 1.0;
@@ -40,10 +40,10 @@ mod tests {
     #[test]
     fn a_recall_is_passed_by_the_least_number_beyond_it() {
         for n_annotations in [1.0, 3.0, 100.0, 200.0, 31_415.0] {
-            for place in 0..N_RECALLS {
-                let n_found = n_to_pass(place, n_annotations);
-                assert!(n_found / n_annotations > recall_at(place), "{place} of {n_annotations}");
-                assert!((n_found - 1.0) / n_annotations <= recall_at(place), "{place} of {n_annotations}");
+            for index in 0..N_RECALLS {
+                let n_found = n_to_pass(index, n_annotations);
+                assert!(n_found / n_annotations > recall_at(index), "{index} of {n_annotations}");
+                assert!((n_found - 1.0) / n_annotations <= recall_at(index), "{index} of {n_annotations}");
             }
         }
         assert_eq!(n_to_pass(N_RECALLS, 7.0), f64::INFINITY);

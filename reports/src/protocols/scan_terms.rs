@@ -7,7 +7,7 @@ use crate::rows::scan_name::ScanName;
 /// For every scan that has rows the terms of `N` sums.
 #[derive(Debug, Clone)]
 pub(super) struct ScanTerms<const N: usize> {
-    // The place of the scan, ascending, and its terms.
+    // The index of the scan, ascending, and its terms.
     of_scans: Vec<(usize, [f64; N])>,
 }
 
@@ -19,14 +19,14 @@ impl<const N: usize> ScanTerms<N> {
         terms_of: impl Fn(&R) -> [f64; N],
     ) -> Self {
         let placed = rows.iter().filter_map(|(name, it)| Some((scans.binary_search(name).ok()?, it)));
-        Self { of_scans: placed.map(|(place, it)| (place, terms_of(it))).collect() }
+        Self { of_scans: placed.map(|(index, it)| (index, terms_of(it))).collect() }
     }
 
     /// The sums where scan *i* is there `times[i]` times.
     pub(super) fn sums(&self, times: &[u16]) -> [f64; N] {
         let mut sums = [0.0; N];
-        for (place, terms) in &self.of_scans {
-            let times = f64::from(times[*place]);
+        for (index, terms) in &self.of_scans {
+            let times = f64::from(times[*index]);
             for (sum, term) in sums.iter_mut().zip(terms) {
                 *sum += times * term;
             }
@@ -36,8 +36,8 @@ impl<const N: usize> ScanTerms<N> {
 
     /// The sums of all scans once.
     pub(super) fn total(&self) -> [f64; N] {
-        let n_places = self.of_scans.last().map_or(0, |(place, _)| place + 1);
-        self.sums(&vec![1; n_places])
+        let n_indices = self.of_scans.last().map_or(0, |(index, _)| index + 1);
+        self.sums(&vec![1; n_indices])
     }
 }
 

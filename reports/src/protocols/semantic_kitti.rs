@@ -73,9 +73,9 @@ impl ScoredLabels {
                 f64::from(it.matched_iou.is_some()),
                 it.matched_iou.unwrap_or_default(),
             ];
-            for (place, term) in terms.into_iter().enumerate() {
-                of_instances[place] += term;
-                of_instances[4 + place] += if it.n_points > FEW_POINTS { term } else { 0.0 };
+            for (index, term) in terms.into_iter().enumerate() {
+                of_instances[index] += term;
+                of_instances[4 + index] += if it.n_points > FEW_POINTS { term } else { 0.0 };
             }
         }
         let of_class = |class: ThingClass| {
@@ -123,8 +123,8 @@ struct ClassSums {
 impl ClassSums {
     fn all(terms: &[f64; N_TERMS]) -> [Self; N_CLASSES] {
         std::array::from_fn(|class| {
-            let place = N_INSTANCE_TERMS + 4 * class;
-            let [n_matched, n_missed, n_false, iou_sum] = std::array::from_fn(|it| terms[place + it]);
+            let index = N_INSTANCE_TERMS + 4 * class;
+            let [n_matched, n_missed, n_false, iou_sum] = std::array::from_fn(|it| terms[index + it]);
             Self { n_matched, n_missed, n_false, iou_sum }
         })
     }
@@ -143,8 +143,8 @@ impl ClassSums {
 
 /// The mean qualities of `classes`; those of a class of which there is nothing are 0, as the makers take them.
 fn mean_qualities(classes: &[ClassSums]) -> [Option<f64>; 3] {
-    std::array::from_fn(|place| {
-        let qualities = classes.iter().map(|it| it.qualities().unwrap_or_default()[place]);
+    std::array::from_fn(|index| {
+        let qualities = classes.iter().map(|it| it.qualities().unwrap_or_default()[index]);
         ratio(qualities.sum(), classes.len() as f64)
     })
 }
@@ -160,8 +160,8 @@ impl UnderProtocol for SemanticKitti {
         let mut metrics: Vec<ProtocolMetric> = OF_INSTANCES
             .iter()
             .enumerate()
-            .map(|(place, (id, direction))| {
-                metric(ALL_CLASSES, id, "ratio", *direction, n_instances[place % 2])
+            .map(|(index, (id, direction))| {
+                metric(ALL_CLASSES, id, "ratio", *direction, n_instances[index % 2])
             })
             .collect();
         metrics.extend(OF_SCANS.map(|id| metric(ALL_CLASSES, id, "nats", LowerIsBetter, n_scans)));
@@ -182,11 +182,11 @@ impl UnderProtocol for SemanticKitti {
 
     fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
         let sums = self.terms.sums(times);
-        let of_instances = |place: usize| [0, 4].map(|first| ratio(sums[first + place], sums[first]));
+        let of_instances = |index: usize| [0, 4].map(|first| ratio(sums[first + index], sums[first]));
         // Association; overlaps of matched instances, over all: recall times their mean overlap; recall.
         let mut values: Vec<Option<f64>> = [1, 3, 2].into_iter().flat_map(of_instances).collect();
-        for place in [0, 3] {
-            let first = N_INSTANCE_TERMS + N_THING_TERMS + place;
+        for index in [0, 3] {
+            let first = N_INSTANCE_TERMS + N_THING_TERMS + index;
             values.extend(mean_and_deviation([sums[first], sums[first + 1], sums[first + 2]]));
         }
         if self.has_classes {
@@ -200,7 +200,7 @@ impl UnderProtocol for SemanticKitti {
             values.extend(mean_qualities(&there));
             for class in &present {
                 let qualities = class.qualities();
-                values.extend((0..OF_THINGS.len()).map(|place| qualities.map(|it| it[place])));
+                values.extend((0..OF_THINGS.len()).map(|index| qualities.map(|it| it[index])));
             }
         }
         values

@@ -21,7 +21,7 @@ pub struct NumberCurve<'a> {
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumberPoint<'a> {
-    /// The value of the first parameter as a number; its place among the values if one of these is none.
+    /// The value of the first parameter as a number; its index among the values if one of these is none.
     pub x: f64,
     /// The value as it is written.
     pub x_text: &'a str,
@@ -34,19 +34,19 @@ impl SweptNumbers {
     pub fn principal_curves(&self) -> Vec<NumberCurve<'_>> {
         let is_numeric = self.numbers.iter().all(|it| number(&it.subject.values[0]).is_some());
         let mut curves: Vec<NumberCurve<'_>> = Vec::new();
-        let mut places = BTreeMap::new();
+        let mut indices = BTreeMap::new();
         for swept in self.numbers.iter().filter(|it| it.number.is_principal()) {
             let SweptNumber { subject, number: of } = swept;
             let others = other_values((&self.parameters, self.n_swept), &subject.values);
             let key =
                 (of.protocol, &of.dataset, &of.detector, &of.metric.class, &of.metric.id, others.clone());
-            let place = *places.entry(key).or_insert(curves.len());
-            if place == curves.len() {
+            let index = *indices.entry(key).or_insert(curves.len());
+            if index == curves.len() {
                 curves.push(NumberCurve { others, points: Vec::new() });
             }
             let x_text = subject.values[0].as_str();
-            let x = number(x_text).filter(|_| is_numeric).unwrap_or(curves[place].points.len() as f64);
-            curves[place].points.push(NumberPoint { x, x_text, swept });
+            let x = number(x_text).filter(|_| is_numeric).unwrap_or(curves[index].points.len() as f64);
+            curves[index].points.push(NumberPoint { x, x_text, swept });
         }
         curves.retain(|it| it.points.iter().any(|it| it.swept.number.value.is_some()));
         curves
@@ -71,12 +71,12 @@ impl NumberCurve<'_> {
         self.points[0].swept
     }
 
-    /// Place of the point with the best value, the first of several; `None` without a value, or where neither way is better.
+    /// Index of the point with the best value, the first of several; `None` without a value, or where neither way is better.
     pub fn best(&self) -> Option<usize> {
         self.extreme(1.0)
     }
 
-    /// Place of the point with the worst value.
+    /// Index of the point with the worst value.
     pub fn worst(&self) -> Option<usize> {
         self.extreme(-1.0)
     }
@@ -130,8 +130,8 @@ mod tests {
         let mut numbers = swept(&[Some(0.25), Some(0.5)]);
         numbers.parameters.push("a.xi".to_owned());
         numbers.n_swept = 2;
-        for (place, it) in numbers.numbers.iter_mut().enumerate() {
-            it.subject.values = vec!["word".to_owned(), (place / 2 + 2).to_string()];
+        for (index, it) in numbers.numbers.iter_mut().enumerate() {
+            it.subject.values = vec!["word".to_owned(), (index / 2 + 2).to_string()];
         }
         let curves = numbers.principal_curves();
         let others: Vec<String> = curves.iter().map(|it| it.others.join(", ")).collect();

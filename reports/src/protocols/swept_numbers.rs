@@ -1,4 +1,5 @@
-//! What detectors reach at the points of a sweep under protocols of others: `sweep_protocols.csv` and `sweep_protocols.json`.
+//! What detectors reach at the points of a sweep under protocols of others: `sweep_protocols.csv` and
+//! `sweep_protocols.json`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -70,8 +71,8 @@ impl SweptNumbers {
     /// The content of `sweep_protocols.json`: one number a line, as `protocols.json` has it, with the point and its values.
     pub fn to_json(&self) -> String {
         let mut json = format!("{{\n  \"schema\": {SCHEMA},\n  \"rows\": [");
-        for (place, SweptNumber { subject, number }) in self.numbers.iter().enumerate() {
-            let separator = if place == 0 { "" } else { "," };
+        for (index, SweptNumber { subject, number }) in self.numbers.iter().enumerate() {
+            let separator = if index == 0 { "" } else { "," };
             let names = self.parameters.iter().map(String::as_str);
             let values = names.zip(subject.values.iter().map(String::as_str)).collect();
             let row = RowRecord { point: subject.point_idx, values, number };
@@ -96,7 +97,7 @@ impl SweptNumber {
         let Self { subject, number } = self;
         let metric = &number.metric;
         let digits = |it: Option<f64>| it.map(|it| it.to_string()).unwrap_or_default();
-        let end = |place: usize| digits(number.interval.map(|it| it.ends[place]));
+        let end = |index: usize| digits(number.interval.map(|it| it.ends[index]));
         let of_blocks = |text: fn(Interval) -> String| number.interval.map_or_else(String::new, text);
         let direction = metric.direction.higher_is_better();
         let mut cells = vec![subject.point_idx.to_string()];

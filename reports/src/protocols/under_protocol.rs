@@ -66,10 +66,10 @@ impl DrawnValues {
         Self { values, resampled }
     }
 
-    /// How sure the value at `place` is.
-    pub fn interval(&self, place: usize, scans: &DrawnScans) -> Option<Interval> {
-        self.values[place]?;
-        let resampled = self.resampled.iter().map(|it| it[place]);
+    /// How sure the value at `index` is.
+    pub fn interval(&self, index: usize, scans: &DrawnScans) -> Option<Interval> {
+        self.values[index]?;
+        let resampled = self.resampled.iter().map(|it| it[index]);
         Distribution::new(resampled, scans.blocks()?).map(|it| it.interval())
     }
 }

@@ -1,16 +1,17 @@
-//! The cluster of every point of a scan as a file, for other programs: 0 is no cluster, the first cluster is 1, as in the protocol for detectors.
+//! The cluster of every point of a scan as a file, for other programs: 0 is no cluster, the first cluster is 1, as in the
+//! protocol for detectors.
 
 use std::fmt::Write as _;
 
 /// Stands in files for points of no cluster.
 pub const NO_CLUSTER: u32 = 0;
 
-/// The number in files of a cluster that has this place, from 0, among those of its scan.
+/// The number in files of a cluster that has this index, from 0, among those of its scan.
 pub fn number_in_files(cluster: Option<u32>) -> u32 {
-    cluster.map_or(NO_CLUSTER, |place| place + 1)
+    cluster.map_or(NO_CLUSTER, |index| index + 1)
 }
 
-/// One row a point, in the order of the scan: its place, from 0, and its [`number_in_files`].
+/// One row a point, in the order of the scan: its index, from 0, and its [`number_in_files`].
 pub fn to_csv(cluster_of_point: &[Option<u32>]) -> String {
     let mut text = "point,cluster\n".to_owned();
     for (point_idx, cluster) in cluster_of_point.iter().enumerate() {

@@ -1,5 +1,6 @@
-//! `protocol_kitti_object.csv`: what KITTI's evaluation of object detection looks at, one row for every annotation, every detection, every
-//! pair of them that overlaps enough to count somewhere, and every detection in a region that is not labelled.
+//! `protocol_kitti_object.csv`: what KITTI's evaluation of object detection looks at, one row for every annotation, every
+//! detection, every pair of them that overlaps enough to count somewhere, and every detection in a region that is not
+//! labelled.
 //!
 //! Boxes are those of the files, in the rectified frame of the camera (x right, y down, z ahead) and in its image. Numbers are written in
 //! full, since a result may hang on the last digit.
@@ -23,12 +24,12 @@ pub struct KittiObjectRow {
     pub fact: KittiFact,
 }
 
-/// What a row says. Places are those in the files of a scan, from 0; the evaluation of the makers depends on their order.
+/// What a row says. Indices are those in the files of a scan, from 0; the evaluation of the makers depends on their order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KittiFact {
     /// An annotated object.
     Annotation {
-        /// Its place among the annotations.
+        /// Its index among the annotations.
         annotation: u32,
         /// What it is and where.
         object: KittiBox,
@@ -39,7 +40,7 @@ pub enum KittiFact {
     },
     /// A detection.
     Detection {
-        /// Its place among the detections.
+        /// Its index among the detections.
         detection: u32,
         /// What it is and where.
         object: KittiBox,
@@ -48,16 +49,16 @@ pub enum KittiFact {
     },
     /// An annotation and a detection that overlap.
     Pair {
-        /// Place of the annotation.
+        /// Index of the annotation.
         annotation: u32,
-        /// Place of the detection.
+        /// Index of the detection.
         detection: u32,
         /// By how much.
         overlap: KittiOverlap,
     },
     /// A detection in a region of the image in which nothing is labelled.
     DontCare {
-        /// Place of the detection.
+        /// Index of the detection.
         detection: u32,
         /// The share of its box in the image that is in the region, 0 to 1.
         share: f64,

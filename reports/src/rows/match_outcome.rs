@@ -69,7 +69,7 @@ pub struct FoundBy {
 /// What is known about an annotation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnnotationFacts {
-    /// Its place among the annotations of the scan, from 0.
+    /// Its index among the annotations of the scan, from 0.
     pub id: u64,
     /// Number of the object within its drive.
     pub track: Option<u32>,
@@ -102,21 +102,21 @@ impl AnnotationFacts {
 #[cfg(test)]
 impl AnnotationFacts {
     /// The first of its scan, on no track, with all its points inside of what is labelled, and nothing known of where it is.
-    pub(crate) fn placeless(class: AnnotationClass, n_points: u64) -> Self {
+    pub(crate) fn without_position(class: AnnotationClass, n_points: u64) -> Self {
         let (track, occlusion, bounding_box, centroid_m) = (None, None, None, None);
         Self { id: 0, track, class, occlusion, n_points, n_points_outside: 0, bounding_box, centroid_m }
     }
 }
 
-/// Distance of a place from the sensor on the ground plan, in metres.
-pub fn range_m(place_m: [f32; 3]) -> f64 {
-    f64::from(place_m[0]).hypot(f64::from(place_m[1]))
+/// Distance of a position from the sensor on the ground plan, in metres.
+pub fn range_m(position_m: [f32; 3]) -> f64 {
+    f64::from(position_m[0]).hypot(f64::from(position_m[1]))
 }
 
 /// What is known about a detection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetectionFacts {
-    /// Its place among the detections of the scan, from 0.
+    /// Its index among the detections of the scan, from 0.
     pub id: u64,
     /// What the detector takes it for.
     pub class: DetectionClass,

@@ -62,7 +62,7 @@ row! {
         annotation_occlusion: Option<Occlusion>,
         annotation_n_points: Option<u64>,
         annotation_n_points_outside: Option<u64>,
-        annotation_place: PlaceColumns = [
+        annotation_box: BoxColumns = [
             "annotation_center_x_m",
             "annotation_center_y_m",
             "annotation_center_z_m",
@@ -75,7 +75,7 @@ row! {
         detection_class: Option<DetectionClass>,
         detection_score: Option<Fixed<6>>,
         detection_n_points: Option<u64>,
-        detection_place: PlaceColumns = [
+        detection_box: BoxColumns = [
             "detection_center_x_m",
             "detection_center_y_m",
             "detection_center_z_m",
@@ -215,16 +215,16 @@ fn known_reason<T>(name: Option<String>, from_name: fn(&str) -> Option<T>) -> Re
 }
 
 /// Centre x, y, z, length, width, height and yaw as they are written.
-type PlaceColumns = [Option<Fixed<4>>; 7];
+type BoxColumns = [Option<Fixed<4>>; 7];
 
-fn box_columns(bounding_box: BoxFacts) -> PlaceColumns {
+fn box_columns(bounding_box: BoxFacts) -> BoxColumns {
     let BoxFacts { center_m: [x, y, z], length_width_height_m: [length, width, height], yaw_rad } =
         bounding_box;
     [x, y, z, length, width, height, yaw_rad].map(|it| Some(Fixed::rounded(f64::from(it))))
 }
 
 /// Of its box or, without one, of its points, whose centroid has neither size nor heading.
-fn columns_of_annotation(annotation: &AnnotationFacts) -> PlaceColumns {
+fn columns_of_annotation(annotation: &AnnotationFacts) -> BoxColumns {
     match (annotation.bounding_box, annotation.centroid_m) {
         (Some(bounding_box), _) => box_columns(bounding_box),
         (None, Some(centroid_m)) => {
@@ -236,7 +236,7 @@ fn columns_of_annotation(annotation: &AnnotationFacts) -> PlaceColumns {
 }
 
 /// The inverse of [`columns_of_annotation`]: a box, or a centroid, or neither.
-fn place_from_columns(columns: PlaceColumns) -> Result<(Option<BoxFacts>, Option<[f32; 3]>), &'static str> {
+fn box_from_columns(columns: BoxColumns) -> Result<(Option<BoxFacts>, Option<[f32; 3]>), &'static str> {
     match columns.map(|it| it.map(|Fixed(value)| value as f32)) {
         [Some(x), Some(y), Some(z), Some(length), Some(width), Some(height), Some(yaw_rad)] => {
             let (center_m, length_width_height_m) = ([x, y, z], [length, width, height]);
@@ -269,18 +269,18 @@ impl From<MatchRow> for MatchRecord {
             annotation_n_points_outside: annotation_ref.map(|it| it.n_points_outside),
             annotation_occlusion: annotation_ref.and_then(|it| it.occlusion),
             annotation_class: annotation_ref.map(|it| it.class),
-            annotation_place: annotation_ref.map_or([None; 7], columns_of_annotation),
+            annotation_box: annotation_ref.map_or([None; 7], columns_of_annotation),
             detection_id: detection_ref.map(|it| it.id),
             detection_score: detection_ref.and_then(|it| it.score).map(|it| Fixed::rounded(f64::from(it))),
             detection_n_points: detection_ref.map(|it| it.n_points),
             detection_class: detection_ref.map(|it| it.class),
-            detection_place: detection_ref.map_or([None; 7], |it| box_columns(it.bounding_box)),
+            detection_box: detection_ref.map_or([None; 7], |it| box_columns(it.bounding_box)),
         }
     }
 }
 
 fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'static str> {
-    let (bounding_box, centroid_m) = place_from_columns(record.annotation_place)?;
+    let (bounding_box, centroid_m) = box_from_columns(record.annotation_box)?;
     let Some(id) = record.annotation_id else { return Ok(None) };
     Ok(Some(AnnotationFacts {
         id,
@@ -297,7 +297,7 @@ fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'stat
 }
 
 fn detection_of(record: &MatchRecord) -> Result<Option<DetectionFacts>, &'static str> {
-    let (bounding_box, _) = place_from_columns(record.detection_place)?;
+    let (bounding_box, _) = box_from_columns(record.detection_box)?;
     let Some(id) = record.detection_id else { return Ok(None) };
     Ok(Some(DetectionFacts {
         id,

@@ -26,8 +26,8 @@ pub struct RankedBoxRow {
 /// A box of one scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RankedBox {
-    /// Its place among the annotations, or among the detections, of the scan: from the best score down, boxes of like scores by their
-    /// numbers.
+    /// Its index among the annotations, or among the detections, of the scan: from the best score down, boxes of like scores
+    /// by their numbers.
     pub id: u32,
     /// What the files call it.
     pub name: String,

@@ -7,7 +7,7 @@ use crate::files::fixed_decimals::Fixed;
 
 /// Where an object of [`JudgedObjects`] was seen, and what it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JudgedObjectPlace<'a> {
+pub struct JudgedObjectFacts<'a> {
     /// Data set.
     pub data: &'a str,
     /// Drive.
@@ -29,7 +29,7 @@ pub struct JudgedObjects {
 }
 
 /// The columns before those of the values of a model.
-const PLACE_COLUMNS: [&str; 7] =
+const OBJECT_COLUMNS: [&str; 7] =
     ["data", "sequence", "kind", "is_vehicle", "n_points", "range_m", "decision"];
 
 impl JudgedObjects {
@@ -40,22 +40,22 @@ impl JudgedObjects {
     /// None that memory would not give.
     pub fn new(features: &[&str]) -> Result<Self, csv::Error> {
         let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-        writer.write_record(PLACE_COLUMNS.iter().chain(features))?;
+        writer.write_record(OBJECT_COLUMNS.iter().chain(features))?;
         Ok(Self { writer })
     }
 
-    /// Appends the object at `place` with its decision value and what that was made of, in the order of the columns.
+    /// Appends the object of `facts` with its decision value and what that was made of, in the order of the columns.
     ///
     /// # Errors
     ///
     /// If a number is not finite, or there are more or fewer values than columns.
     pub fn write(
         &mut self,
-        place: JudgedObjectPlace<'_>,
+        facts: JudgedObjectFacts<'_>,
         decision: f32,
         features: &[f32],
     ) -> Result<(), csv::Error> {
-        let JudgedObjectPlace { data, sequence, kind, is_vehicle, n_points, range_m } = place;
+        let JudgedObjectFacts { data, sequence, kind, is_vehicle, n_points, range_m } = facts;
         let values: Vec<Fixed<4>> = features.iter().map(|&it| Fixed(it.into())).collect();
         let decision = Fixed::<5>(decision.into());
         self.writer.serialize((
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn values_have_the_columns_of_their_model() {
-        let place = JudgedObjectPlace {
+        let facts = JudgedObjectFacts {
             data: "street",
             sequence: "narrow-1",
             kind: "car",
@@ -129,10 +129,10 @@ mod tests {
             range_m: 12.345,
         };
         let mut rows = JudgedObjects::new(&["a", "b"]).unwrap();
-        rows.write(place, -0.5, &[1.0, 2.25]).unwrap();
-        assert!(rows.write(place, 0.0, &[1.0]).is_err() && rows.write(place, 0.0, &[1.0, f32::NAN]).is_err());
+        rows.write(facts, -0.5, &[1.0, 2.25]).unwrap();
+        assert!(rows.write(facts, 0.0, &[1.0]).is_err() && rows.write(facts, 0.0, &[1.0, f32::NAN]).is_err());
         let mut rows = JudgedObjects::new(&["a", "b"]).unwrap();
-        rows.write(place, -0.5, &[1.0, 2.25]).unwrap();
+        rows.write(facts, -0.5, &[1.0, 2.25]).unwrap();
         let expected = "data,sequence,kind,is_vehicle,n_points,range_m,decision,a,b\nstreet,narrow-1,car,true,25,12.35,-0.50000,1.0000,2.2500\n";
         assert_eq!(String::from_utf8(rows.into_csv()).unwrap(), expected);
     }

@@ -63,7 +63,7 @@ fn output_option(argument: &str) -> OutputOption {
 /// `text` as a word of a shell's command line.
 pub fn shell_word(text: &str) -> String {
     let is_plain = |it: char| it.is_ascii_alphanumeric() || "-_=./:,+@%~".contains(it);
-    // A shell puts a folder in the place of `~`, but only at the beginning.
+    // A shell replaces `~` by a folder, but only at the beginning.
     if !text.is_empty() && !text.starts_with('~') && text.chars().all(is_plain) {
         text.to_owned()
     } else {

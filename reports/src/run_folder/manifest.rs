@@ -130,7 +130,7 @@ pub struct DatasetEntry {
     /// Where points lie in the frames of labelled boxes, as the first scans show it; `None` where nobody asked them, or vehicles are few.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub label_points: Option<SeenLabels>,
-    /// Why the frame of the scans or their labels are doubtful, a sentence each. No verdict rests on such a data set.
+    /// Why the frame of the scans or their labels are suspect, a sentence each. No verdict rests on such a data set.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<String>,
     /// Its licence, where known.

@@ -7,7 +7,7 @@ pub mod manifest;
 pub mod command_line;
 pub mod comparison_manifest;
 pub mod run_target;
-mod folder_in_place;
+mod finished_folder;
 pub mod run_directory;
 pub mod run_archive;
 pub mod partial_manifest;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::files::archive::ArchiveError;
 use crate::files::hidden_folder::HiddenFolder;
 use crate::files::whole_file::{WholeFile, folder_of, write_whole};
-use crate::run_folder::folder_in_place::move_into_place;
+use crate::run_folder::finished_folder::move_to_target;
 use crate::run_folder::run_target::{
     ClaimedTarget, ExistingTarget, LATEST, LatestPointer, RunDirectoryError, refused,
 };
@@ -106,7 +106,7 @@ impl RunDirectory {
         Self::begin(ClaimedTarget::claim(target, existing, latest)?)
     }
 
-    /// Begins the run directory whose place has been taken.
+    /// Begins the run directory whose path has been taken.
     ///
     /// # Errors
     ///
@@ -156,7 +156,7 @@ impl RunDirectory {
     /// # Errors
     ///
     /// [`RunDirectoryError`] if the disk does not take it, or if somebody else made the target meanwhile; nothing is left
-    /// behind then, and an earlier run stays as it was. If `latest` alone fails, the run is in its place.
+    /// behind then, and an earlier run stays as it was. If `latest` alone fails, the run is at its path.
     pub fn finish(self) -> Result<PathBuf, RunDirectoryError> {
         sync_tree(self.partial.path())?;
         let target = self.claimed.target().to_path_buf();
@@ -164,7 +164,7 @@ impl RunDirectory {
         self.partial.undisturbed(|| {
             self.claimed.check()?;
             // What is removed in the end is nothing or, after an exchange, the earlier run.
-            move_into_place(self.partial.path(), &target)?;
+            move_to_target(self.partial.path(), &target)?;
             if self.claimed.latest() == LatestPointer::Update { point_latest_at(&target) } else { Ok(()) }
         })?;
         sync_folder(folder_of(&target))?;
@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn two_do_not_write_to_one_place() {
+    fn two_do_not_write_to_one_path() {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("a");
         for existing in [ExistingTarget::Refuse, ExistingTarget::Replace] {

@@ -1,4 +1,4 @@
-//! The place of a run directory, taken before the run begins.
+//! The path of a run directory, taken before the run begins.
 
 use std::fs::Metadata;
 use std::io;
@@ -68,9 +68,9 @@ pub enum RunDirectoryError {
     Archive(#[from] ArchiveError),
 }
 
-/// The place of a run directory, which nobody else takes while this lives.
+/// The path of a run directory, which nobody else takes while this lives.
 #[derive(Debug)]
-#[must_use = "a place that is not held is anybody's"]
+#[must_use = "a path that is not held is anybody's"]
 pub struct ClaimedTarget {
     // Invariant: given back before the folders around it may go: fields drop in the order of declaration.
     _name: ClaimedName,
@@ -196,7 +196,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_is_taken_once() {
+    fn a_path_is_taken_once() {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("a");
         let claim = || ClaimedTarget::claim(&target, ExistingTarget::Replace, LatestPointer::Leave);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_below_a_file_is_none() {
+    fn a_path_below_a_file_is_none() {
         let file = tempfile::NamedTempFile::new().unwrap();
         let error = ClaimedTarget::claim_unused(file.path(), "a", LatestPointer::Leave).unwrap_err();
         assert!(matches!(error, RunDirectoryError::Io { .. }), "{error}");

@@ -38,7 +38,7 @@ fn in_words(numbers: &[u32]) -> String {
     words.join(", ")
 }
 
-/// Checks that `shards` are those of one run, each once, and returns their places in the order of the run.
+/// Checks that `shards` are those of one run, each once, and returns their indices in the order of the run.
 ///
 /// Names of folders that data lie in, dates and processors may differ.
 ///
@@ -132,26 +132,26 @@ fn check_scans<M: MadeInShards>(
 ) -> Result<(), ShardMismatch> {
     let datasets = shards.first().map_or_else(Vec::new, |it| it.manifest.selected());
     for (dataset_idx, (id, n_selected)) in datasets.into_iter().enumerate() {
-        let gap = |place, n_scans| {
-            Err(ShardMismatch(format!("{n_scans} scans of {id:?} from place {place} on are in no shard")))
+        let gap = |index, n_scans| {
+            Err(ShardMismatch(format!("{n_scans} scans of {id:?} from place {index} on are in no shard")))
         };
-        let (mut place, mut last) = (0, None);
+        let (mut index, mut last) = (0, None);
         for (idx, _, record) in records {
             let Some(part) = record.parts.get(dataset_idx).filter(|it| it.first < it.end) else { continue };
-            if part.first < place {
+            if part.first < index {
                 let [first, other] = [last.unwrap_or(*idx), *idx].map(|it| &shards[it].name);
                 return Err(ShardMismatch(format!(
                     "{first} and {other} overlap: both have scans of {id:?} from place {} on",
                     part.first
                 )));
             }
-            if part.first > place {
-                return gap(place, part.first - place);
+            if part.first > index {
+                return gap(index, part.first - index);
             }
-            (place, last) = (part.end, Some(*idx));
+            (index, last) = (part.end, Some(*idx));
         }
-        if place < n_selected {
-            return gap(place, n_selected - place);
+        if index < n_selected {
+            return gap(index, n_selected - index);
         }
     }
     Ok(())
@@ -165,10 +165,10 @@ mod tests {
     use crate::tables::sample;
     use proptest::prelude::*;
 
-    /// Shard `index` of `count` of three data sets of twenty scans each, with these places of all sixty.
+    /// Shard `index` of `count` of three data sets of twenty scans each, with these indices of all sixty.
     fn shard(index: u32, count: u32, scans: std::ops::Range<u64>) -> NamedShard<Manifest> {
         let part = |dataset_idx: u64| {
-            let within = |place: u64| place.clamp(20 * dataset_idx, 20 * dataset_idx + 20) - 20 * dataset_idx;
+            let within = |index: u64| index.clamp(20 * dataset_idx, 20 * dataset_idx + 20) - 20 * dataset_idx;
             ShardPart {
                 first: within(scans.start),
                 end: within(scans.end),

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::vocabulary::shard::{Shard, ShardError};
 use crate::vocabulary::study::Study;
-use crate::worst::recorded::RecordedPlace;
+use crate::worst::recorded::RecordedObject;
 
 /// A part of a run or of a study that was made by itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ pub struct ShardRecord {
     pub recordings: Vec<ShardRecording>,
     /// Those of its worst mistakes whose scans are in them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub worst_recorded: Vec<RecordedPlace>,
+    pub worst_recorded: Vec<RecordedObject>,
 }
 
 /// By what the work of scans is measured before they are read.
@@ -52,9 +52,9 @@ pub enum WorkMeasure {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShardPart {
-    /// Its first scan, as a place among those that were selected, from 0.
+    /// Its first scan, as an index among those that were selected, from 0.
     pub first: u64,
-    /// The place behind its last one.
+    /// The index behind its last one.
     pub end: u64,
     /// SHA-256 of the names and times of all scans that were selected; of objects, of their names and classes.
     pub selected: String,

@@ -41,7 +41,7 @@ impl ErrorTable<'_> {
     fn reasons(&self, is_asked: impl Fn(&ErrorRow) -> bool) -> Vec<(MistakeKind, &str)> {
         let mut reasons: Vec<(MistakeKind, &str)> =
             self.rows.iter().filter(|it| is_asked(it)).map(|it| (it.mistake, it.reason.as_str())).collect();
-        reasons.sort_by_key(|it| (it.0, place(*it)));
+        reasons.sort_by_key(|it| (it.0, index(*it)));
         reasons.dedup();
         reasons
     }
@@ -106,8 +106,8 @@ impl ErrorTable<'_> {
     }
 }
 
-/// The place of a reason in the vocabulary.
-fn place((mistake, reason): (MistakeKind, &str)) -> Option<usize> {
+/// The index of a reason in the vocabulary.
+fn index((mistake, reason): (MistakeKind, &str)) -> Option<usize> {
     match mistake {
         MistakeKind::Missed => MissReason::ALL.iter().position(|it| it.name() == reason),
         MistakeKind::False => FalseReason::ALL.iter().position(|it| it.name() == reason),

@@ -66,12 +66,12 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
         notes.sentences.extend(table.paper.map(|paper| {
             let methods =
                 paper.methods.iter().filter(|it| table.detectors.iter().any(|our| our == it.detector));
-            let places: Vec<_> = methods.map(|it| format!("{} under {}", it.name, it.detector)).collect();
+            let rows: Vec<_> = methods.map(|it| format!("{} under {}", it.name, it.detector)).collect();
             format!(
                 "Numbers of data sets are measured here, and may be compared within a row. Published rows are printed in {}; {}. \
                  They are of other scans, annotations and machines: for orientation, and not to be compared with the numbers measured here.",
                 paper.source,
-                places.join(", ")
+                rows.join(", ")
             )
         }));
     }

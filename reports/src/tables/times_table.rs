@@ -127,8 +127,8 @@ mod tests {
         let row = |detector: &str, metric: &Metric, value: Option<f64>| {
             MetricRow::new(Subject::of_all("main_road", Task::Objects, detector), metric.clone(), value, n)
         };
-        let rows = STATISTICS.iter().zip(1..).flat_map(|((_, metric), place)| {
-            [row("paper", metric, Some(f64::from(place) * 1.5)), row("kd-tree", metric, None)]
+        let rows = STATISTICS.iter().zip(1..).flat_map(|((_, metric), index)| {
+            [row("paper", metric, Some(f64::from(index) * 1.5)), row("kd-tree", metric, None)]
         });
         let report = RunReport::new(1, rows.collect()).unwrap();
         Terminal { width: Some(100) }.text(&TimesTable::new(&report, &manifest))

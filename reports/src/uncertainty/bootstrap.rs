@@ -74,7 +74,7 @@ impl Resamples {
         &self.times_drawn[resample_idx * n_blocks..][..n_blocks]
     }
 
-    /// The sums of each resample, where `of_blocks` are the sums of blocks by their places; those of all others are zero.
+    /// The sums of each resample, where `of_blocks` are the sums of blocks by their indices; those of all others are zero.
     pub fn sums(&self, of_blocks: &[(usize, Sums)]) -> Vec<Sums> {
         let sum = |times_drawn: &[u16]| {
             let mut sum = Sums::default();

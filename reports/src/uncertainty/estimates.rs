@@ -173,7 +173,7 @@ mod tests {
 
     fn annotation(class: AnnotationClass, n_points: u64, bounding_box: BoxFacts) -> AnnotationFacts {
         let (occlusion, bounding_box) = (Some(Occlusion::None), Some(bounding_box));
-        AnnotationFacts { occlusion, bounding_box, ..AnnotationFacts::placeless(class, n_points) }
+        AnnotationFacts { occlusion, bounding_box, ..AnnotationFacts::without_position(class, n_points) }
     }
 
     fn detection(score: Option<f32>, n_points: u64, bounding_box: BoxFacts) -> DetectionFacts {

@@ -102,7 +102,7 @@ pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) ->
 
     let written = RunDirectory::create(&target, ExistingTarget::Replace, LatestPointer::Leave)?;
     let mut manifest = run.manifest.clone();
-    forget_place(&mut manifest.argv);
+    forget_program_path(&mut manifest.argv);
     written.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     written.write_file(REPORT_JSON, run.report.to_json().as_bytes())?;
     let csv = |bytes: Result<Vec<u8>, csv::Error>| {
@@ -134,7 +134,7 @@ pub fn refuse_uncommitted(git: Option<&GitState>) -> Result<(), AcceptError> {
 }
 
 /// Where the program happened to lie is none of a baseline's business.
-pub(super) fn forget_place(argv: &mut [String]) {
+pub(super) fn forget_program_path(argv: &mut [String]) {
     if let Some(program) = argv.first_mut() {
         "scanbench".clone_into(program);
     }

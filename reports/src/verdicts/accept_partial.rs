@@ -11,8 +11,8 @@ use crate::run_folder::partial_archive::PartialArchive;
 use crate::run_folder::run_directory::{PARTIAL_CSV, RunDirectory};
 use crate::run_folder::run_target::{ExistingTarget, LatestPointer, MANIFEST_JSON};
 use crate::verdicts::accept::{
-    ACCEPTED_RUN, AcceptError, Acceptance, SCORES_MD, forget_place, history_line, history_with, line_after,
-    refuse_uncommitted,
+    ACCEPTED_RUN, AcceptError, Acceptance, SCORES_MD, forget_program_path, history_line, history_with,
+    line_after, refuse_uncommitted,
 };
 use crate::verdicts::comparability::NotComparable;
 use crate::verdicts::partial_difference::check_comparable_results;
@@ -43,7 +43,7 @@ pub fn accept_partial(
 
     let written = RunDirectory::create(&target, ExistingTarget::Replace, LatestPointer::Leave)?;
     let mut manifest = result.manifest.clone();
-    forget_place(&mut manifest.argv);
+    forget_program_path(&mut manifest.argv);
     written.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     let rows = to_csv_bytes(&result.rows);
     let rows = rows.map_err(|source| ArchiveError::Csv { path: target.join(PARTIAL_CSV), source })?;

@@ -15,14 +15,14 @@ use crate::vocabulary::task::Task;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanDrift {
     /// Which scan, which detector, which task.
-    pub place: Place,
+    pub subject: ScanSubject,
     /// What changed, in words, one entry an object.
     pub changes: Vec<String>,
 }
 
 /// A scan, a detector and a task.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Place {
+pub struct ScanSubject {
     /// Id of the data set.
     pub dataset: String,
     /// The drive.
@@ -40,9 +40,9 @@ pub struct Place {
 /// What is ignored is compared by its number alone.
 pub fn drift(baseline: &RunArchive, run: &RunArchive) -> Vec<ScanDrift> {
     let (before, now) = (scans_of(baseline), scans_of(run));
-    let drifts = before.into_iter().filter_map(|(place, before)| {
-        let changes = changes(&before, now.get(&place)?);
-        (!changes.is_empty()).then_some(ScanDrift { place, changes })
+    let drifts = before.into_iter().filter_map(|(subject, before)| {
+        let changes = changes(&before, now.get(&subject)?);
+        (!changes.is_empty()).then_some(ScanDrift { subject, changes })
     });
     drifts.collect()
 }
@@ -69,27 +69,27 @@ struct UnmatchedKey {
     n_points: u64,
 }
 
-fn scans_of(archive: &RunArchive) -> BTreeMap<Place, ScanObjects<'_>> {
-    let mut scans: BTreeMap<Place, ScanObjects<'_>> = BTreeMap::new();
+fn scans_of(archive: &RunArchive) -> BTreeMap<ScanSubject, ScanObjects<'_>> {
+    let mut scans: BTreeMap<ScanSubject, ScanObjects<'_>> = BTreeMap::new();
     for row in &archive.scans {
         if let ScanOutcome::Evaluated(numbers) = &row.outcome {
-            scans.entry(place_of_scan(row)).or_default().numbers = Some(numbers);
+            scans.entry(subject_of_scan(row)).or_default().numbers = Some(numbers);
         }
     }
     for row in &archive.matches {
-        scans.entry(place_of_match(row)).or_default().add(&row.outcome);
+        scans.entry(subject_of_match(row)).or_default().add(&row.outcome);
     }
     scans
 }
 
-fn place_of_scan(row: &ScanRow) -> Place {
+fn subject_of_scan(row: &ScanRow) -> ScanSubject {
     let ScanRow { dataset, sequence, scan, detector, task, .. } = row.clone();
-    Place { dataset, sequence, scan, task, detector }
+    ScanSubject { dataset, sequence, scan, task, detector }
 }
 
-fn place_of_match(row: &MatchRow) -> Place {
+fn subject_of_match(row: &MatchRow) -> ScanSubject {
     let [dataset, sequence, detector] = [&row.dataset, &row.sequence, &row.detector].map(String::clone);
-    Place { dataset, sequence, scan: row.scan, task: row.task, detector }
+    ScanSubject { dataset, sequence, scan: row.scan, task: row.task, detector }
 }
 
 impl<'a> ScanObjects<'a> {
@@ -184,11 +184,11 @@ fn fate_change(annotation: &AnnotationFacts, before: &Fate<'_>, now: &Fate<'_>) 
 
 fn name(annotation: &AnnotationFacts) -> String {
     let track = annotation.track.map_or_else(String::new, |it| format!(", track {it}"));
-    let place =
+    let position =
         annotation.center_m().map_or_else(String::new, |[x_m, y_m, _]| format!(" at ({x_m:.1}, {y_m:.1}) m"));
     let AnnotationFacts { id, class, n_points, .. } = annotation;
     let class = class.name();
-    format!("{class} {id}{track}, {n_points} points{place}")
+    format!("{class} {id}{track}, {n_points} points{position}")
 }
 
 fn unmatched_name(detection: &DetectionFacts) -> String {

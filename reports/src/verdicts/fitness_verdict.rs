@@ -10,7 +10,7 @@ use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
 
-/// What stands in the place of a reading for the cell size that the detector has where it is not swept.
+/// What stands instead of a reading for the cell size that the detector has where it is not swept.
 pub const CONFIGURED: &str = "as configured";
 
 row! {
@@ -69,10 +69,10 @@ pub fn fitness_verdicts(sweep: &SweepScores) -> Vec<FitnessVerdict> {
 /// The readings, and for comparison the cell size that the detector has anyway.
 fn of_curve(curve: &SweepCurve<'_>, configured: Option<f64>) -> Vec<FitnessVerdict> {
     let mut verdicts: Vec<_> = (0..n_readings(curve)).map(|it| verdict(curve, it)).collect();
-    let place =
+    let index =
         configured.and_then(|configured| curve.points.iter().position(|it| (it.x - configured).abs() < 1e-6));
-    if let (Some(place), Some(first)) = (place, verdicts.first().cloned()) {
-        let point = curve.points[place].score;
+    if let (Some(index), Some(first)) = (index, verdicts.first().cloned()) {
+        let point = curve.points[index].score;
         let size_m = point.cells.as_ref().map(|it| Fixed(it.cell_size_m));
         verdicts.push(FitnessVerdict {
             reading: CONFIGURED.to_owned(),
@@ -98,11 +98,11 @@ fn verdict(curve: &SweepCurve<'_>, reading_idx: usize) -> FitnessVerdict {
     let cells = curve.points.iter().filter_map(|it| it.score.cells.as_ref());
     let readings: Vec<_> = cells.clone().map(|it| &it.readings[reading_idx]).collect();
     let sizes_m: Vec<f64> = cells.map(|it| it.cell_size_m).collect();
-    let rate = |place: usize| curve.points[place].score.rate();
+    let rate = |index: usize| curve.points[index].score.rate();
     let best = curve.best();
     let recommended = highest(readings.iter().map(|it| it.in_range()));
     let ends = sizes_m.iter().fold([f64::INFINITY, 0.0_f64], |[low, high], it| [low.min(*it), high.max(*it)]);
-    let pairs = readings.iter().enumerate().filter_map(|(place, it)| Some((it.in_range()?, rate(place)?)));
+    let pairs = readings.iter().enumerate().filter_map(|(index, it)| Some((it.in_range()?, rate(index)?)));
     let best_rate = best.and_then(rate);
     let rate_there = recommended.and_then(rate);
     FitnessVerdict {
@@ -128,7 +128,7 @@ fn verdict(curve: &SweepCurve<'_>, reading_idx: usize) -> FitnessVerdict {
     }
 }
 
-/// Places where a reading whose numerator never falls below 0 has no value, or changes its sign to the next.
+/// Indices where a reading whose numerator never falls below 0 has no value, or changes its sign to the next.
 fn n_poles(values: &[Option<f64>], range: Option<[f64; 2]>) -> u64 {
     if range.is_none() {
         return 0;

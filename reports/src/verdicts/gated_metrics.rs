@@ -6,9 +6,9 @@ use crate::numbers::tally::Tally;
 use crate::uncertainty::sample::{Draw, Question};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
-use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleProblems, RuleTable};
+use crate::verdicts::rule_problems::{RulePosition, RuleProblem, RuleProblems, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
-use crate::verdicts::tolerances::{GatedPlace, Rule, Tolerances, names_meant};
+use crate::verdicts::tolerances::{GatedSubject, Rule, Tolerances, names_meant};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::named::named;
 use crate::vocabulary::slice::Slice;
@@ -26,7 +26,7 @@ pub struct GatedMetric {
     pub slice: String,
     /// What was measured.
     pub metric: Metric,
-    /// Place of the rule that decides about it, among those of its kind.
+    /// Index of the rule that decides about it, among those of its kind.
     pub rule_idx: usize,
     /// Before and after, or where there is no number.
     pub difference: Result<PairedDifference, Missing>,
@@ -37,9 +37,10 @@ pub struct GatedMetric {
 }
 
 impl GatedMetric {
-    /// A number of this place, on these data sets if there are others, held to the rule of this place, which tolerates so much.
+    /// A number of this subject, on these data sets if there are others, held to the rule of this index, which tolerates so
+    /// much.
     pub(super) fn new(
-        (place, on): (GatedPlace<'_>, Option<&str>),
+        (subject, on): (GatedSubject<'_>, Option<&str>),
         metric: &Metric,
         difference: Result<PairedDifference, Missing>,
         (rule_idx, tolerance): (usize, f64),
@@ -47,7 +48,7 @@ impl GatedMetric {
         let finding = difference
             .as_ref()
             .map_or(Finding::Incomparable, |it| Finding::of(it.worsening(), it.sure_worsening(), tolerance));
-        let [task, detector, slice] = [place.task, place.detector, place.part].map(str::to_owned);
+        let [task, detector, slice] = [subject.task, subject.detector, subject.part].map(str::to_owned);
         let (on, metric) = (on.map(str::to_owned), metric.clone());
         Self { on, task, detector, slice, metric, rule_idx, difference, tolerance, finding }
     }
@@ -127,7 +128,8 @@ impl Sides<'_> {
         }
         let gated = without_gaps(gated);
         // What is wrong with a rule is why it has no effect.
-        let is_sound = |it: &RuleProblem| problems.iter().all(|known| known.place.table != it.place.table);
+        let is_sound =
+            |it: &RuleProblem| problems.iter().all(|known| known.position.table != it.position.table);
         let void = void_rules(&tolerances.quality, RuleTable::Quality, &gated, str::to_owned);
         let void: Vec<RuleProblem> = void.into_iter().filter(is_sound).collect();
         problems.extend(void);
@@ -158,8 +160,8 @@ impl Sides<'_> {
         (question, on): (&Question<'_>, Option<&str>),
     ) -> Vec<GatedMetric> {
         let part = question.slice.name();
-        let place = GatedPlace { task: question.task.name(), detector: question.detector, part: &part };
-        let rule_about = |metric: &Metric| rules.iter().position(|it| it.is_about(&metric.id(), place));
+        let subject = GatedSubject { task: question.task.name(), detector: question.detector, part: &part };
+        let rule_about = |metric: &Metric| rules.iter().position(|it| it.is_about(&metric.id(), subject));
         let wanted = metrics.iter().filter_map(|it| Some((it, rule_about(it)?)));
         let wanted: Vec<(&Metric, usize)> = wanted.collect();
         if wanted.is_empty() {
@@ -169,7 +171,7 @@ impl Sides<'_> {
         let of_metric = |(metric, rule_idx): (&Metric, usize)| {
             let rule = &rules[rule_idx];
             let values = sides.each_ref().map(|it| it.as_ref().and_then(|it| it.value(metric)));
-            let is_expected = metric.is_time() || rule.names(place);
+            let is_expected = metric.is_time() || rule.names(subject);
             if values == [None, None] && !is_expected {
                 return None;
             }
@@ -177,7 +179,7 @@ impl Sides<'_> {
             let difference = both.and_then(|(before, after)| paired_difference(before, after, metric));
             let difference = difference.ok_or_else(|| Missing::of(values.map(|it| it.is_some())));
             let tolerance = rule.tolerance(metric, values[0].unwrap_or(0.0));
-            Some(GatedMetric::new((place, on), metric, difference, (rule_idx, tolerance)))
+            Some(GatedMetric::new((subject, on), metric, difference, (rule_idx, tolerance)))
         };
         wanted.into_iter().filter_map(of_metric).collect()
     }
@@ -203,7 +205,7 @@ impl Sides<'_> {
         let mut check = |rule: &Rule, table: RuleTable| {
             let mut complain = |what: &str, name: &str, suggestion: String| {
                 let what = format!("there is no {what} {name:?} in either run{suggestion}");
-                problems.push(RuleProblem { place: RulePlace { line: rule.line, table }, what });
+                problems.push(RuleProblem { position: RulePosition { line: rule.line, table }, what });
             };
             for (what, names, known) in
                 [("task", &rule.tasks, &tasks), ("detector", &rule.detectors, &detectors)]
@@ -260,8 +262,8 @@ pub(super) fn void_rules(
                         "the rule has no effect on {} of {part:?}: neither run has it, or an earlier rule applies",
                         named(metric)
                     );
-                    let place = RulePlace { line: rule.line, table: table(rule_idx) };
-                    problems.push(RuleProblem { place, what });
+                    let position = RulePosition { line: rule.line, table: table(rule_idx) };
+                    problems.push(RuleProblem { position, what });
                 }
             }
         }

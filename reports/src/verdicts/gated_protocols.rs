@@ -6,7 +6,7 @@ use crate::protocols::protocol_tally::ProtocolTally;
 use crate::verdicts::gated_metrics::{GatedMetric, Missing, judged, void_rules};
 use crate::verdicts::protocol_differences::{ProtocolPair, ProtocolSide, pairs};
 use crate::verdicts::rule_problems::{RuleProblems, RuleTable};
-use crate::verdicts::tolerances::{GatedPlace, Tolerances};
+use crate::verdicts::tolerances::{GatedSubject, Tolerances};
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::protocol::Protocol;
 
@@ -42,8 +42,8 @@ pub(super) fn gated_protocols(
                 [None, None] => continue,
             };
             gated.extend(pairs.into_iter().filter_map(|it| {
-                let place = GatedPlace { task: protocol.name(), detector, part: &it.class };
-                gated_number(&it, (place, on.as_deref()), tolerances)
+                let subject = GatedSubject { task: protocol.name(), detector, part: &it.class };
+                gated_number(&it, (subject, on.as_deref()), tolerances)
             }));
         }
     }
@@ -56,15 +56,15 @@ pub(super) fn gated_protocols(
 /// `None` if no rule is about it, it has no better way, or neither side has the number.
 fn gated_number(
     ProtocolPair { metric, is_there, difference, .. }: &ProtocolPair,
-    place: (GatedPlace<'_>, Option<&str>),
+    subject: (GatedSubject<'_>, Option<&str>),
     tolerances: &Tolerances,
 ) -> Option<GatedMetric> {
-    let rule_idx = tolerances.protocols.iter().position(|it| it.is_about(&metric.id(), place.0))?;
+    let rule_idx = tolerances.protocols.iter().position(|it| it.is_about(&metric.id(), subject.0))?;
     if *is_there == [false; 2] || metric.direction() == Direction::Neither {
         return None;
     }
     let difference = difference.clone().ok_or_else(|| Missing::of(*is_there));
     let before = difference.as_ref().map_or(0.0, |it| it.before);
     let tolerance = tolerances.protocols[rule_idx].tolerance(metric, before);
-    Some(GatedMetric::new(place, metric, difference, (rule_idx, tolerance)))
+    Some(GatedMetric::new(subject, metric, difference, (rule_idx, tolerance)))
 }

@@ -35,10 +35,10 @@ impl ProtocolSide {
         Some(Self { metrics: rows.metrics(), drawn: DrawnValues::new(&*rows, scans) })
     }
 
-    /// The place of a metric, and its value there; `None` if it has none.
+    /// The index of a metric, and its value there; `None` if it has none.
     fn value(&self, ProtocolMetric { class, id, .. }: &ProtocolMetric) -> Option<(usize, f64)> {
-        let place = self.metrics.iter().position(|it| it.class == *class && it.id == *id)?;
-        Some((place, self.drawn.values[place]?))
+        let index = self.metrics.iter().position(|it| it.class == *class && it.id == *id)?;
+        Some((index, self.drawn.values[index]?))
     }
 }
 
@@ -58,9 +58,9 @@ pub fn pairs(before: &ProtocolSide, after: &ProtocolSide, scans: &DrawnScans) ->
         let ProtocolMetric { class, id, unit, direction, .. } = of.clone();
         let metric = Metric::OfProtocol(ProtocolMetricName { id, unit, direction });
         let difference =
-            values[0].zip(values[1]).map(|((place_before, before_it), (place_after, after_it))| {
+            values[0].zip(values[1]).map(|((index_before, before_it), (index_after, after_it))| {
                 let of_draws = before.drawn.resampled.iter().zip(&after.drawn.resampled);
-                let of_draws = of_draws.map(|(before, after)| (before[place_before], after[place_after]));
+                let of_draws = of_draws.map(|(before, after)| (before[index_before], after[index_after]));
                 PairedDifference::new(&metric, [before_it, after_it], of_draws, scans.blocks())
             });
         ProtocolPair { class, metric, is_there: values.map(|it| it.is_some()), difference }

@@ -120,7 +120,7 @@ mod tests {
     const FAR: [f32; 3] = [60.0, 0.0, 0.0];
 
     fn annotation(class: AnnotationClass, center_m: [f32; 3]) -> AnnotationFacts {
-        AnnotationFacts { centroid_m: Some(center_m), ..AnnotationFacts::placeless(class, 100) }
+        AnnotationFacts { centroid_m: Some(center_m), ..AnnotationFacts::without_position(class, 100) }
     }
 
     fn detection(center_m: [f32; 3]) -> DetectionFacts {

@@ -8,14 +8,14 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RuleProblem {
     /// The part of the file that it is about.
-    pub place: RulePlace,
+    pub position: RulePosition,
     /// What is wrong.
     pub what: String,
 }
 
 /// A part of a file of tolerances.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct RulePlace {
+pub struct RulePosition {
     /// Line of the file, from 1 on; `None` of rules that stand in no file.
     pub line: Option<usize>,
     /// The table.
@@ -27,9 +27,9 @@ pub struct RulePlace {
 pub enum RuleTable {
     /// None: what stands outside of the tables that there may be.
     Top,
-    /// A rule about quality, by its place among them.
+    /// A rule about quality, by its index among them.
     Quality(usize),
-    /// A rule about a protocol of others, by its place among them.
+    /// A rule about a protocol of others, by its index among them.
     Protocol(usize),
     /// The rule about times.
     Speed,
@@ -37,15 +37,15 @@ pub enum RuleTable {
 
 impl fmt::Display for RuleProblem {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let line = self.place.line.map(|it| format!("line {it}"));
-        let table = match self.place.table {
+        let line = self.position.line.map(|it| format!("line {it}"));
+        let table = match self.position.table {
             RuleTable::Top => None,
             RuleTable::Quality(rule_idx) => Some(format!("[[quality]] {}", rule_idx + 1)),
             RuleTable::Protocol(rule_idx) => Some(format!("[[protocol]] {}", rule_idx + 1)),
             RuleTable::Speed => Some("[speed]".to_owned()),
         };
-        let place: Vec<String> = line.into_iter().chain(table).collect();
-        write!(formatter, "{}: {}", place.join(", "), self.what)
+        let position: Vec<String> = line.into_iter().chain(table).collect();
+        write!(formatter, "{}: {}", position.join(", "), self.what)
     }
 }
 
@@ -70,8 +70,8 @@ impl RuleProblems {
     ) -> Result<(), Self> {
         let mut seen = BTreeSet::new();
         let mut problems: Vec<RuleProblem> =
-            problems.into_iter().filter(|it| seen.insert((it.place.table, it.what.clone()))).collect();
-        problems.sort_by_key(|it| (it.place.table, it.place.line));
+            problems.into_iter().filter(|it| seen.insert((it.position.table, it.what.clone()))).collect();
+        problems.sort_by_key(|it| (it.position.table, it.position.line));
         if problems.is_empty() { Ok(()) } else { Err(Self { path, problems }) }
     }
 }

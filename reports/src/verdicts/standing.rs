@@ -25,16 +25,16 @@ pub struct Standing {
     /// What they are ordered by: the F-rate or, where false objects cannot be known, recall.
     pub metric: Metric,
     /// The detectors, best first; those of which the metric is undefined are last.
-    pub places: Vec<Place>,
+    pub ranking: Vec<RankedDetector>,
     /// The difference between the first and the second.
     pub lead: Option<PairedDifference>,
-    /// Data sets whose frame or labels are doubtful.
-    pub doubtful: Vec<String>,
+    /// Data sets whose frame or labels are suspect.
+    pub suspect: Vec<String>,
 }
 
 /// What one detector reached.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Place {
+pub struct RankedDetector {
     /// Its name.
     pub detector: String,
     /// The metric; `None` where it is undefined.
@@ -70,7 +70,7 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
         let has_f_rate =
             tally.detectors().iter().all(|it| row(it, &Metric::FRate).is_some_and(|it| it.value().is_some()));
         let metric = if has_f_rate { Metric::FRate } else { Metric::Recall };
-        let mut places: Vec<Place> = tally
+        let mut ranking: Vec<RankedDetector> = tally
             .detectors()
             .iter()
             .map(|detector| {
@@ -78,26 +78,26 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
                 let (value, interval) = (row.and_then(MetricRow::value), row.and_then(MetricRow::interval));
                 let is_here = |it: &str| pool.datasets.iter().any(|id| id == it);
                 let failed_scans = report.failed_scans(is_here, task, detector);
-                Place { detector: detector.clone(), value, interval, failed_scans }
+                RankedDetector { detector: detector.clone(), value, interval, failed_scans }
             })
             .collect();
-        places.sort_by(|a, b| {
-            let rank = |it: &Place| it.value.unwrap_or(f64::NEG_INFINITY);
+        ranking.sort_by(|a, b| {
+            let rank = |it: &RankedDetector| it.value.unwrap_or(f64::NEG_INFINITY);
             rank(b).total_cmp(&rank(a))
         });
-        let lead = places.get(1).and_then(|second| {
+        let lead = ranking.get(1).and_then(|second| {
             let sample =
                 |detector| tally.sample(&Question { dataset, task, detector, slice: Slice::All }, &draws);
-            paired_difference(&sample(&second.detector)?, &sample(&places[0].detector)?, &metric)
+            paired_difference(&sample(&second.detector)?, &sample(&ranking[0].detector)?, &metric)
         });
-        let (doubtful, has_others) = (doubtful(manifest, pool), pools.len() > 1);
-        Standing { task, pool: pool.clone(), has_others, metric, places, lead, doubtful }
+        let (suspect, has_others) = (suspect(manifest, pool), pools.len() > 1);
+        Standing { task, pool: pool.clone(), has_others, metric, ranking, lead, suspect }
     };
     let of_task = |task: &Task| pools.iter().map(|it| standing(*task, it)).collect::<Vec<_>>();
     tally.tasks().iter().flat_map(of_task).collect()
 }
 
-fn doubtful(manifest: &Manifest, pool: &Pool) -> Vec<String> {
+fn suspect(manifest: &Manifest, pool: &Pool) -> Vec<String> {
     let datasets = manifest.datasets.iter().filter(|it| pool.datasets.contains(&it.id));
     datasets.filter(|it| !it.doubts.is_empty()).map(|it| it.id.clone()).collect()
 }
@@ -132,7 +132,7 @@ impl Standing {
     }
 
     fn sentence_of_failures(&self) -> String {
-        let failed = self.places.iter().filter_map(|it| {
+        let failed = self.ranking.iter().filter_map(|it| {
             let [n_failed, n_scans] = it.failed_scans?;
             let name = &it.detector;
             Some(format!(
@@ -144,13 +144,13 @@ impl Standing {
 
     /// What those have that are neither first nor second; nothing where nobody has anything.
     fn sentence_of_others(&self) -> String {
-        let is_defined = |it: &&Place| it.value.is_some();
-        if !self.doubtful.is_empty() || !self.places.iter().any(|it| is_defined(&it)) {
+        let is_defined = |it: &&RankedDetector| it.value.is_some();
+        if !self.suspect.is_empty() || !self.ranking.iter().any(|it| is_defined(&it)) {
             return String::new();
         }
-        let defined = self.places.iter().filter(is_defined).skip(2);
+        let defined = self.ranking.iter().filter(is_defined).skip(2);
         let others: Vec<String> = defined.map(|it| format!("{} {}", it.detector, it.text())).collect();
-        let undefined = self.places.iter().filter(|it| it.value.is_none());
+        let undefined = self.ranking.iter().filter(|it| it.value.is_none());
         let undefined: Vec<&str> = undefined.map(|it| it.detector.as_str()).collect();
         let sentence = |head: &str, list: String| {
             if list.is_empty() { list } else { format!(" {head}: {list}.") }
@@ -174,13 +174,13 @@ impl Standing {
             Metric::FRate => "F-rate",
             _ => "recall",
         };
-        let defined: Vec<&Place> = self.places.iter().filter(|it| it.value.is_some()).collect();
+        let defined: Vec<&RankedDetector> = self.ranking.iter().filter(|it| it.value.is_some()).collect();
         match (&defined[..], &self.lead) {
             ([], _) => format!("{about}{metric} is undefined."),
-            _ if !self.doubtful.is_empty() => {
+            _ if !self.suspect.is_empty() => {
                 format!(
                     "{about}no verdict, since frame or labels of {} are doubtful.",
-                    self.doubtful.join(", ")
+                    self.suspect.join(", ")
                 )
             }
             ([only], _) => format!(
@@ -254,7 +254,7 @@ impl PairedDifference {
     }
 }
 
-impl Place {
+impl RankedDetector {
     /// The value in percent with its interval.
     fn text(&self) -> String {
         let percent = |it: f64| fixed_decimals(100.0 * it, 1);
@@ -310,14 +310,14 @@ mod tests {
         BlockCount::of_dataset(n, BlockKind::Drives)
     }
 
-    fn place(detector: &str, value: Option<f64>) -> Place {
+    fn ranked(detector: &str, value: Option<f64>) -> RankedDetector {
         let interval = value.map(|it| Interval { ends: [it - 0.02, it + 0.01], blocks: drives(12) });
-        Place { detector: detector.to_owned(), value, interval, failed_scans: None }
+        RankedDetector { detector: detector.to_owned(), value, interval, failed_scans: None }
     }
 
     fn standing(values: &[Option<f64>], lead: Option<[f64; 3]>) -> Standing {
         let names = ["grid", "tree", "pca"];
-        let places = names.iter().zip(values).map(|(name, value)| place(name, *value)).collect();
+        let ranking = names.iter().zip(values).map(|(name, value)| ranked(name, *value)).collect();
         let lead = lead.map(|[after, low, high]| PairedDifference {
             metric: Metric::FRate,
             before: 0.0,
@@ -327,7 +327,7 @@ mod tests {
         });
         let pool = pools([("street", Origin::Simulated)]).remove(0);
         let (task, metric) = (Task::Objects, Metric::FRate);
-        Standing { task, pool, has_others: false, metric, places, lead, doubtful: Vec::new() }
+        Standing { task, pool, has_others: false, metric, ranking, lead, suspect: Vec::new() }
     }
 
     #[test]
@@ -377,7 +377,7 @@ mod tests {
     fn a_verdict_about_failed_scans_says_so() {
         let mut failed = standing(&[Some(0.7), Some(0.6), Some(0.1)], Some([0.1, 0.05, 0.12]));
         assert!(!failed.sentence().contains("failed"), "{}", failed.sentence());
-        failed.places[1].failed_scans = Some([3, 11]);
+        failed.ranking[1].failed_scans = Some([3, 11]);
         let said = failed.sentence();
         assert!(
             said.contains("grid leads")
@@ -401,7 +401,7 @@ mod tests {
             few.sentence()
         );
         let mut alone = standing(&[Some(0.7)], None);
-        alone.places[0].interval.as_mut().unwrap().blocks = drives(4);
+        alone.ranking[0].interval.as_mut().unwrap().blocks = drives(4);
         assert!(
             alone.sentence().ends_with("; 4 blocks of scans are too few for the interval to be reliable."),
             "{}",
@@ -410,13 +410,13 @@ mod tests {
     }
 
     #[test]
-    fn of_a_doubtful_frame_nobody_leads() {
-        let mut doubtful = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
-        doubtful.doubtful = vec!["mine".to_owned()];
+    fn of_a_suspect_frame_nobody_leads() {
+        let mut suspect = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
+        suspect.suspect = vec!["mine".to_owned()];
         let expected = "Task objects (simulated): no verdict, since frame or labels of mine are doubtful.";
-        assert_eq!(doubtful.sentence(), expected);
-        doubtful.places.truncate(1);
-        assert_eq!(doubtful.sentence(), expected);
+        assert_eq!(suspect.sentence(), expected);
+        suspect.ranking.truncate(1);
+        assert_eq!(suspect.sentence(), expected);
     }
 
     #[test]

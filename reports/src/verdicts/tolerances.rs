@@ -66,7 +66,7 @@ pub struct Rule {
 
 /// What a number is of that may be gated.
 #[derive(Debug, Clone, Copy)]
-pub struct GatedPlace<'a> {
+pub struct GatedSubject<'a> {
     /// Name of the task, or of the protocol.
     pub task: &'a str,
     /// Name of the detector.
@@ -84,9 +84,9 @@ impl Tolerances {
         }
     }
 
-    /// Place of the rule that decides about `metric` of `place`; `None` if it is not gated.
-    pub fn rule_about(&self, metric: &Metric, place: GatedPlace<'_>) -> Option<usize> {
-        self.quality.iter().position(|rule| rule.is_about(&metric.id(), place))
+    /// Index of the rule that decides about `metric` of `subject`; `None` if it is not gated.
+    pub fn rule_about(&self, metric: &Metric, subject: GatedSubject<'_>) -> Option<usize> {
+        self.quality.iter().position(|rule| rule.is_about(&metric.id(), subject))
     }
 
     /// All metrics that some rule is about, in the order of a report.
@@ -111,12 +111,12 @@ impl Rule {
         if metric.is_time() { self.relative } else { self.absolute.max(self.relative * before.abs()) }
     }
 
-    /// Whether it is about this metric of `place`.
-    pub fn is_about(&self, metric_id: &str, place: GatedPlace<'_>) -> bool {
+    /// Whether it is about this metric of `subject`.
+    pub fn is_about(&self, metric_id: &str, subject: GatedSubject<'_>) -> bool {
         self.metrics.iter().any(|it| names_meant(it, metric_id))
-            && self.parts.iter().any(|it| names_meant(it, place.part))
-            && self.is_within(place.task)
-            && has(self.detectors.as_ref(), place.detector)
+            && self.parts.iter().any(|it| names_meant(it, subject.part))
+            && self.is_within(subject.task)
+            && has(self.detectors.as_ref(), subject.detector)
     }
 
     /// Whether it is about the task or protocol of this name.
@@ -124,9 +124,9 @@ impl Rule {
         has(self.tasks.as_ref(), task)
     }
 
-    /// Whether it names the part and the task of `place`, so that a number is expected there.
-    pub fn names(&self, place: GatedPlace<'_>) -> bool {
-        self.parts.iter().any(|it| it == place.part) && self.tasks.is_some() && self.is_within(place.task)
+    /// Whether it names the part and the task of `subject`, so that a number is expected there.
+    pub fn names(&self, subject: GatedSubject<'_>) -> bool {
+        self.parts.iter().any(|it| it == subject.part) && self.tasks.is_some() && self.is_within(subject.task)
     }
 }
 

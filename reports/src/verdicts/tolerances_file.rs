@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleTable};
+use crate::verdicts::rule_problems::{RulePosition, RuleProblem, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
 use crate::verdicts::tolerances::{DriftRule, Origin, Rule, Tolerances};
 use crate::vocabulary::metric::{Direction, Metric, SPEED_REFERENCE};
@@ -150,8 +150,8 @@ impl<'a> Section<'a> {
     }
 
     fn complain(&mut self, line: usize, what: String) {
-        let place = RulePlace { line: Some(line), table: self.table };
-        self.problems.push(RuleProblem { place, what });
+        let position = RulePosition { line: Some(line), table: self.table };
+        self.problems.push(RuleProblem { position, what });
     }
 
     /// The rules of a list of tables called `name`, each made by `rule`.
@@ -159,7 +159,7 @@ impl<'a> Section<'a> {
         &mut self,
         name: &str,
         tables: Option<&'a Spanned<DeValue<'a>>>,
-        place: fn(usize) -> RuleTable,
+        position: fn(usize) -> RuleTable,
         rule: fn(Self, &mut Vec<RuleProblem>) -> Rule,
     ) -> Vec<Rule> {
         let Some(tables) = tables else { return Vec::new() };
@@ -168,7 +168,7 @@ impl<'a> Section<'a> {
         let tables = self.expect(&format!("a list of tables, each below [[{name}]]"), tables, items);
         let tables = tables.into_iter().flatten().enumerate();
         let rules = tables.map(|(rule_idx, table)| {
-            rule(Section::of_value(self.text, place(rule_idx), table), &mut self.problems)
+            rule(Section::of_value(self.text, position(rule_idx), table), &mut self.problems)
         });
         rules.collect()
     }
@@ -254,9 +254,9 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The line of the byte at `place`, from 1 on.
-fn line_of(text: &str, place: usize) -> usize {
-    text[..place].matches('\n').count() + 1
+/// The line of the byte at `position`, from 1 on.
+fn line_of(text: &str, position: usize) -> usize {
+    text[..position].matches('\n').count() + 1
 }
 
 fn number(value: &DeValue<'_>) -> Option<f64> {

@@ -26,9 +26,9 @@ pub enum Slice {
     All,
     /// Annotations of this class. Detections have no class of the kind, so that false ones belong to none.
     Class(AnnotationClass),
-    /// What is this far from the sensor on the ground plan; place among the bins of range.
+    /// What is this far from the sensor on the ground plan; index among the bins of range.
     Range(usize),
-    /// What has this many points; place among the bins of the number of points.
+    /// What has this many points; index among the bins of the number of points.
     Points(usize),
     /// Annotations of which other things hide this much. False detections belong to none.
     Occlusion(Occlusion),
@@ -110,7 +110,7 @@ impl Slice {
 
 impl Ord for Slice {
     fn cmp(&self, other: &Self) -> Ordering {
-        // Place of the kind, place of the bin, name.
+        // Index of the kind, index of the bin, name.
         let key = |it: &Self| match *it {
             Self::All => (0, 0, ""),
             Self::Class(class) => (1, 0, class.name()),

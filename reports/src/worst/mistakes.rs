@@ -34,7 +34,7 @@ pub struct ListedMistake<'a> {
     /// Number of its points.
     pub n_points: u64,
     /// Where it is on the ground plan, in metres: the middle of its box or of its points.
-    pub place_m: Option<[f32; 2]>,
+    pub position_m: Option<[f32; 2]>,
 }
 
 /// The `most` mistakes of `rows` with the most points, in the order of the rows where these are equal: what was seen best is
@@ -52,7 +52,7 @@ pub fn worst<'a>(rows: &'a [MatchRow], choice: &MistakeChoice<'_>, most: usize) 
 }
 
 fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
-    let place_m = |center_m: [f32; 3]| [center_m[0], center_m[1]];
+    let position_m = |center_m: [f32; 3]| [center_m[0], center_m[1]];
     match &row.outcome {
         MatchOutcome::Missed { annotation, reason } => Some(ListedMistake {
             row,
@@ -60,7 +60,7 @@ fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
             class: annotation.class.name(),
             reason: reason.name(),
             n_points: annotation.n_points,
-            place_m: annotation.center_m().map(place_m),
+            position_m: annotation.center_m().map(position_m),
         }),
         MatchOutcome::False { detection, reason } => Some(ListedMistake {
             row,
@@ -68,7 +68,7 @@ fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
             class: detection.class.name(),
             reason: reason.name(),
             n_points: detection.n_points,
-            place_m: Some(place_m(detection.bounding_box.center_m)),
+            position_m: Some(position_m(detection.bounding_box.center_m)),
         }),
         _ => None,
     }
@@ -88,14 +88,14 @@ pub fn worst_to_terminal(mistakes: &[ListedMistake<'_>]) -> String {
     );
     for (rank, it) in (1..).zip(mistakes) {
         let kind = it.kind.name();
-        let place = it.place_m.map_or_else(
+        let position = it.position_m.map_or_else(
             || format!("{:>8}  {:>8}  {:>8}", "–", "–", "–"),
             |[x, y]| format!("{:>8.1}  {x:>8.1}  {y:>8.1}", x.hypot(y)),
         );
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{rank:>4}  {:<scans$}  {kind:<7} {:<classes$}  {:>7}  {place}  {}",
+            "{rank:>4}  {:<scans$}  {kind:<7} {:<classes$}  {:>7}  {position}  {}",
             scan(it),
             it.class,
             it.n_points,
@@ -124,7 +124,7 @@ mod tests {
 
     fn missed(class: AnnotationClass, n_points: u64) -> MatchOutcome {
         let centroid_m = Some([6.0, -8.0, 0.0]);
-        let annotation = AnnotationFacts { centroid_m, ..AnnotationFacts::placeless(class, n_points) };
+        let annotation = AnnotationFacts { centroid_m, ..AnnotationFacts::without_position(class, n_points) };
         MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
     }
 

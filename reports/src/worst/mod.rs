@@ -1,6 +1,6 @@
 //! The worst mistakes of detectors: which they are, where, and what the sensor saw there.
 
 pub mod mistakes;
-pub mod places;
+pub mod objects;
 pub mod points;
 pub mod recorded;

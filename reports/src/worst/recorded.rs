@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::files::archive::{ArchiveError, SCHEMA, read_json};
-use crate::worst::places::ObjectName;
+use crate::worst::objects::ObjectName;
 
 /// The recordings of a run that was put together.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -13,24 +13,24 @@ use crate::worst::places::ObjectName;
 pub struct Recordings {
     schema: u32,
     /// One for every object whose scan is recorded.
-    pub places: Vec<RecordedPlace>,
+    pub places: Vec<RecordedObject>,
 }
 
 /// An object whose scan is recorded.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RecordedPlace {
+pub struct RecordedObject {
     /// Which object.
     pub object: ObjectName,
     /// The recording: a file beside this one, or a path from there.
     pub recording: String,
-    /// The place on its timeline.
+    /// The position on its timeline.
     pub step: u64,
 }
 
 impl Recordings {
     /// Of these objects.
-    pub fn new(places: Vec<RecordedPlace>) -> Self {
+    pub fn new(places: Vec<RecordedObject>) -> Self {
         Self { schema: SCHEMA, places }
     }
 
@@ -51,7 +51,7 @@ impl Recordings {
     }
 
     /// Where the scan of `object` is recorded.
-    pub fn of(&self, object: &ObjectName) -> Option<&RecordedPlace> {
+    pub fn of(&self, object: &ObjectName) -> Option<&RecordedObject> {
         self.places.iter().find(|it| it.object == *object)
     }
 }
@@ -61,17 +61,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_read_back_as_they_were() {
+    fn objects_read_back_as_they_were() {
         let [dataset, sequence] = ["street", "drive"].map(str::to_owned);
         let object = ObjectName { dataset, sequence, scan: 3, detector: None, id: 4 };
-        let place = RecordedPlace { object: object.clone(), recording: "../a/run.rrd".to_owned(), step: 17 };
-        let recordings = Recordings::new(vec![place.clone()]);
+        let recorded =
+            RecordedObject { object: object.clone(), recording: "../a/run.rrd".to_owned(), step: 17 };
+        let recordings = Recordings::new(vec![recorded.clone()]);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("recordings.json");
         assert_eq!(Recordings::read(&path).unwrap(), None);
         std::fs::write(&path, recordings.to_json()).unwrap();
         let read = Recordings::read(&path).unwrap().unwrap();
-        assert_eq!(read.of(&object), Some(&place));
+        assert_eq!(read.of(&object), Some(&recorded));
         assert_eq!(read.of(&ObjectName { id: 5, ..object }), None);
     }
 }

@@ -127,7 +127,7 @@ fn lean(points_m: &[[f64; 3]]) -> f64 {
     sum.xy().norm() / (sum.z + 1e-6)
 }
 
-/// Values of the form that are looked at together.
+/// Shape statistics that are looked at together.
 fn groups_of_form(points_m: &[[f64; 3]]) -> [Vec<f64>; 18] {
     let [bottom_m, top_m, length_m, width_m] = extents_m(points_m);
     let height_m = top_m - bottom_m;
@@ -174,7 +174,7 @@ fn groups_of_form(points_m: &[[f64; 3]]) -> [Vec<f64>; 18] {
     ]
 }
 
-/// Groups of values of the form, in bins that span three edges, which begin at each of three edges in turn.
+/// Groups of shape statistics, in bins that span three edges, which begin at each of three edges in turn.
 fn count_form(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
     let edges = &model.params.patterns.form_edges_m;
     let groups = groups_of_form(points_m);

@@ -30,7 +30,7 @@ impl BlockResamples {
     ) -> Vec<[f64; 2]> {
         let mut of_blocks = vec![[0.0; 2]; self.blocks.len()];
         for (second, terms) in of_seconds {
-            let block_idx = self.blocks.place_of(second).expect("the blocks are of these seconds");
+            let block_idx = self.blocks.index_of(second).expect("the blocks are of these seconds");
             of_blocks[block_idx] = [0, 1].map(|it| of_blocks[block_idx][it] + terms[it]);
         }
         of_blocks

@@ -20,10 +20,10 @@ def load(target: str) -> Detector:
     """The detector that `module:function` or `file.py:function` names, or that `FILE.pickle` holds."""
     if target.endswith(".pickle"):
         return as_detector(pickle.loads(Path(target).read_bytes()), target)
-    place, separator, name = target.rpartition(":")
+    source, separator, name = target.rpartition(":")
     if not separator:
         raise ValueError(f"{target!r} is not of the form module:function or file.py:function")
-    found: Any = _file(Path(place)) if place.endswith(".py") else importlib.import_module(place)
+    found: Any = _file(Path(source)) if source.endswith(".py") else importlib.import_module(source)
     for part in name.split("."):
         found = getattr(found, part)
     return as_detector(found, target)

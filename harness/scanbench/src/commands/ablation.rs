@@ -21,9 +21,9 @@ use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::open_datasets;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::scan_study::ScanStudy;
-use crate::commands::shards::place::Place;
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
+use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::standard_streams::print_result_in;
 use crate::commands::standard_streams::terminal;
 
@@ -35,9 +35,9 @@ const ABLATION_CSV: &str = "ablation.csv";
 /// Runs the hierarchical detector whole and without each of its parts on the same scans, writes the run directory and prints the
 /// table; or makes a shard of that.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
-    let place = Place::claim(Study::Ablation, arguments.shard.shard, &arguments.output)?;
-    let mut ablation = open_ablation(arguments, place.started)?;
-    let Some((made, _)) = execute_watched(&mut ablation, place)? else { return Ok(()) };
+    let output = WorkOutput::claim(Study::Ablation, arguments.shard.shard, &arguments.output)?;
+    let mut ablation = open_ablation(arguments, output.started)?;
+    let Some((made, _)) = execute_watched(&mut ablation, output)? else { return Ok(()) };
     let tables = write_ablation(&made.directory, &made.whole)?;
     print_ablation(&tables, &made.finish()?.0)
 }

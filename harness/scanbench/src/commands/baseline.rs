@@ -93,8 +93,8 @@ impl Accepted {
     }
 
     /// What comes of it beside what was accepted before in the baseline `directory`; `None` if there is nothing that it can be compared
-    /// with. It lies in `place`.
-    fn judged_by(&self, directory: &Path, place: &Path) -> Result<Option<Judged>, Failure> {
+    /// with. It lies in `path`.
+    fn judged_by(&self, directory: &Path, path: &Path) -> Result<Option<Judged>, Failure> {
         let target = directory.join(ACCEPTED_RUN);
         match self {
             Self::Run(run) => {
@@ -106,7 +106,7 @@ impl Accepted {
                     Err(JudgeError::NotComparable(_)) => return Ok(None),
                     Err(error) => return Err(error.into()),
                 };
-                let sides = [place, directory].map(|it| it.display().to_string());
+                let sides = [path, directory].map(|it| it.display().to_string());
                 let brief =
                     Brief { verdict: &verdict, sides: [&sides[0], &sides[1]], purpose: Purpose::Accept };
                 Ok(Some(Judged { text: terminal().text(&brief), n_worse: verdict.n_worse() }))

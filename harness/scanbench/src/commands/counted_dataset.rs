@@ -11,7 +11,8 @@ use scans::dataset::{Dataset, DatasetError, Listing, Nearness};
 pub struct PointsLeftOut(Arc<Mutex<BTreeMap<usize, usize>>>);
 
 impl PointsLeftOut {
-    /// The number of points, the number of scans, and the first of them, by its place in the data set; `None` if there are none.
+    /// The number of points, the number of scans, and the first of them, by its index in the data set; `None` if there are
+    /// none.
     pub fn sum(&self) -> Option<(usize, usize, usize)> {
         let by_scan = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let (first, _) = by_scan.first_key_value()?;

@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn a_full_disk_is_not_the_users_mistake_and_a_bad_place_is() {
+    fn a_full_disk_is_not_the_users_mistake_and_a_bad_path_is() {
         check(not_written(ErrorKind::StorageFull), 1);
         check(not_written(ErrorKind::NotADirectory), 2);
         let table = |kind: ErrorKind| ArchiveError::Write { path: "a.csv".into(), source: kind.into() };

@@ -12,9 +12,9 @@ use reports::run_folder::manifest::SeenMounting;
 use reports::run_folder::seen_labels::SeenLabels;
 use scans::annotation::LabeledScan;
 use scans::data_check::empty_boxes::EmptyBoxes;
-use scans::data_check::frame_doubt::FrameDoubt;
-use scans::data_check::label_doubt::LabelDoubt;
-use scans::data_check::label_look::{LabelLook, proposed_doubt};
+use scans::data_check::frame_suspicion::FrameSuspicion;
+use scans::data_check::label_look::{LabelLook, proposed_suspicion};
+use scans::data_check::label_suspicion::LabelSuspicion;
 use scans::data_check::seen_ground::{SeenGround, UpAxis};
 use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::mounting::Mounting;
@@ -22,34 +22,36 @@ use scans::dataset::proposal_list::ProposalList;
 use scans::dataset::{DatasetDescription, DatasetError};
 use simulator::recognised_sensor::SeenBeams;
 
-use crate::commands::frame_facts::{FirstLook, Stated, places_looked_at};
+use crate::commands::frame_facts::{FirstLook, Stated, indices_looked_at};
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::open_scan::OpenedScan;
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
 /// Points of a scan that are looked at.
 const ENOUGH_POINTS: usize = 300_000;
-/// Heights that are this far from what they are said to be are in doubt, in metres.
-const DOUBTFUL_HEIGHT_M: f64 = 0.5;
+/// Heights that are this far from what they are said to be are suspect, in metres.
+const SUSPECT_HEIGHT_M: f64 = 0.5;
 /// A height is taken from the scans if it differs by more than this, in metres; in the format of a benchmark, whose height is
-/// known, only if it is in doubt.
+/// known, only if it is suspect.
 const OTHER_HEIGHT_M: f64 = 0.25;
-/// A steeper tilt is of the sensor and not of the street: it is levelled if nobody said how the sensor is mounted, and in doubt
-/// otherwise, in degrees. In front of crossings and on crowned roads, sensors that stand upright see up to 2.2 degrees.
+/// A steeper tilt is of the sensor and not of the street: it is levelled if nobody said how the sensor is mounted, and
+/// suspect otherwise, in degrees. In front of crossings and on crowned roads, sensors that stand upright see up to 2.2
+/// degrees.
 const STEEP_TILT_DEG: f64 = 4.0;
 /// The first part of the name of a sensor with unknown beams; the name of its data set follows.
 pub const UNKNOWN_SENSOR: &str = "unknown sensor of ";
 /// An origin that is lower lies on the ground, in metres.
 const ON_GROUND_M: f64 = 0.2;
 
-/// Looks at `opened`, and prints what was seen and what is doubtful. Unless the user has given other values, the run uses what was
-/// seen: the sensor with its density curve, its height and its tilt. Of a simulated sensor only the density curve may be unknown.
+/// Looks at `opened`, and prints what was seen and what is suspect. Unless the user has given other values, the run uses
+/// what was seen: the sensor with its density curve, its height and its tilt. Of a simulated sensor only the density curve
+/// may be unknown.
 pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
-    let proposed = doubt_of_proposals(&opened);
+    let proposed = suspicion_of_proposals(&opened);
     let mut opened = look_at_scans(opened, config);
-    if let Some(doubt) = proposed {
-        warn_of(&opened.dataset.description().id, doubt);
-        opened.first_look.doubts.push(doubt);
+    if let Some(suspicion) = proposed {
+        warn_of(&opened.dataset.description().id, suspicion);
+        opened.first_look.suspicions.push(suspicion);
     }
     opened
 }
@@ -71,7 +73,7 @@ fn look_at_scans(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset
     }
     let mut look = Look::new(description, opened.stated, &clouds);
     look.take(config, &clouds);
-    look.doubt_labels(&opened, &scans);
+    look.suspect_labels(&opened, &scans);
     let (mounting, first_look) = look.reported();
     OpenedDataset { dataset: mounting.of(opened.dataset), first_look, ..opened }
 }
@@ -98,31 +100,32 @@ pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunCon
     mounting.move_scan(&mut opened.scan);
 }
 
-/// What is doubtful about frame and labels of `opened`, whatever can be taken from the scans, and the look at its labels; nothing of
-/// simulated scans.
-pub fn doubts_of(opened: &OpenedDataset) -> (Vec<FrameDoubt>, Option<LabelLook>) {
+/// What is suspect about frame and labels of `opened`, whatever can be taken from the scans, and the look at its labels;
+/// nothing of simulated scans.
+pub fn suspicions_of(opened: &OpenedDataset) -> (Vec<FrameSuspicion>, Option<LabelLook>) {
     let scans = first_scans(opened);
-    let proposed = doubt_of_proposals(opened);
+    let proposed = suspicion_of_proposals(opened);
     if opened.dataset.description().is_simulated() || scans.is_empty() {
         return (proposed.into_iter().collect(), None);
     }
     let clouds: Vec<&PointCloud> = scans.iter().map(|it| &it.cloud).collect();
     let mut look = Look::new(opened.dataset.description(), Stated::ALL, &clouds);
     look.take_ground();
-    look.doubt_labels(opened, &scans);
-    look.doubts.extend(proposed);
-    (look.doubts, Some(look.labels))
+    look.suspect_labels(opened, &scans);
+    look.suspicions.extend(proposed);
+    (look.suspicions, Some(look.labels))
 }
 
 /// Whether most labels are as a detector proposed them. What is wrong with the list of proposals does not keep anybody from running.
-fn doubt_of_proposals(opened: &OpenedDataset) -> Option<FrameDoubt> {
+fn suspicion_of_proposals(opened: &OpenedDataset) -> Option<FrameSuspicion> {
     let list = ProposalList::in_folder(opened.dataset.description().root.as_deref()?).ok().flatten()?;
-    proposed_doubt(&first_scans(opened), &list).map(FrameDoubt::Labels)
+    proposed_suspicion(&first_scans(opened), &list).map(FrameSuspicion::Labels)
 }
 
-fn warn_of(id: &str, doubt: FrameDoubt) {
-    let (subject, are) = if let FrameDoubt::Labels(_) = doubt { ("labels", "are") } else { ("frame", "is") };
-    print_diagnostic(format_args!("warning: the {subject} of {id:?} {are} doubtful: {doubt}"));
+fn warn_of(id: &str, suspicion: FrameSuspicion) {
+    let (subject, are) =
+        if let FrameSuspicion::Labels(_) = suspicion { ("labels", "are") } else { ("frame", "is") };
+    print_diagnostic(format_args!("warning: the {subject} of {id:?} {are} doubtful: {suspicion}"));
 }
 
 /// Takes the density of a simulated sensor from `clouds` if it has no curve, and says so; returns what was seen by it.
@@ -163,8 +166,8 @@ fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
 
 /// Some scans from first to last. The run itself reports what cannot be read, and before all else unknown names of classes.
 fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
-    let places = places_looked_at(opened.dataset.scan_ids().len());
-    let read: Vec<_> = places.map(|it| opened.dataset.read_scan(it)).collect();
+    let indices = indices_looked_at(opened.dataset.scan_ids().len());
+    let read: Vec<_> = indices.map(|it| opened.dataset.read_scan(it)).collect();
     if read.iter().any(|it| it.as_ref().is_err_and(DatasetError::is_usage_error)) {
         return Vec::new();
     }
@@ -175,9 +178,9 @@ fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
 fn next_scans(opened: &OpenedDataset, scans: &[LabeledScan]) -> Vec<(usize, LabeledScan)> {
     let ids = opened.dataset.scan_ids();
     let next = |(scan_idx, scan): (usize, &LabeledScan)| {
-        let place = ids.iter().position(|it| *it == scan.id)? + 1;
-        let is_of_drive = ids.get(place)?.sequence == scan.id.sequence;
-        is_of_drive.then(|| opened.dataset.read_scan(place).ok()).flatten().map(|it| (scan_idx, it))
+        let index = ids.iter().position(|it| *it == scan.id)? + 1;
+        let is_of_drive = ids.get(index)?.sequence == scan.id.sequence;
+        is_of_drive.then(|| opened.dataset.read_scan(index).ok()).flatten().map(|it| (scan_idx, it))
     };
     scans.iter().enumerate().filter_map(next).collect()
 }
@@ -203,7 +206,7 @@ struct Look {
     ground: Option<(UpAxis, SeenGround)>,
     seen: SeenMounting,
     mounting: Mounting,
-    doubts: Vec<FrameDoubt>,
+    suspicions: Vec<FrameSuspicion>,
     labels: LabelLook,
 }
 
@@ -232,7 +235,7 @@ impl Look {
                 taken: Vec::new(),
             },
             mounting: Mounting::default(),
-            doubts: Vec::new(),
+            suspicions: Vec::new(),
             labels: LabelLook::default(),
         }
     }
@@ -262,69 +265,71 @@ impl Look {
         }
     }
 
-    /// Height and tilt, or what is doubtful about them.
+    /// Height and tilt, or what is suspect about them.
     fn take_ground(&mut self) {
         let Some((axis, ground)) = self.ground else {
-            self.doubts.push(FrameDoubt::NoGround);
+            self.suspicions.push(FrameSuspicion::NoGround);
             return;
         };
         let height_m = ground.height_m;
         if axis != UpAxis::Z {
-            self.doubts.push(FrameDoubt::Axis(axis));
+            self.suspicions.push(FrameSuspicion::Axis(axis));
             return;
         }
         let off_m = (height_m - self.said_height_m).abs();
-        let is_as_said = self.stated.height && off_m <= DOUBTFUL_HEIGHT_M;
+        let is_as_said = self.stated.height && off_m <= SUSPECT_HEIGHT_M;
         if height_m < ON_GROUND_M && !is_as_said {
-            self.doubts.push(FrameDoubt::OnGround(self.seen.height_m.unwrap_or(0.0)));
+            self.suspicions.push(FrameSuspicion::OnGround(self.seen.height_m.unwrap_or(0.0)));
             return;
         }
-        let other_m = if self.is_benchmark { DOUBTFUL_HEIGHT_M } else { OTHER_HEIGHT_M };
+        let other_m = if self.is_benchmark { SUSPECT_HEIGHT_M } else { OTHER_HEIGHT_M };
         if !self.stated.height && off_m > other_m {
             self.mounting.sensor_height_m = self.seen.height_m.map(|it| it as f32);
             self.seen.taken.push("height".to_owned());
-        } else if off_m > DOUBTFUL_HEIGHT_M {
-            self.doubts.push(FrameDoubt::Height { seen_m: height_m, said_m: self.said_height_m });
+        } else if off_m > SUSPECT_HEIGHT_M {
+            self.suspicions.push(FrameSuspicion::Height { seen_m: height_m, said_m: self.said_height_m });
         }
         let tilt_deg = ground.tilt_deg();
         if tilt_deg <= STEEP_TILT_DEG {
             return;
         }
         if self.stated.height || self.stated.transform {
-            self.doubts.push(FrameDoubt::Tilt(tilt_deg));
+            self.suspicions.push(FrameSuspicion::Tilt(tilt_deg));
         } else {
             self.mounting.sensor_from_file = Some(ground.levelling());
             self.seen.taken.push("tilt".to_owned());
         }
     }
 
-    /// What is doubtful about labels: they are compared with what stands on the ground.
-    fn doubt_labels(&mut self, opened: &OpenedDataset, scans: &[LabeledScan]) {
+    /// What is suspect about labels: they are compared with what stands on the ground.
+    fn suspect_labels(&mut self, opened: &OpenedDataset, scans: &[LabeledScan]) {
         if self.ground.is_some_and(|(axis, _)| axis == UpAxis::Z) {
             self.labels = LabelLook::of(scans, || next_scans(opened, scans));
         }
-        let doubts = &self.labels.doubts;
-        let is_known = |it: &LabelDoubt| matches!(it, LabelDoubt::Position { .. } | LabelDoubt::Holes { .. });
+        let suspicions = &self.labels.suspicions;
+        let is_known = |it: &LabelSuspicion| {
+            matches!(it, LabelSuspicion::Position { .. } | LabelSuspicion::Holes { .. })
+        };
         let boxes = EmptyBoxes::of(scans);
         // Where it is known why, no more is said.
-        let are_empty = boxes.are_most() && !doubts.iter().any(is_known);
-        self.doubts.extend(doubts.iter().copied().map(FrameDoubt::Labels));
-        self.doubts.extend(are_empty.then_some(FrameDoubt::EmptyBoxes(boxes)));
+        let are_empty = boxes.are_most() && !suspicions.iter().any(is_known);
+        self.suspicions.extend(suspicions.iter().copied().map(FrameSuspicion::Labels));
+        self.suspicions.extend(are_empty.then_some(FrameSuspicion::EmptyBoxes(boxes)));
     }
 
     /// Prints what is used and what was seen, and returns both.
     fn reported(self) -> (Mounting, FirstLook) {
         let sentence = format!("{}: {}", self.id, self.sentence());
-        if self.seen.taken.is_empty() && self.doubts.is_empty() {
+        if self.seen.taken.is_empty() && self.suspicions.is_empty() {
             print_detail(sentence);
         } else {
             print_diagnostic(sentence);
         }
-        for doubt in &self.doubts {
-            warn_of(&self.id, *doubt);
+        for suspicion in &self.suspicions {
+            warn_of(&self.id, *suspicion);
         }
         let label_points = self.labels.points().map(SeenLabels::of);
-        (self.mounting, FirstLook { seen: Some(self.seen), label_points, doubts: self.doubts })
+        (self.mounting, FirstLook { seen: Some(self.seen), label_points, suspicions: self.suspicions })
     }
 
     /// What was seen, and which of it the run uses.

@@ -2,7 +2,7 @@
 
 use reports::run_folder::manifest::SeenMounting;
 use reports::run_folder::seen_labels::SeenLabels;
-use scans::data_check::frame_doubt::FrameDoubt;
+use scans::data_check::frame_suspicion::FrameSuspicion;
 
 use crate::cli::SourceArgs;
 
@@ -13,8 +13,8 @@ pub struct FirstLook {
     pub seen: Option<SeenMounting>,
     /// Where points lie in the frames of labelled boxes; `None` if these are too few.
     pub label_points: Option<SeenLabels>,
-    /// Why its frame or its labels are doubtful.
-    pub doubts: Vec<FrameDoubt>,
+    /// Why its frame or its labels are suspect.
+    pub suspicions: Vec<FrameSuspicion>,
 }
 
 /// Who says how the sensor is mounted.
@@ -45,7 +45,7 @@ impl Stated {
 /// So many scans are looked at, from first to last.
 const N_SCANS: usize = 5;
 
-/// Places of the scans that are looked at, of `n` scans: always the same of a data set, whichever of them are run.
-pub fn places_looked_at(n: usize) -> impl Iterator<Item = usize> {
+/// Indices of the scans that are looked at, of `n` scans: always the same of a data set, whichever of them are run.
+pub fn indices_looked_at(n: usize) -> impl Iterator<Item = usize> {
     (0..n.min(N_SCANS)).map(move |it| it * n / n.min(N_SCANS))
 }

@@ -22,8 +22,8 @@ use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::paper_files::write_figure;
 use crate::commands::scan_study::{PutUp, ScanStudy};
-use crate::commands::shards::place::Place;
 use crate::commands::shards::watched_study::execute_watched;
+use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result_in};
 
@@ -33,15 +33,15 @@ const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
 /// Simulates pairs of objects with growing gaps, writes a run directory with who separates them, and prints the table.
 pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     let sensor = sensor_named(&arguments.sensor)?;
-    let place = Place::claim(Study::Gaps, None, &arguments.output)?;
-    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, place.started)?;
+    let output = WorkOutput::claim(Study::Gaps, None, &arguments.output)?;
+    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, output.started)?;
     let pairs = StagedPairs::new(&arguments.sensor, sensor, arguments.pairs, arguments.detectors.seed);
     let tally = RefCell::new(PairTally::new(pairs.stagings(), study.config.matching));
     study.datasets = vec![OpenedDataset::whole(Box::new(pairs.clone()))];
     study.put_up =
         Some(PutUp { drawn: "pairs", seed: arguments.detectors.seed, scenes: scenes(arguments, &pairs) });
     study.pairs = Some(&tally);
-    let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
+    let Some((made, _)) = execute_watched(&mut study, output)? else { return Ok(()) };
     let bins = tally.borrow().bins();
     write_curves(&made.directory, &bins)?;
     if let Some((simple, hierarchical)) = study.entrant("simple-grid").zip(study.entrant("hierarchical")) {

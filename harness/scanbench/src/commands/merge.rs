@@ -21,10 +21,10 @@ use crate::commands::reproduce::papers_run::merge_reproduction;
 use crate::commands::robustness::{print_robustness, write_robustness};
 use crate::commands::run::ending::print_ending;
 use crate::commands::shards::executor::WholeResult;
-use crate::commands::shards::place::Place;
 use crate::commands::shards::shard_directory::ShardDirectory;
 use crate::commands::shards::whole_manifest::Pieces;
 use crate::commands::shards::whole_run::WholeRun;
+use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::sweep::print_sweep;
 use crate::commands::sweep::whole_sweep::WholeSweep;
 
@@ -94,7 +94,7 @@ fn merge_run(Merged { study, directory, whole }: Merged<WholeRun>) -> Result<(),
 /// Takes the directory of the whole.
 fn claim<M: MadeInShards>(study: Study, manifest: &M, output: &OutputArgs) -> Result<ClaimedTarget, Failure> {
     let ids: Vec<&str> = manifest.selected().iter().map(|(id, _)| *id).collect();
-    Place::claim(study, None, output)?.target(&ids.join("+"))
+    WorkOutput::claim(study, None, output)?.target(&ids.join("+"))
 }
 
 /// The folders of the shards: those that are named, and those within a folder that is no shard itself.

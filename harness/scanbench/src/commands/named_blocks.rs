@@ -44,11 +44,11 @@ pub fn with_named_blocks(
     let blocks =
         blocks_of(&rows, scan_ids, &opened.scan_indices).map_err(|it| Usage(format!("{path:?}{it}")))?;
     let mut scan_indices = opened.scan_indices;
-    let mut places: HashMap<&Option<String>, usize> = HashMap::new();
-    for (place, scan_idx) in scan_indices.iter().enumerate() {
-        places.entry(&blocks[*scan_idx]).or_insert(place);
+    let mut indices: HashMap<&Option<String>, usize> = HashMap::new();
+    for (index, scan_idx) in scan_indices.iter().enumerate() {
+        indices.entry(&blocks[*scan_idx]).or_insert(index);
     }
-    scan_indices.sort_by_key(|it| places[&blocks[*it]]);
+    scan_indices.sort_by_key(|it| indices[&blocks[*it]]);
     Ok(vec![OpenedDataset {
         dataset: Box::new(CountedDataset::with_blocks(opened.dataset, blocks)),
         scan_indices,

@@ -35,7 +35,7 @@ pub struct OpenedDataset {
     pub dataset: Box<dyn Dataset>,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: Vec<usize>,
-    /// Which of these are run, as places among them: all, or those of a shard.
+    /// Which of these are run, as indices among them: all, or those of a shard.
     pub part: Range<usize>,
     /// What was left out because it is damaged: when it was opened, and later.
     pub skipped: RefCell<Vec<SkippedScan>>,

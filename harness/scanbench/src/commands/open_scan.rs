@@ -16,7 +16,7 @@ use simulator::open::open_dataset;
 
 use crate::cli::SourceArgs;
 use crate::commands::failure::{Failure, Usage};
-use crate::commands::frame_facts::{Stated, places_looked_at};
+use crate::commands::frame_facts::{Stated, indices_looked_at};
 use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation, stated};
 
 /// A scan without ground truth.
@@ -75,8 +75,8 @@ pub fn open_scan(
     let of_data_set = if is_known {
         Vec::new()
     } else {
-        let places = places_looked_at(dataset.scan_ids().len());
-        places.filter_map(|it| dataset.read_scan(it).ok()).map(|it| it.cloud).collect()
+        let indices = indices_looked_at(dataset.scan_ids().len());
+        indices.filter_map(|it| dataset.read_scan(it).ok()).map(|it| it.cloud).collect()
     };
     Ok(OpenedScan { name, scan, description: description.clone(), stated, of_data_set })
 }
@@ -114,7 +114,7 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<Opene
     Ok(OpenedScan { name: input.to_owned(), scan, description, stated, of_data_set: Vec::new() })
 }
 
-/// The place among `scan_ids` of the scan that is called `id`, by its drive and number or by its number alone.
+/// The index among `scan_ids` of the scan that is called `id`, by its drive and number or by its number alone.
 fn find_scan(id: Option<&str>, scan_ids: &[ScanId], dataset: &str) -> Result<usize, Usage> {
     let extent = match scan_ids {
         [] => "it has no scans".to_owned(),

@@ -19,7 +19,7 @@ pub enum Destination {
 }
 
 impl Destination {
-    /// The place that the command line calls `written`.
+    /// The path that the command line calls `written`.
     pub fn new(written: &Path, extensions: &[&str]) -> Result<Self, Usage> {
         if written == Path::new("-") {
             return Ok(Self::Stdout);

@@ -24,9 +24,9 @@ use crate::commands::first_look::look_first_at_all;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::scan_study::{PutUp, ScanStudy};
-use crate::commands::shards::place::Place;
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
+use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::standard_streams::print_result_in;
 use crate::commands::standard_streams::terminal;
 
@@ -45,9 +45,9 @@ const DRAWN: &str = "streets";
 /// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run directory
 /// and prints the table; or makes a shard of that.
 pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
-    let place = Place::claim(Study::Robustness, arguments.shard.shard, &arguments.output)?;
-    let mut study = open_robustness(arguments, place.started)?;
-    let Some((made, _)) = execute_watched(&mut study, place)? else { return Ok(()) };
+    let output = WorkOutput::claim(Study::Robustness, arguments.shard.shard, &arguments.output)?;
+    let mut study = open_robustness(arguments, output.started)?;
+    let Some((made, _)) = execute_watched(&mut study, output)? else { return Ok(()) };
     let scores = write_robustness(&made.directory, &made.whole)?;
     let (finished, run) = made.finish()?;
     print_robustness(&scores, &run.manifest, &finished)
@@ -65,8 +65,8 @@ pub fn open_robustness(arguments: &RobustnessArgs, started: Timestamp) -> Result
         entrant.config = study.config.clone();
     }
     if let Some(directory) = &arguments.other_training {
-        let place = study.entrants.iter().position(|it| it.name == METHOD).map_or(0, |it| it + 1);
-        study.entrants.insert(place, with_other_training(directory, &study.config)?);
+        let index = study.entrants.iter().position(|it| it.name == METHOD).map_or(0, |it| it + 1);
+        study.entrants.insert(index, with_other_training(directory, &study.config)?);
     }
     let conditions = CONDITIONS.iter().map(|it| {
         let drives = it.drives(seed, n_scans);

@@ -15,7 +15,7 @@ pub fn agreement_of(judged: &JudgedScan<'_>) -> Vec<AgreementRow> {
     all.flat_map(|(task, idx)| rows_of(judged, task, idx)).collect()
 }
 
-/// The detector at a place beside each other one.
+/// The detector at an index beside each other one.
 fn rows_of(judged: &JudgedScan<'_>, task: Task, idx: usize) -> Vec<AgreementRow> {
     let results = judged.results.results;
     let n_points = judged.results.scan.cloud.len();

@@ -130,7 +130,7 @@ pub fn report_nothing_to_find(
     id: &str,
     has_labels: bool,
     n_scans: u64,
-    doubts: &[String],
+    suspicions: &[String],
 ) -> Result<(), Failure> {
     if !has_labels {
         print_diagnostic(format_args!(
@@ -138,7 +138,7 @@ pub fn report_nothing_to_find(
         ));
         return Ok(());
     }
-    let why = if doubts.is_empty() { String::new() } else { format!("; {}", doubts.join("; ")) };
+    let why = if suspicions.is_empty() { String::new() } else { format!("; {}", suspicions.join("; ")) };
     let reason = format!("none of the {n_scans} scans of {id:?} has an annotation that counts{why}");
     Err(NothingEvaluated { reason }.into())
 }

@@ -75,7 +75,7 @@ pub fn record(
 /// A scan with mistakes.
 struct WorstScan {
     /// Data set, and scan within it.
-    place: [usize; 2],
+    indices: [usize; 2],
     /// Where they are.
     marks: Vec<Mark>,
 }
@@ -87,7 +87,7 @@ fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
         MistakeKind::False => "false",
     };
     let text = format!("worst {rank}: {kind} {}, {}", mistake.class, mistake.reason);
-    Some(Mark { position_m: mistake.place_m?, text })
+    Some(Mark { position_m: mistake.position_m?, text })
 }
 
 /// What is needed to run scans once more.
@@ -129,22 +129,22 @@ impl RunAgain {
         for (rank, mistake) in (1..).zip(mistakes) {
             let row = mistake.row;
             let is_its = |it: &OpenedDataset| it.dataset.description().id == row.dataset;
-            let place = self.datasets.iter().position(is_its).and_then(|dataset_idx| {
+            let indices = self.datasets.iter().position(is_its).and_then(|dataset_idx| {
                 let ids = self.datasets[dataset_idx].dataset.scan_ids();
                 let scan_idx =
                     ids.iter().position(|id| id.sequence == row.sequence && id.index == row.scan)?;
                 Some([dataset_idx, scan_idx])
             });
-            let place = place.ok_or_else(|| {
+            let indices = indices.ok_or_else(|| {
                 Usage(format!(
                     "scan {} {} of {:?} does not exist any more",
                     row.sequence, row.scan, row.dataset
                 ))
             })?;
             let mark = mark(rank, mistake);
-            match scans.iter_mut().find(|it| it.place == place) {
+            match scans.iter_mut().find(|it| it.indices == indices) {
                 Some(scan) => scan.marks.extend(mark),
-                None => scans.push(WorstScan { place, marks: mark.into_iter().collect() }),
+                None => scans.push(WorstScan { indices, marks: mark.into_iter().collect() }),
             }
         }
         Ok(scans)
@@ -159,7 +159,7 @@ impl RunAgain {
         // Detectors of every data set that has had a scan.
         let mut begun = BTreeMap::new();
         let progress = progress_over_scans(scans.len(), "worst scans");
-        for (number, WorstScan { place: [dataset_idx, scan_idx], marks }) in scans.iter().enumerate() {
+        for (number, WorstScan { indices: [dataset_idx, scan_idx], marks }) in scans.iter().enumerate() {
             let (dataset_idx, scan_idx) = (*dataset_idx, *scan_idx);
             let opened = &self.datasets[dataset_idx];
             let description = opened.dataset.description();

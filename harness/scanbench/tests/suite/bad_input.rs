@@ -115,7 +115,7 @@ fn a_detection_on_a_damaged_scan() {
 }
 
 #[test]
-fn a_detection_on_what_is_no_scan_or_whose_results_have_no_place() {
+fn a_detection_on_what_is_no_scan_or_whose_results_have_no_output() {
     let it = Spoilt::drive();
     it.workplace.write("scan.xyz", "");
     fs::create_dir(it.workplace.path("folder.csv")).expect("a fresh folder");

@@ -58,9 +58,9 @@ fn check_headings(verb: &str, help: &str) {
         }
     }
     below.retain(|(_, n_options)| *n_options > 0);
-    let places: Vec<Option<usize>> =
+    let indices: Vec<Option<usize>> =
         below.iter().map(|(title, _)| HEADINGS.iter().position(|it| it == title)).collect();
-    assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{verb}: {below:?}");
+    assert!(indices.iter().all(Option::is_some) && indices.is_sorted(), "{verb}: {below:?}");
     let general = below.last().expect("options of every verb");
     assert!(general.0 == "General" && general.1 >= 3, "{verb}: {below:?}");
 }
@@ -222,8 +222,8 @@ fn results_are_on_stdout_and_the_rest_is_on_stderr_unless_quiet() {
     let ended = workplace.succeed("run street -d hierarchical,pca -o out");
     assert!(ended.stdout.starts_with("Task objects on street"), "{ended:#?}");
     ended.check_stdout(&["\nTask vehicles on street"]);
-    let places = "Run directory: out\nPage: out/report.html\nRecording: rerun out/run.rrd\n";
-    assert_eq!(ended.stderr, places);
+    let paths = "Run directory: out\nPage: out/report.html\nRecording: rerun out/run.rrd\n";
+    assert_eq!(ended.stderr, paths);
     assert!(ended.stdout.lines().count() <= 45, "{ended:#?}");
     // It ends with who leads and who is faster.
     let (_, summary) = ended.stdout.rsplit_once("\n\nTask objects: ").expect("a summary");
@@ -275,8 +275,8 @@ fn a_page_is_made_again_of_the_directory_alone() {
     std::fs::remove_dir_all(workplace.path("street")).expect("the data go");
     std::fs::remove_file(moved.join("report.html")).expect("the page goes");
     let ended = workplace.succeed("report moved");
-    let places = "Run directory: moved\nPage: moved/report.html\nRecording: rerun moved/run.rrd\n";
-    assert_eq!(ended.stderr, places);
+    let paths = "Run directory: moved\nPage: moved/report.html\nRecording: rerun moved/run.rrd\n";
+    assert_eq!(ended.stderr, paths);
     assert!(ended.stdout.starts_with("Task objects on street"), "{ended:#?}");
     assert_eq!(workplace.read("moved/report.html"), first);
     std::fs::remove_file(moved.join("scans.csv")).expect("a file goes");

@@ -18,16 +18,16 @@ fn recorded(sensor: &str, height_m: &str) -> Workplace {
 }
 
 /// Rewrites all clouds below `folder`.
-fn move_points(folder: &Path, place_m: &dyn Fn([f32; 3]) -> [f32; 3]) {
+fn move_points(folder: &Path, position_m: &dyn Fn([f32; 3]) -> [f32; 3]) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
-            move_points(&path, place_m);
+            move_points(&path, position_m);
         } else if path.extension().is_some_and(|it| it == "bin") {
             let mut bytes = std::fs::read(&path).unwrap();
             for point in bytes.as_chunks_mut::<16>().0 {
                 let at = |axis: usize| f32::from_le_bytes(point[4 * axis..4 * axis + 4].try_into().unwrap());
-                let moved_m = place_m([at(0), at(1), at(2)]);
+                let moved_m = position_m([at(0), at(1), at(2)]);
                 for (axis, value_m) in moved_m.into_iter().enumerate() {
                     point[4 * axis..4 * axis + 4].copy_from_slice(&value_m.to_le_bytes());
                 }

@@ -18,16 +18,16 @@ const QUIET: &str = "--no-rrd -q -o out";
 const GUILTY: u64 = 5;
 
 /// A drawn drive of eleven scans and a detector `odd` that behaves as `behaviour` says.
-fn place_with(behaviour: &str, more: &str) -> Workplace {
-    let place = Workplace::with_drive(11);
+fn workplace_with(behaviour: &str, more: &str) -> Workplace {
+    let workplace = Workplace::with_drive(11);
     let program = std::env::current_exe().unwrap().display().to_string();
     let words = [program.as_str(), "foreign_detectors::as_a_detector", "--exact", "--nocapture", behaviour];
-    place.write("scanbench.toml", &format!("[detector.odd]\ncommand = {words:?}\n{more}\n"));
-    place
+    workplace.write("scanbench.toml", &format!("[detector.odd]\ncommand = {words:?}\n{more}\n"));
+    workplace
 }
 
-fn run_odd(place: &Workplace, more: &str) -> Ended {
-    place.run(&("run street -d odd,simple-grid", QUIET, more))
+fn run_odd(workplace: &Workplace, more: &str) -> Ended {
+    workplace.run(&("run street -d odd,simple-grid", QUIET, more))
 }
 
 /// Whether processes with `word` among their arguments run.
@@ -50,27 +50,27 @@ fn check_gone(word: &str) {
 /// scan counts as nothing found, and nothing else is different.
 #[track_caller]
 fn check_misbehaviour(behaviour: &str, expected: &str) {
-    let place = place_with(behaviour, "time_limit_s = 0.5");
-    let stopped = run_odd(&place, "");
+    let workplace = workplace_with(behaviour, "time_limit_s = 0.5");
+    let stopped = run_odd(&workplace, "");
     stopped.check_refusal(6, &["the detector \"odd\" failed at scan", expected]);
-    assert!(place.read("out.unfinished/scans.csv").lines().count() > 1, "{behaviour}");
-    assert!(!place.path("out").exists());
+    assert!(workplace.read("out.unfinished/scans.csv").lines().count() > 1, "{behaviour}");
+    assert!(!workplace.path("out").exists());
 
-    std::fs::remove_file(place.path("misbehaved")).unwrap();
-    let skipped = run_odd(&place, "--on-detector-failure skip");
+    std::fs::remove_file(workplace.path("misbehaved")).unwrap();
+    let skipped = run_odd(&workplace, "--on-detector-failure skip");
     assert_eq!(skipped.exit_code, Some(0), "{behaviour}: {skipped:#?}");
-    let rows = place.table("out/scans.csv");
+    let rows = workplace.table("out/scans.csv");
     let of_objects = rows.iter().filter(|it| it["task"] == "objects");
     let failed: Vec<_> = of_objects.clone().filter(|it| it["status"] == "failed").collect();
     assert_eq!((of_objects.count(), failed.len()), (22, 1), "{behaviour}: {rows:?}");
     assert_eq!(failed[0]["detector"], "odd");
     assert_eq!(skipped.stdout, "out\n");
     let said = "odd gave no answer to 1 of 11 scans, which count as nothing found.";
-    assert!(place.read("out/table_objects.md").contains(said), "{behaviour}");
+    assert!(workplace.read("out/table_objects.md").contains(said), "{behaviour}");
     let reported = "odd failed at 1 of 11 scans. They count as nothing found. The first was street";
-    assert!(place.read("out/report.html").contains(reported), "{behaviour}");
+    assert!(workplace.read("out/report.html").contains(reported), "{behaviour}");
     // Nothing of a failed scan is a mistake about its objects.
-    let matches = place.read("out/matches.csv");
+    let matches = workplace.read("out/matches.csv");
     let with_reason = matches.lines().filter(|it| it.contains(",detector failed,"));
     let scans: BTreeSet<&str> = with_reason.map(|it| it.split(',').nth(2).unwrap()).collect();
     assert_eq!(scans.len(), 1, "{behaviour}: {scans:?}");
@@ -132,13 +132,13 @@ fn what_ends_a_run_is_reported_and_nobody_waits_for_orphans() {
         ("kill-supervisor", "time_limit_s = 0.5", "", &["it gave no whole answer"]),
         ("exit", "", "", &["last lines that it printed:\n", "  my last words"]),
     ] {
-        let place = place_with(behaviour, more);
-        run_odd(&place, options).check_refusal(6, expected);
+        let workplace = workplace_with(behaviour, more);
+        run_odd(&workplace, options).check_refusal(6, expected);
         check_gone(behaviour);
     }
-    let place = Workplace::with_drive(1);
-    place.write("scanbench.toml", "[detector.odd]\ncommand = [\"./nowhere\"]");
-    run_odd(&place, skip).check_refusal(6, &["cannot be started: No such file"]);
+    let workplace = Workplace::with_drive(1);
+    workplace.write("scanbench.toml", "[detector.odd]\ncommand = [\"./nowhere\"]");
+    run_odd(&workplace, skip).check_refusal(6, &["cannot be started: No such file"]);
 }
 
 #[test]
@@ -148,9 +148,9 @@ fn what_does_not_end_a_run_is_warned_of() {
         ("deaf-to-quit", "", "did not end within 2 s"),
         ("child", "", "left 1 processes behind"),
     ] {
-        let place = place_with(behaviour, "");
+        let workplace = workplace_with(behaviour, "");
         // Warnings are not for -q.
-        let ended = place.succeed(&("run street -d odd,simple-grid --no-rrd -o out", options));
+        let ended = workplace.succeed(&("run street -d odd,simple-grid --no-rrd -o out", options));
         assert!(ended.stderr.contains(warning), "{behaviour}: {}", ended.stderr);
         check_gone(behaviour);
     }
@@ -160,10 +160,10 @@ fn what_does_not_end_a_run_is_warned_of() {
 fn nothing_is_left_behind_whatever_ends_us() {
     for (signal, exit_code) in [("KILL", None), ("INT", Some(130)), ("TERM", Some(143))] {
         let behaviour = format!("immortal-{signal}");
-        let place = place_with(&behaviour, "time_limit_s = 100");
-        let run = place.start(&("run street -d odd", QUIET));
+        let workplace = workplace_with(&behaviour, "time_limit_s = 100");
+        let run = workplace.start(&("run street -d odd", QUIET));
         let ends = Instant::now() + Duration::from_secs(20);
-        while !place.path("asked").exists() {
+        while !workplace.path("asked").exists() {
             assert!(Instant::now() < ends, "it was never asked");
             std::thread::sleep(Duration::from_millis(20));
         }
@@ -172,7 +172,7 @@ fn nothing_is_left_behind_whatever_ends_us() {
         let ended = run.wait_with_output().unwrap();
         assert_eq!(ended.status.code(), exit_code, "{ended:?}");
         check_gone(&behaviour);
-        let names = place.top_names();
+        let names = workplace.top_names();
         let there = |name: &str| names.iter().any(|it| it == name);
         assert!(there("out.unfinished") && !there("out"), "{names:?}");
     }
@@ -180,14 +180,14 @@ fn nothing_is_left_behind_whatever_ends_us() {
 
 #[test]
 fn what_is_served_finds_the_same() {
-    let place = Workplace::new();
+    let workplace = Workplace::new();
     let served = env!("CARGO_BIN_EXE_scanbench");
     let names = ["hierarchical", "paper", "kd-tree", "pca", "simple-grid"];
     let tables = names.map(|it| format!("[detector.x-{it}]\ncommand = [{served:?}, \"serve\", {it:?}]\n"));
-    place.write("scanbench.toml", &tables.concat());
+    workplace.write("scanbench.toml", &tables.concat());
     let both: Vec<String> = names.iter().flat_map(|it| [format!("x-{it}"), (*it).to_owned()]).collect();
-    place.succeed(&("run street-narrow --simulated-scans 3 --sensor vlp-16 -d", &both.join(","), QUIET));
-    let matches = place.read("out/matches.csv");
+    workplace.succeed(&("run street-narrow --simulated-scans 3 --sensor vlp-16 -d", &both.join(","), QUIET));
+    let matches = workplace.read("out/matches.csv");
     for name in names {
         let of = |name: &str| -> Vec<String> {
             let rows = matches.lines().filter(|it| it.contains(&format!(",{name},")));
@@ -196,33 +196,33 @@ fn what_is_served_finds_the_same() {
         assert!(of(name).len() > 100);
         assert_eq!(of(&format!("x-{name}")), of(name), "{name}");
     }
-    let manifest = place.read("out/manifest.json");
+    let manifest = workplace.read("out/manifest.json");
     assert!(manifest.contains("\"reported_name\": \"kd-tree\""), "{manifest}");
 }
 
 #[test]
 fn a_served_detector_is_asked_by_every_verb_that_takes_detectors() {
-    let place = place_with("fine", "parameters = { most = 3 }");
-    place.succeed("sweep street -d odd -P odd.most=1:3:1 --timed-scans 1 -q -o sweep");
-    let sweep = place.read("sweep/sweep.csv");
+    let workplace = workplace_with("fine", "parameters = { most = 3 }");
+    workplace.succeed("sweep street -d odd -P odd.most=1:3:1 --timed-scans 1 -q -o sweep");
+    let sweep = workplace.read("sweep/sweep.csv");
     assert!(sweep.contains("detector.odd.most") && sweep.lines().count() > 6, "{sweep}");
     let points =
         (0..200_u16).flat_map(|it| [4.0 + f32::from(it) * 0.01, 2.0, -1.0, 0.5]).flat_map(f32::to_le_bytes);
-    place.write("scan.bin", &points.collect::<Vec<u8>>());
-    place.succeed("detect scan.bin -d odd -P most=2").check_stdout(&["odd: 2 clusters of"]);
-    place.succeed("gaps -d odd,simple-grid --pairs 1 --sensor vlp-16 -q -o gaps");
-    assert_eq!(place.run("boxes -d odd").exit_code, Some(2));
-    let both = place.read("scanbench.toml") + "[detector.served]\ncommand = [\"true\"]\n";
-    place.write("scanbench.toml", &both);
-    place.refuse("run -d odder", 2, &["there is no detector \"odder\"", "odd, served"]);
+    workplace.write("scan.bin", &points.collect::<Vec<u8>>());
+    workplace.succeed("detect scan.bin -d odd -P most=2").check_stdout(&["odd: 2 clusters of"]);
+    workplace.succeed("gaps -d odd,simple-grid --pairs 1 --sensor vlp-16 -q -o gaps");
+    assert_eq!(workplace.run("boxes -d odd").exit_code, Some(2));
+    let both = workplace.read("scanbench.toml") + "[detector.served]\ncommand = [\"true\"]\n";
+    workplace.write("scanbench.toml", &both);
+    workplace.refuse("run -d odder", 2, &["there is no detector \"odder\"", "odd, served"]);
 }
 
 #[test]
 fn lasers_and_times_of_points_are_sent_where_the_data_have_them() {
-    let place = place_with("by-ring-and-time", "");
+    let workplace = workplace_with("by-ring-and-time", "");
     let with = crate::readers::argoverse2::drawn().display().to_string();
-    place.succeed(&["detect", &with, "--scan", "0", "-d", "odd"]);
-    let without = place.run("detect street-narrow --sensor vlp-16 --scan narrow-803595/000000 -d odd");
+    workplace.succeed(&["detect", &with, "--scan", "0", "-d", "odd"]);
+    let without = workplace.run("detect street-narrow --sensor vlp-16 --scan narrow-803595/000000 -d odd");
     assert_eq!(without.exit_code, Some(6), "{}", without.stderr);
     assert!(
         without.stderr.contains("ring") && !without.stderr.contains("time_offset_s"),

@@ -419,7 +419,7 @@ fn tolerances_that_name_nothing_never_let_a_loss_pass() {
 }
 
 #[test]
-fn a_number_that_is_missing_in_the_run_is_named_with_its_place() {
+fn a_number_that_is_missing_in_the_run_is_named_with_its_subject() {
     let workplace = accepted();
     copy_folder(&workplace.path("first"), &workplace.path("unknown"));
     // As if false objects could not be known: a scan without their number.

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Modules of a crate by path, such as `["segment", "terrain"]`, with their place in the order of declaration.
+/// Modules of a crate by path, such as `["segment", "terrain"]`, with their index in the order of declaration.
 struct Modules {
-    place_of: BTreeMap<Vec<String>, usize>,
+    index_of: BTreeMap<Vec<String>, usize>,
     files: Vec<(Vec<String>, PathBuf)>,
 }
 
@@ -16,7 +16,7 @@ fn root() -> PathBuf {
 
 fn modules_of(folder: &str) -> Modules {
     let src = root().join(folder).join("src");
-    let mut modules = Modules { place_of: BTreeMap::new(), files: Vec::new() };
+    let mut modules = Modules { index_of: BTreeMap::new(), files: Vec::new() };
     let files = ["lib.rs", "main.rs"].map(|it| src.join(it));
     let file = files.iter().find(|it| it.is_file()).unwrap_or_else(|| panic!("no crate in {folder}"));
     modules.declare(Vec::new(), file, &src);
@@ -36,13 +36,13 @@ impl Modules {
             self.declare(inner, inner_file, &nested);
         }
         // A module comes after its own parts, which it may gather, and before the next one.
-        self.place_of.insert(path.clone(), self.files.len());
+        self.index_of.insert(path.clone(), self.files.len());
         self.files.push((path, file.to_owned()));
     }
 
     /// The longest beginning of `names` that is a module.
     fn module_of<'a>(&self, names: &'a [String]) -> Option<&'a [String]> {
-        (1..=names.len()).rev().map(|n| &names[..n]).find(|it| self.place_of.contains_key(*it))
+        (1..=names.len()).rev().map(|n| &names[..n]).find(|it| self.index_of.contains_key(*it))
     }
 }
 
@@ -129,7 +129,7 @@ fn check(folder: &str) {
             let Some(used) = modules.module_of(&path) else { continue };
             let is_family = module.starts_with(used) || used.starts_with(module);
             n_uses += usize::from(!is_family);
-            if !is_family && modules.place_of[used] > modules.place_of[module] {
+            if !is_family && modules.index_of[used] > modules.index_of[module] {
                 offences.push(format!(
                     "{} uses {}, which is declared below it",
                     module.join("::"),
@@ -229,11 +229,11 @@ fn a_floor_stands_on_those_below_it_alone() {
     members.retain(|it| *it != TESTS_ALONE);
     assert_eq!(members, FLOORS.map(|(folder, _)| folder));
     let crates = FLOORS.map(|(folder, _)| folder.rsplit('/').next().unwrap_or(folder));
-    for (place, (folder, expected)) in FLOORS.into_iter().enumerate() {
+    for (index, (folder, expected)) in FLOORS.into_iter().enumerate() {
         let mut used = names(&manifest(folder), "dependencies");
         used.retain(|it| crates.contains(&it.as_str()));
         assert_eq!(used, expected, "{folder}");
-        assert!(expected.iter().all(|it| crates[..place].contains(it)), "{folder} stands on one above it");
+        assert!(expected.iter().all(|it| crates[..index].contains(it)), "{folder} stands on one above it");
     }
 }
 

@@ -309,17 +309,17 @@ fn the_page_leads_to_the_recordings_of_the_shards() {
     assert!(workplace.path("shards/shard-2-of-2/run.rrd").is_file());
     merge_whole(&workplace, "shards", "in-one");
     let recordings: Value = serde_json::from_str(&workplace.read("in-one/recordings.json")).unwrap();
-    let places = recordings["places"].as_array().unwrap();
+    let recorded = recordings["places"].as_array().unwrap();
     let page = workplace.read("in-one/report.html");
-    for place in places {
-        let file = place["recording"].as_str().unwrap();
+    for object in recorded {
+        let file = object["recording"].as_str().unwrap();
         assert!(
             file.starts_with("../shards/shard-") && workplace.path("in-one").join(file).is_file(),
             "{file}"
         );
         assert!(page.contains(&format!("href=\"{file}\"")), "{file}");
         // By the number in the run, and not in the shard.
-        assert_eq!(place["step"].as_u64().unwrap() % 2, 0);
+        assert_eq!(object["step"].as_u64().unwrap() % 2, 0);
     }
-    assert!(!places.is_empty());
+    assert!(!recorded.is_empty());
 }

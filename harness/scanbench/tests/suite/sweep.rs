@@ -31,8 +31,8 @@ fn rows(workplace: &Workplace, file: &str) -> (Vec<String>, Vec<Vec<String>>) {
 }
 
 fn column<'a>(head: &[String], row: &'a [String], name: &str) -> &'a str {
-    let place = head.iter().position(|it| it == name).unwrap_or_else(|| panic!("no {name} in {head:?}"));
-    &row[place]
+    let column = head.iter().position(|it| it == name).unwrap_or_else(|| panic!("no {name} in {head:?}"));
+    &row[column]
 }
 
 #[test]

@@ -16,7 +16,7 @@ const LEAST_FIT: f64 = 0.02;
 const SHIFT_STEPS: [(f32, i32); 3] = [(0.3, 6), (0.1, 3), (0.05, 2)];
 /// Changes with two parameters fit better by chance, and are believed if they fit so much better.
 const WORTH_OF_SHIFT: f64 = 0.94;
-/// The same where labelled cars are longer or shorter than any, so that their size is doubted first.
+/// The same where labelled cars are longer or shorter than any, so that their size is suspected first.
 const WORTH_OF_SHIFT_IF_ODD: f64 = 0.7;
 /// Lengths of cars, in metres.
 const CAR_LENGTHS_M: std::ops::Range<f32> = 3.0..5.6;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use super::empty_boxes::{EmptyBoxes, NEAR_M};
-use super::frame_doubt::FrameDoubt;
+use super::frame_suspicion::FrameSuspicion;
 use super::label_look::LabelLook;
 use super::scan_facts::{RANGES_M, ScanFacts, ring_areas_m2};
 use crate::annotation::ScanId;
@@ -42,18 +42,22 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// What `scans` say about the data set, in the order of the data set. `doubts` about frame and labels come first: what
-    /// follows may follow from them.
-    pub fn of(description: &DatasetDescription, scans: &[CheckedScan], doubts: &[FrameDoubt]) -> Self {
+    /// What `scans` say about the data set, in the order of the data set. `suspicions` about frame and labels come first:
+    /// what follows may follow from them.
+    pub fn of(
+        description: &DatasetDescription,
+        scans: &[CheckedScan],
+        suspicions: &[FrameSuspicion],
+    ) -> Self {
         let facts: Vec<&ScanFacts> = scans.iter().filter_map(|it| it.facts.as_ref().ok()).collect();
         let mut report =
             Self { lines: Vec::new(), warnings: Vec::new(), n_damaged: scans.len() - facts.len() };
-        report.add_doubts(doubts);
+        report.add_suspicions(suspicions);
         report.describe(description);
         report.count_scans(scans);
         report.count_points(&facts);
         // Where another axis points up, z says nothing of heights.
-        if !doubts.iter().any(|it| matches!(it, FrameDoubt::Axis(_))) {
+        if !suspicions.iter().any(|it| matches!(it, FrameSuspicion::Axis(_))) {
             report.check_ground(description, &facts);
         }
         report.count_annotations(&facts);
@@ -67,7 +71,7 @@ impl CheckReport {
         self.warnings.extend(oddities.into_iter().map(|it| shown(&it).into_owned()));
     }
 
-    /// Says whether labels were compared with points; what is doubtful about them is a doubt.
+    /// Says whether labels were compared with points; what is suspect about them is a suspicion.
     pub fn add_label_look(&mut self, look: &LabelLook) {
         let verb = if look.is_enough() {
             "compared with their points"
@@ -81,10 +85,12 @@ impl CheckReport {
         );
     }
 
-    /// Adds what is doubtful beyond heights and empty boxes, which all scans show.
-    fn add_doubts(&mut self, doubts: &[FrameDoubt]) {
-        let is_shown = |it: &&FrameDoubt| matches!(it, FrameDoubt::Height { .. } | FrameDoubt::EmptyBoxes(_));
-        self.warnings.extend(doubts.iter().filter(|it| !is_shown(it)).map(ToString::to_string));
+    /// Adds what is suspect beyond heights and empty boxes, which all scans show.
+    fn add_suspicions(&mut self, suspicions: &[FrameSuspicion]) {
+        let is_shown = |it: &&FrameSuspicion| {
+            matches!(it, FrameSuspicion::Height { .. } | FrameSuspicion::EmptyBoxes(_))
+        };
+        self.warnings.extend(suspicions.iter().filter(|it| !is_shown(it)).map(ToString::to_string));
     }
 
     fn line(&mut self, name: &'static str, value: String) {
@@ -159,11 +165,11 @@ impl CheckReport {
         self.line("ground", format!("at z = {median_m:.2} m, 4 to 12 m from the sensor"));
         let expected_m = -description.sensor_height_m;
         if (median_m - expected_m).abs() > GROUND_TOLERANCE_M {
-            let doubt = FrameDoubt::Height {
+            let suspicion = FrameSuspicion::Height {
                 seen_m: -f64::from(median_m),
                 said_m: description.sensor_height_m.into(),
             };
-            self.warnings.push(doubt.to_string());
+            self.warnings.push(suspicion.to_string());
         }
     }
 
@@ -190,7 +196,7 @@ impl CheckReport {
         });
         let boxes = EmptyBoxes { n_near: near.len(), n_empty };
         if boxes.are_most() {
-            self.warnings.push(FrameDoubt::EmptyBoxes(boxes).to_string());
+            self.warnings.push(FrameSuspicion::EmptyBoxes(boxes).to_string());
         }
     }
 

@@ -7,7 +7,7 @@ use reports::vocabulary::class::AnnotationClass;
 use super::box_fit::{BetterFit, better_fit, gain, mean_fit};
 use super::empty_boxes::NEAR_M;
 use super::label_correction::Correction;
-use super::label_doubt::{LabelDoubt, TakenFor};
+use super::label_suspicion::{LabelSuspicion, TakenFor};
 use super::seen_vehicles::{SeenVehicle, SeenVehicles, is_vehicle};
 use crate::annotation::LabeledScan;
 use crate::dataset::proposal_list::ProposalList;
@@ -39,23 +39,24 @@ const MOST_HIDDEN: (usize, f64) = (2, 0.2);
 pub struct LabelLook {
     /// The labelled vehicles near the sensor.
     pub vehicles: SeenVehicles,
-    /// Why the labels are doubtful.
-    pub doubts: Vec<LabelDoubt>,
+    /// Why the labels are suspect.
+    pub suspicions: Vec<LabelSuspicion>,
 }
 
 impl LabelLook {
     /// The labels of `scans`. `next` reads the scans that follow some of them: the index of each in `scans`, and the next one.
     pub fn of(scans: &[LabeledScan], next: impl FnOnce() -> Vec<(usize, LabeledScan)>) -> Self {
         let vehicles = seen(scans, |it| it);
-        let position = position_doubt(scans, &vehicles, next);
+        let position = position_suspicion(scans, &vehicles, next);
         let is_swapped =
-            matches!(position, Some(LabelDoubt::Position { correction: Correction::SwapSides, .. }));
-        let sideways = sideways_doubt(&vehicles.seen).filter(|_| !is_swapped);
-        let holes = holes_doubt(scans).filter(|_| position.is_none());
-        let doubts = [degrees_doubt(scans), position, sideways, height_doubt(&vehicles.seen), holes]
-            .into_iter()
-            .flatten();
-        Self { doubts: doubts.collect(), vehicles }
+            matches!(position, Some(LabelSuspicion::Position { correction: Correction::SwapSides, .. }));
+        let sideways = sideways_suspicion(&vehicles.seen).filter(|_| !is_swapped);
+        let holes = holes_suspicion(scans).filter(|_| position.is_none());
+        let suspicions =
+            [degrees_suspicion(scans), position, sideways, height_suspicion(&vehicles.seen), holes]
+                .into_iter()
+                .flatten();
+        Self { suspicions: suspicions.collect(), vehicles }
     }
 
     /// Whether there are enough vehicles to decide.
@@ -115,12 +116,13 @@ fn fit_of_all(vehicles: &SeenVehicles) -> f64 {
     share_seen * mean_fit(&vehicles.seen, None)
 }
 
-fn position_doubt(
+fn position_suspicion(
     scans: &[LabeledScan],
     vehicles: &SeenVehicles,
     next: impl FnOnce() -> Vec<(usize, LabeledScan)>,
-) -> Option<LabelDoubt> {
-    let doubt = |correction, gain, n_vehicles| Some(LabelDoubt::Position { correction, gain, n_vehicles });
+) -> Option<LabelSuspicion> {
+    let suspicion =
+        |correction, gain, n_vehicles| Some(LabelSuspicion::Position { correction, gain, n_vehicles });
     let unchanged = fit_of_all(vehicles);
     let better = better_fit(&vehicles.seen);
     let best_here = better.map_or(0.0, |it| it.fit);
@@ -129,7 +131,7 @@ fn position_doubt(
         && n >= FEWEST
         && fit >= (surely * unchanged).max(best_here)
     {
-        return doubt(correction, gain(fit, unchanged), n);
+        return suspicion(correction, gain(fit, unchanged), n);
     }
     let (better, n) = (better?, vehicles.seen.len());
     let least_gain = BELIEVED_GAIN[usize::from(n < ENOUGH)];
@@ -142,10 +144,14 @@ fn position_doubt(
         && n >= FEWEST
         && fit >= least_other
     {
-        return doubt(correction, gain(fit, unchanged), n);
+        return suspicion(correction, gain(fit, unchanged), n);
     }
     let BetterFit { correction, gain, share_better, .. } = better;
-    if correction.is_large() && share_better >= BELIEVED_SHARE { doubt(correction, gain, n) } else { None }
+    if correction.is_large() && share_better >= BELIEVED_SHARE {
+        suspicion(correction, gain, n)
+    } else {
+        None
+    }
 }
 
 /// The best of the changes that put boxes elsewhere, how well all vehicles fit then, and how many are seen.
@@ -171,16 +177,17 @@ fn best_other_scan(scans: &[LabeledScan], next: &[(usize, LabeledScan)]) -> Opti
     [true, false].map(fit).into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn sideways_doubt(vehicles: &[SeenVehicle]) -> Option<LabelDoubt> {
+fn sideways_suspicion(vehicles: &[SeenVehicle]) -> Option<LabelSuspicion> {
     let is_wide = |it: &&SeenVehicle| {
         let [length_m, width_m, _] = it.bounding_box.length_width_height_m;
         width_m > length_m
     };
     let (n_wide, n_vehicles) = (vehicles.iter().filter(is_wide).count(), vehicles.len());
-    (n_vehicles >= FEWEST && 2 * n_wide > n_vehicles).then_some(LabelDoubt::Sideways { n_wide, n_vehicles })
+    (n_vehicles >= FEWEST && 2 * n_wide > n_vehicles)
+        .then_some(LabelSuspicion::Sideways { n_wide, n_vehicles })
 }
 
-fn height_doubt(vehicles: &[SeenVehicle]) -> Option<LabelDoubt> {
+fn height_suspicion(vehicles: &[SeenVehicle]) -> Option<LabelSuspicion> {
     let n_vehicles = vehicles.len();
     if n_vehicles < FEWEST {
         return None;
@@ -202,11 +209,11 @@ fn height_doubt(vehicles: &[SeenVehicle]) -> Option<LabelDoubt> {
     } else {
         TakenFor::Unknown
     };
-    let doubt = LabelDoubt::Height { above_ground_m, taken_for, n_vehicles };
-    (above_ground_m.abs() >= FROM_GROUND_M).then_some(doubt)
+    let suspicion = LabelSuspicion::Height { above_ground_m, taken_for, n_vehicles };
+    (above_ground_m.abs() >= FROM_GROUND_M).then_some(suspicion)
 }
 
-fn holes_doubt(scans: &[LabeledScan]) -> Option<LabelDoubt> {
+fn holes_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
     let vehicles = scans.iter().flat_map(|it| &it.annotations).filter(|it| is_vehicle(it.class));
     let boxes = vehicles.filter_map(|it| Some((it.bounding_box?.range_m(), it.point_indices.len())));
     let boxes: Vec<(f32, usize)> = boxes.filter(|it| it.0 < NEAR_M).collect();
@@ -222,23 +229,23 @@ fn holes_doubt(scans: &[LabeledScan]) -> Option<LabelDoubt> {
     let (n_empty, n_vehicles) = (among_full.iter().filter(|it| **it == 0).count(), among_full.len());
     let (most, most_share) = MOST_HIDDEN;
     (n_empty > most && n_empty as f64 > most_share * n_vehicles as f64)
-        .then_some(LabelDoubt::Holes { n_empty, n_vehicles })
+        .then_some(LabelSuspicion::Holes { n_empty, n_vehicles })
 }
 
 /// Whether most labels of `scans` are as `list` has them.
-pub fn proposed_doubt(scans: &[LabeledScan], list: &ProposalList) -> Option<LabelDoubt> {
+pub fn proposed_suspicion(scans: &[LabeledScan], list: &ProposalList) -> Option<LabelSuspicion> {
     let n_boxes = boxes(scans).count();
     let n_proposed = boxes(scans).filter(|it| list.contains(it)).count();
-    (2 * n_proposed > n_boxes).then_some(LabelDoubt::Proposed { n_proposed, n_boxes })
+    (2 * n_proposed > n_boxes).then_some(LabelSuspicion::Proposed { n_proposed, n_boxes })
 }
 
 fn boxes(scans: &[LabeledScan]) -> impl Iterator<Item = OrientedBox> + '_ {
     scans.iter().flat_map(|it| &it.annotations).filter_map(|it| it.bounding_box)
 }
 
-fn degrees_doubt(scans: &[LabeledScan]) -> Option<LabelDoubt> {
+fn degrees_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
     let n_beyond = boxes(scans).filter(|it| it.yaw_rad.abs() > std::f32::consts::TAU + 0.01).count();
     let n_boxes = boxes(scans).count();
     // A few may only be written with a turn too much.
-    (10 * n_beyond > n_boxes).then_some(LabelDoubt::Degrees { n_beyond, n_boxes })
+    (10 * n_beyond > n_boxes).then_some(LabelSuspicion::Degrees { n_beyond, n_boxes })
 }

@@ -8,8 +8,8 @@ pub mod seen_ground;
 pub mod seen_vehicles;
 pub mod label_correction;
 pub mod box_fit;
-pub mod label_doubt;
+pub mod label_suspicion;
 pub mod label_look;
 
-pub mod frame_doubt;
+pub mod frame_suspicion;
 pub mod check_report;

@@ -6,8 +6,8 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use detector::OrientedBox;
 use scans::annotation::LabeledScan;
 use scans::data_check::label_correction::Correction;
-use scans::data_check::label_doubt::{LabelDoubt, TakenFor};
 use scans::data_check::label_look::LabelLook;
+use scans::data_check::label_suspicion::{LabelSuspicion, TakenFor};
 use scans::dataset::Dataset;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
@@ -57,8 +57,8 @@ impl Looked {
         Self::of(&format!("{street}, {sensor}"), &*dataset)
     }
 
-    /// What is doubtful if all boxes are `damaged`.
-    fn doubts(&self, damaged: impl Fn(&OrientedBox) -> OrientedBox) -> Vec<LabelDoubt> {
+    /// What is suspect if all boxes are `damaged`.
+    fn suspicions(&self, damaged: impl Fn(&OrientedBox) -> OrientedBox) -> Vec<LabelSuspicion> {
         let damage = |scan: &LabeledScan| {
             let mut scan = scan.clone();
             for it in scan.annotations.iter_mut().filter_map(|it| it.bounding_box.as_mut()) {
@@ -68,27 +68,27 @@ impl Looked {
         };
         let scans: Vec<LabeledScan> = self.scans.iter().map(damage).collect();
         let next = || self.next.iter().map(|(idx, it)| (*idx, damage(it))).collect();
-        LabelLook::of(&scans, next).doubts
+        LabelLook::of(&scans, next).suspicions
     }
 
-    /// What is doubtful if one box in so many holds no point.
-    fn doubts_with_holes(&self, one_in: usize) -> Vec<LabelDoubt> {
+    /// What is suspect if one box in so many holds no point.
+    fn suspicions_with_holes(&self, one_in: usize) -> Vec<LabelSuspicion> {
         let mut scans = self.scans.clone();
         let boxes =
             scans.iter_mut().flat_map(|it| &mut it.annotations).filter(|it| it.bounding_box.is_some());
         boxes.step_by(one_in).for_each(|it| it.point_indices.clear());
-        LabelLook::of(&scans, Vec::new).doubts
+        LabelLook::of(&scans, Vec::new).suspicions
     }
 
-    /// What is doubtful if each scan has the labels of the one before it.
-    fn doubts_if_late(&self) -> Vec<LabelDoubt> {
+    /// What is suspect if each scan has the labels of the one before it.
+    fn suspicions_if_late(&self) -> Vec<LabelSuspicion> {
         // The points of the next scan with the labels of this one, and those of this one for the next, which are the right ones.
         let late = |(idx, next): &(usize, LabeledScan)| LabeledScan {
             annotations: self.scans[*idx].annotations.clone(),
             ..next.clone()
         };
         let scans: Vec<LabeledScan> = self.next.iter().map(late).collect();
-        LabelLook::of(&scans, || self.next.iter().map(|it| it.1.clone()).enumerate().collect()).doubts
+        LabelLook::of(&scans, || self.next.iter().map(|it| it.1.clone()).enumerate().collect()).suspicions
     }
 }
 
@@ -100,21 +100,21 @@ fn raised(by: impl Fn(f32) -> f32) -> impl Fn(&OrientedBox) -> OrientedBox {
     }
 }
 
-fn corrections(doubts: &[LabelDoubt]) -> Vec<Correction> {
-    let position = |it: &LabelDoubt| match it {
-        LabelDoubt::Position { correction, .. } => Some(*correction),
+fn corrections(suspicions: &[LabelSuspicion]) -> Vec<Correction> {
+    let position = |it: &LabelSuspicion| match it {
+        LabelSuspicion::Position { correction, .. } => Some(*correction),
         _ => None,
     };
-    doubts.iter().filter_map(position).collect()
+    suspicions.iter().filter_map(position).collect()
 }
 
 /// Damages the labels of `looked` by `damage`, and expects a correction like this one.
 #[track_caller]
 fn check(looked: &Looked, damage: Correction, expected: impl Fn(Correction) -> bool) {
-    let doubts = looked.doubts(|it| damage.of(it));
-    let found = corrections(&doubts);
+    let suspicions = looked.suspicions(|it| damage.of(it));
+    let found = corrections(&suspicions);
     let is_expected = found.iter().any(|it| expected(*it));
-    assert!(is_expected, "{}: {damage:?} gives {doubts:?}", looked.name);
+    assert!(is_expected, "{}: {damage:?} gives {suspicions:?}", looked.name);
 }
 
 fn near(found: f32, expected: f32, tolerance: f32) -> bool {
@@ -159,27 +159,26 @@ fn check_all(looked: &Looked) {
         |it| matches!(it, Correction::Turn(by) if near(by, -FRAC_PI_2, 0.01)),
     );
     check(looked, Correction::ExchangeAxes, |it| it == Correction::ExchangeAxes);
-    let has_height = |expected: TakenFor, doubts: Vec<LabelDoubt>| {
-        let is_it =
-            |it: &LabelDoubt| matches!(it, LabelDoubt::Height { taken_for, .. } if *taken_for == expected);
-        assert!(doubts.iter().any(is_it), "{}: {doubts:?}", looked.name);
+    let has_height = |expected: TakenFor, suspicions: Vec<LabelSuspicion>| {
+        let is_it = |it: &LabelSuspicion| matches!(it, LabelSuspicion::Height { taken_for, .. } if *taken_for == expected);
+        assert!(suspicions.iter().any(is_it), "{}: {suspicions:?}", looked.name);
     };
-    has_height(TakenFor::BottomForCentre, looked.doubts(raised(|height_m| -0.5 * height_m)));
-    has_height(TakenFor::CentreForBottom, looked.doubts(raised(|height_m| 0.5 * height_m)));
-    has_height(TakenFor::Unknown, looked.doubts(raised(|_| 1.73)));
-    let degrees = looked.doubts(|it| OrientedBox { yaw_rad: it.yaw_rad.to_degrees() + 20.0, ..*it });
-    assert!(degrees.iter().any(|it| matches!(it, LabelDoubt::Degrees { .. })), "{degrees:?}");
-    let holes = looked.doubts_with_holes(3);
-    assert!(holes.iter().any(|it| matches!(it, LabelDoubt::Holes { .. })), "{}: {holes:?}", looked.name);
-    let sideways = looked.doubts(|it| Correction::Yaw(FRAC_PI_2).of(&Correction::SwapSides.of(it)));
-    assert!(sideways.iter().any(|it| matches!(it, LabelDoubt::Sideways { .. })), "{sideways:?}");
+    has_height(TakenFor::BottomForCentre, looked.suspicions(raised(|height_m| -0.5 * height_m)));
+    has_height(TakenFor::CentreForBottom, looked.suspicions(raised(|height_m| 0.5 * height_m)));
+    has_height(TakenFor::Unknown, looked.suspicions(raised(|_| 1.73)));
+    let degrees = looked.suspicions(|it| OrientedBox { yaw_rad: it.yaw_rad.to_degrees() + 20.0, ..*it });
+    assert!(degrees.iter().any(|it| matches!(it, LabelSuspicion::Degrees { .. })), "{degrees:?}");
+    let holes = looked.suspicions_with_holes(3);
+    assert!(holes.iter().any(|it| matches!(it, LabelSuspicion::Holes { .. })), "{}: {holes:?}", looked.name);
+    let sideways = looked.suspicions(|it| Correction::Yaw(FRAC_PI_2).of(&Correction::SwapSides.of(it)));
+    assert!(sideways.iter().any(|it| matches!(it, LabelSuspicion::Sideways { .. })), "{sideways:?}");
 }
 
 #[test]
 fn labels_of_streets_are_silent_and_their_damage_is_named() {
     for street in ["street-main-road", "street-narrow", "street-intersection"] {
         let looked = Looked::street(street, "hdl-64e-s2");
-        assert_eq!(looked.doubts(|it| *it), [], "{}", looked.name);
+        assert_eq!(looked.suspicions(|it| *it), [], "{}", looked.name);
         check_all(&looked);
     }
 }
@@ -188,14 +187,14 @@ fn labels_of_streets_are_silent_and_their_damage_is_named() {
 #[ignore = "needs data/kitti_tracking, data/kitti_object, data/semantic_kitti and data/argoverse2 in SCANBENCH_TEST_DATA"]
 fn real_labels_are_silent_and_their_damage_is_named() {
     for looked in recorded() {
-        assert_eq!(looked.doubts(|it| *it), [], "{}", looked.name);
+        assert_eq!(looked.suspicions(|it| *it), [], "{}", looked.name);
         // One scan with 16 vehicles does not show every kind of damage.
         if looked.scans.len() > 1 { check_all(&looked) } else { check_positions(&looked) }
     }
     let kitti = Looked::recorded("data/kitti_tracking");
     let late = Correction::OtherScan { is_next: true };
-    assert_eq!(corrections(&kitti.doubts_if_late()), [late]);
-    assert_eq!(Looked::recorded("data/semantic_kitti").doubts(|it| *it), []);
+    assert_eq!(corrections(&kitti.suspicions_if_late()), [late]);
+    assert_eq!(Looked::recorded("data/semantic_kitti").suspicions(|it| *it), []);
 }
 
 #[test]
@@ -204,7 +203,7 @@ fn labels_of_all_streets_are_silent_with_all_sensors() {
     for sensor in ["hdl-64e-s2", "hdl-32e", "vlp-16", "os1-128", "os0-128", "pandar64", "xt32"] {
         for street in ["street-main-road", "street-narrow", "street-intersection"] {
             let looked = Looked::street(street, sensor);
-            assert_eq!(looked.doubts(|it| *it), [], "{}", looked.name);
+            assert_eq!(looked.suspicions(|it| *it), [], "{}", looked.name);
         }
     }
 }
@@ -244,25 +243,25 @@ fn how_small_a_damage_is_heard() {
     let heights = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0];
     for looked in &all {
         let started = std::time::Instant::now();
-        let silent = looked.doubts(|it| *it);
+        let silent = looked.suspicions(|it| *it);
         let took_ms = started.elapsed().as_millis();
-        let first = |sizes: &[f32], doubts: &dyn Fn(f32) -> Vec<LabelDoubt>| {
-            let n_silent = sizes.iter().rev().take_while(|it| !doubts(**it).is_empty()).count();
+        let first = |sizes: &[f32], suspicions: &dyn Fn(f32) -> Vec<LabelSuspicion>| {
+            let n_silent = sizes.iter().rev().take_while(|it| !suspicions(**it).is_empty()).count();
             sizes.get(sizes.len() - n_silent).map_or_else(|| "–".to_owned(), ToString::to_string)
         };
         let mut cells: Vec<String> = damages
             .iter()
             .map(|(name, unit, damage, sizes)| {
-                let of_size = |size: f32| looked.doubts(|it| damage(size).of(it));
+                let of_size = |size: f32| looked.suspicions(|it| damage(size).of(it));
                 format!("{name} {} {unit}", first(sizes, &of_size))
             })
             .collect();
-        cells.push(format!("height {} m", first(&heights, &|size| looked.doubts(raised(move |_| size)))));
-        let is_heard = |one_in: &usize| !looked.doubts_with_holes(*one_in).is_empty();
+        cells.push(format!("height {} m", first(&heights, &|size| looked.suspicions(raised(move |_| size)))));
+        let is_heard = |one_in: &usize| !looked.suspicions_with_holes(*one_in).is_empty();
         let holes = (2..=10).rev().find(is_heard).map_or_else(|| "–".to_owned(), |it| it.to_string());
         cells.push(format!("empty 1 in {holes}"));
-        let n = corrections(&looked.doubts(|it| Correction::Turn(PI).of(it))).len();
-        let late = corrections(&looked.doubts_if_late());
+        let n = corrections(&looked.suspicions(|it| Correction::Turn(PI).of(it))).len();
+        let late = corrections(&looked.suspicions_if_late());
         eprintln!(
             "| {} | {took_ms} ms | undamaged {silent:?} | {} | turned back {n} | late {late:?} |",
             looked.name,

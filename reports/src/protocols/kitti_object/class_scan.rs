@@ -22,9 +22,9 @@ pub struct ClassScan<'a> {
 /// An annotation and a detection that overlap enough for a question.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// Place of the annotation.
+    /// Index of the annotation.
     pub annotation: usize,
-    /// Place of the detection.
+    /// Index of the detection.
     pub detection: usize,
     /// By how much they overlap.
     pub overlap: f64,
@@ -67,7 +67,7 @@ impl<'a> ClassScan<'a> {
         self.detections[detection][difficulty as usize]
     }
 
-    /// The detections of the class itself, each with its place.
+    /// The detections of the class itself, each with its index.
     pub fn of_class(&self) -> impl Iterator<Item = (usize, &super::scan::KittiDetection)> {
         let class = self.class.annotation_class();
         self.scan.detections().iter().enumerate().filter(move |(_, it)| it.object.class == class)

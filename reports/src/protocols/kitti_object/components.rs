@@ -1,4 +1,5 @@
-//! Pairs that hang together by annotations and detections that they share: what is matched in one component changes no other.
+//! Pairs that hang together by annotations and detections that they share: what is matched in one component changes no
+//! other.
 
 use super::class_scan::Candidate;
 
@@ -58,8 +59,8 @@ mod tests {
             detection_role: Role::Counts,
         };
         let mut candidates: Vec<Candidate> = pairs.iter().map(candidate).collect();
-        let places = |it: &[Candidate]| it.iter().map(|it| (it.annotation, it.detection)).collect();
-        Components::default().split(&mut candidates).map(places).collect()
+        let indices = |it: &[Candidate]| it.iter().map(|it| (it.annotation, it.detection)).collect();
+        Components::default().split(&mut candidates).map(indices).collect()
     }
 
     #[test]

@@ -22,26 +22,26 @@ pub fn changes(events: &ScoreEvents) -> Vec<(f64, i32, i32)> {
     changes
 }
 
-/// A box at `place`, 100 pixels high.
-pub fn boxed(class: AnnotationClass, place: f64) -> KittiBox {
+/// A box at `position`, 100 pixels high.
+pub fn boxed(class: AnnotationClass, position: f64) -> KittiBox {
     KittiBox {
         class,
-        left_top_right_bottom_px: [100.0 * place, 100.0, 100.0 * place + 80.0, 200.0],
+        left_top_right_bottom_px: [100.0 * position, 100.0, 100.0 * position + 80.0, 200.0],
         alpha_rad: 0.0,
-        bottom_center_m: [10.0 * place, 1.7, 20.0],
+        bottom_center_m: [10.0 * position, 1.7, 20.0],
         height_width_length_m: [1.5, 1.6, 4.0],
         rotation_y_rad: 0.0,
     }
 }
 
 /// An annotation that is easy to find.
-pub fn annotation(class: AnnotationClass, place: f64) -> KittiAnnotation {
-    KittiAnnotation { object: boxed(class, place), occlusion: 0, truncation: 0.0 }
+pub fn annotation(class: AnnotationClass, position: f64) -> KittiAnnotation {
+    KittiAnnotation { object: boxed(class, position), occlusion: 0, truncation: 0.0 }
 }
 
 /// A detection.
-pub fn detection(class: AnnotationClass, place: f64, score: f64) -> KittiDetection {
-    KittiDetection { object: boxed(class, place), score }
+pub fn detection(class: AnnotationClass, position: f64, score: f64) -> KittiDetection {
+    KittiDetection { object: boxed(class, position), score }
 }
 
 /// A scan in which these overlap, everywhere alike.

@@ -36,7 +36,7 @@ struct OfQuestion {
 }
 
 impl KittiMatches {
-    /// Matches `scans`, each by its place among all scans; those of which nothing is known may be left out.
+    /// Matches `scans`, each by its index among all scans; those of which nothing is known may be left out.
     pub fn of(scans: &[(u32, &KittiScan)]) -> Self {
         let mut detections = scans.iter().flat_map(|(_, it)| it.detections());
         let mut of_questions: Vec<OfQuestion> =
@@ -49,8 +49,8 @@ impl KittiMatches {
     /// The same of those of `scans` that are among `names`, which ascend.
     pub fn named(names: &[ScanName], scans: &BTreeMap<ScanName, KittiScan>) -> Self {
         let placed = scans.iter().filter_map(|(name, scan)| {
-            let place = names.binary_search(name).ok()?;
-            Some((place as u32, scan))
+            let index = names.binary_search(name).ok()?;
+            Some((index as u32, scan))
         });
         Self::of(&placed.collect::<Vec<_>>())
     }
@@ -100,11 +100,11 @@ fn matched(scans: &[(u32, &KittiScan)], class: KittiClass) -> Vec<OfQuestion> {
     let mut of_questions: Vec<(Question, [ScoreEvents; 2])> =
         questions.map(|question| (question, [ScoreEvents::default(), ScoreEvents::default()])).collect();
     let (mut official_matching, mut sound_matching) = (OfficialMatching::default(), SoundMatching::default());
-    for (place, scan) in scans {
+    for (index, scan) in scans {
         let scan = ClassScan::of(scan, class);
         for (question, [official, sound]) in &mut of_questions {
-            official_matching.add((*place, &scan), question, official);
-            sound_matching.add((*place, &scan), question, sound);
+            official_matching.add((*index, &scan), question, official);
+            sound_matching.add((*index, &scan), question, sound);
         }
     }
     let sorted = |(question, [official, sound]): (Question, [ScoreEvents; 2])| OfQuestion {
@@ -159,13 +159,13 @@ mod tests {
 
     type Scene = (Vec<KittiAnnotation>, Vec<KittiDetection>);
 
-    /// Things at places along a road, one wide: what is nearer than that overlaps.
+    /// Things at positions along a road, one wide: what is nearer than that overlaps.
     fn scan_of((annotations, detections): &Scene) -> KittiScan {
-        let place = |it: &crate::rows::kitti_object_row::KittiBox| it.bottom_center_m[0] / 10.0;
+        let position = |it: &crate::rows::kitti_object_row::KittiBox| it.bottom_center_m[0] / 10.0;
         let mut pairs = Vec::new();
         for (annotation_idx, it) in (0..).zip(annotations) {
             for (detection_idx, found) in (0..).zip(detections) {
-                let overlap = 1.0 - (place(&it.object) - place(&found.object)).abs();
+                let overlap = 1.0 - (position(&it.object) - position(&found.object)).abs();
                 if overlap > 0.25 {
                     pairs.push((annotation_idx, detection_idx, overlap));
                 }
@@ -177,16 +177,16 @@ mod tests {
     fn any_scene() -> impl Strategy<Value = Scene> {
         let thing =
             || (prop::sample::select(&CLASSES[..]), 0.0..6.0, prop::sample::select(&[30.0, 90.0][..]));
-        let labelled = (thing(), 0_i64..4).prop_map(|((class, place, height_px), occlusion)| {
-            let mut it = KittiAnnotation { occlusion, ..annotation(class, place) };
+        let labelled = (thing(), 0_i64..4).prop_map(|((class, position, height_px), occlusion)| {
+            let mut it = KittiAnnotation { occlusion, ..annotation(class, position) };
             it.object.left_top_right_bottom_px[3] = 100.0 + height_px;
-            it.object.alpha_rad = place;
+            it.object.alpha_rad = position;
             it
         });
-        let found = (thing(), 0_i32..6).prop_map(|((class, place, height_px), score)| {
-            let mut it = detection(class, place, f64::from(score));
+        let found = (thing(), 0_i32..6).prop_map(|((class, position, height_px), score)| {
+            let mut it = detection(class, position, f64::from(score));
             it.object.left_top_right_bottom_px[3] = 80.0 + height_px;
-            it.object.alpha_rad = place / 2.0;
+            it.object.alpha_rad = position / 2.0;
             it
         });
         (prop::collection::vec(labelled, 0..8), prop::collection::vec(found, 0..8))

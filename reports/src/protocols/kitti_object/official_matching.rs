@@ -30,15 +30,15 @@ struct Found {
 }
 
 impl OfficialMatching {
-    /// Adds what is found in the scan at this place.
+    /// Adds what is found in the scan at this index.
     pub fn add(
         &mut self,
-        (place, scan): (u32, &ClassScan<'_>),
+        (index, scan): (u32, &ClassScan<'_>),
         question: &Question,
         events: &mut ScoreEvents,
     ) {
         let n_annotations = scan.n_annotations(question.difficulty);
-        events.annotations.extend((n_annotations > 0).then_some((place, n_annotations)));
+        events.annotations.extend((n_annotations > 0).then_some((index, n_annotations)));
         for flags in [&mut self.is_alone, &mut self.is_taken] {
             flags.clear();
             flags.resize(scan.scan.detections().len(), false);
@@ -49,21 +49,21 @@ impl OfficialMatching {
         for component in self.components.split(&mut self.candidates) {
             if let [it] = component {
                 self.is_alone[it.detection] = true;
-                events.events.extend(found_alone(it, place));
+                events.events.extend(found_alone(it, index));
             } else {
                 let mut component = Component { pairs: component, is_taken: &mut self.is_taken };
-                component.add_hits(place, &mut events.events);
-                component.add_changes(place, can_be_false, &mut events.events);
+                component.add_hits(index, &mut events.events);
+                component.add_changes(index, can_be_false, &mut events.events);
             }
         }
         let falses = scan.of_class().filter(|(it, _)| !self.is_alone[*it] && can_be_false(*it));
-        events.falses.extend(falses.map(|(_, it)| (it.score, place)));
+        events.falses.extend(falses.map(|(_, it)| (it.score, index)));
     }
 }
 
 /// Whether a detection is false where it finds nothing.
 fn can_be_false(scan: &ClassScan<'_>, question: Question, detection: usize) -> bool {
-    // Regions without labels have no place in the world, so that they excuse in the image only.
+    // Regions without labels have no position in the world, so that they excuse in the image only.
     let is_excused =
         || question.plane == Plane::Image && scan.scan.dont_care_share(detection) > question.min_overlap();
     scan.detection_role(detection, question.difficulty) == Role::Counts && !is_excused()

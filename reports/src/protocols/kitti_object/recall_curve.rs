@@ -12,7 +12,7 @@ pub struct RecallCurve {
     pub similarity: [f64; N_RECALLS],
 }
 
-/// The largest value at each place or after it. What is no number stays none, and is smaller than every other.
+/// The largest value at each index or after it. What is no number stays none, and is smaller than every other.
 pub fn best_from_here(values: &[f64; N_RECALLS]) -> [f64; N_RECALLS] {
     let (mut best, mut largest) = (*values, f64::NEG_INFINITY);
     for value in best.iter_mut().rev() {

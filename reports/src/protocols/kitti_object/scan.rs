@@ -27,9 +27,9 @@ pub struct KittiDetection {
 /// An annotation and a detection that overlap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KittiPair {
-    /// Place of the annotation.
+    /// Index of the annotation.
     pub annotation: usize,
-    /// Place of the detection.
+    /// Index of the detection.
     pub detection: usize,
     /// By how much.
     pub overlap: KittiOverlap,
@@ -38,7 +38,7 @@ pub struct KittiPair {
 /// One scan as one detector sees it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct KittiScan {
-    // Invariant: pairs are in the order of annotations, then detections; both they and `dont_care` name places that exist.
+    // Invariant: pairs are in the order of annotations, then detections; both they and `dont_care` name indices that exist.
     annotations: Vec<KittiAnnotation>,
     detections: Vec<KittiDetection>,
     pairs: Vec<KittiPair>,
@@ -50,7 +50,8 @@ impl KittiScan {
     ///
     /// # Errors
     ///
-    /// A sentence, if a place is missing, comes twice, or is named by a pair only; or a region names a detection that is not there.
+    /// A sentence, if an index is missing, comes twice, or is named by a pair only; or a region names a detection that is
+    /// not there.
     pub fn of(facts: impl IntoIterator<Item = KittiFact>) -> Result<Self, String> {
         let (mut annotations, mut detections) = (Vec::new(), Vec::new());
         let (mut pairs, mut shares) = (Vec::new(), Vec::new());
@@ -71,7 +72,7 @@ impl KittiScan {
         }
         let annotations = in_order(annotations, "annotation")?;
         let detections = in_order(detections, "detection")?;
-        pairs.sort_by_key(place_of);
+        pairs.sort_by_key(index_of);
         check_pairs(&pairs, annotations.len(), detections.len())?;
         let mut dont_care = vec![0.0; detections.len()];
         for (detection, share) in shares {
@@ -103,12 +104,12 @@ impl KittiScan {
     }
 }
 
-/// Puts the values in the order of their places, which are to be those from 0 on, each once.
+/// Puts the values in the order of their indices, which are to be those from 0 on, each once.
 fn in_order<T>(mut placed: Vec<(u32, T)>, what: &str) -> Result<Vec<T>, String> {
-    placed.sort_by_key(|(place, _)| *place);
-    for ((place, _), expected) in placed.iter().zip(0..) {
-        match place.cmp(&expected) {
-            Ordering::Less => return Err(format!("{what} {place} comes twice")),
+    placed.sort_by_key(|(index, _)| *index);
+    for ((index, _), expected) in placed.iter().zip(0..) {
+        match index.cmp(&expected) {
+            Ordering::Less => return Err(format!("{what} {index} comes twice")),
             Ordering::Equal => {}
             Ordering::Greater => return Err(format!("there is no {what} {expected}")),
         }
@@ -118,7 +119,7 @@ fn in_order<T>(mut placed: Vec<(u32, T)>, what: &str) -> Result<Vec<T>, String> 
 
 /// Makes sure that no pair comes twice, and that both of each are there.
 fn check_pairs(pairs: &[KittiPair], n_annotations: usize, n_detections: usize) -> Result<(), String> {
-    let twice = pairs.windows(2).find(|it| place_of(&it[0]) == place_of(&it[1]));
+    let twice = pairs.windows(2).find(|it| index_of(&it[0]) == index_of(&it[1]));
     if let Some([KittiPair { annotation, detection, .. }, ..]) = twice {
         return Err(format!("the pair of annotation {annotation} and detection {detection} comes twice"));
     }
@@ -130,7 +131,7 @@ fn check_pairs(pairs: &[KittiPair], n_annotations: usize, n_detections: usize) -
     }
 }
 
-fn place_of(it: &KittiPair) -> (usize, usize) {
+fn index_of(it: &KittiPair) -> (usize, usize) {
     (it.annotation, it.detection)
 }
 

@@ -7,7 +7,7 @@ use crate::protocols::drawn_scans::{Times, add, n_in_draws};
 pub struct ScoreEvent {
     /// The score.
     pub score: f64,
-    /// Place of the scan.
+    /// Index of the scan.
     pub scan: u32,
     /// By how much the detections that are right grow. Of the makers' matching it may be negative, since what joins may take an annotation away.
     pub tp: i32,
@@ -22,9 +22,9 @@ pub struct ScoreEvent {
 /// What one question asks of all scans, matched in one way, in any order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ScoreEvents {
-    /// Of each scan that has some: its place, and the annotations that are to be found.
+    /// Of each scan that has some: its index, and the annotations that are to be found.
     pub annotations: Vec<(u32, u32)>,
-    /// Detections that are false and change nothing else: the score of each, and the place of its scan.
+    /// Detections that are false and change nothing else: the score of each, and the index of its scan.
     pub falses: Vec<(f64, u32)>,
     /// All other changes.
     pub events: Vec<ScoreEvent>,
@@ -75,14 +75,14 @@ impl ScoreEvents {
         let (mut turns, mut n_falses) = (Vec::with_capacity(self.events.len()), 0);
         for alike in self.events.chunk_by(|a, b| a.score == b.score) {
             n_falses += self.falses[n_falses..].partition_point(|it| it.0 >= alike[0].score);
-            for (place, it) in alike.iter().enumerate() {
+            for (index, it) in alike.iter().enumerate() {
                 turns.push(Turn {
                     scan: it.scan,
                     n_falses: n_falses as u32,
                     tp: it.tp,
                     fp: it.fp,
                     n_hits: it.n_hits,
-                    is_last: place + 1 == alike.len(),
+                    is_last: index + 1 == alike.len(),
                     similarity: it.similarity,
                 });
             }

@@ -28,28 +28,28 @@ pub struct SoundMatching {
 }
 
 impl SoundMatching {
-    /// Adds what is found in the scan at this place.
+    /// Adds what is found in the scan at this index.
     pub fn add(
         &mut self,
-        (place, scan): (u32, &ClassScan<'_>),
+        (index, scan): (u32, &ClassScan<'_>),
         question: &Question,
         events: &mut ScoreEvents,
     ) {
         let n_annotations = scan.n_annotations(question.difficulty);
-        events.annotations.extend((n_annotations > 0).then_some((place, n_annotations)));
+        events.annotations.extend((n_annotations > 0).then_some((index, n_annotations)));
         self.match_all(scan, *question);
         let min_share = question.class.min_overlap(Plane::Image, Demand::Strict);
         for (detection, KittiDetection { score, .. }) in scan.of_class() {
             match self.taken_by[detection] {
                 Some(Candidate { annotation_role: Role::Counts, similarity, .. }) => {
                     let event =
-                        ScoreEvent { score: *score, scan: place, tp: 1, fp: 0, n_hits: 0, similarity };
+                        ScoreEvent { score: *score, scan: index, tp: 1, fp: 0, n_hits: 0, similarity };
                     events.events.push(event);
                 }
                 Some(_) => {}
                 None if scan.detection_role(detection, question.difficulty) == Role::Ignored => {}
                 None if scan.scan.dont_care_share(detection) > min_share => {}
-                None => events.falses.push((*score, place)),
+                None => events.falses.push((*score, index)),
             }
         }
     }

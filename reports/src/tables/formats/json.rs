@@ -126,11 +126,11 @@ impl Format<Verdict> for Json {
                 .drift
                 .iter()
                 .map(|it| DriftRecord {
-                    dataset: &it.place.dataset,
-                    sequence: &it.place.sequence,
-                    scan: it.place.scan,
-                    detector: &it.place.detector,
-                    task: it.place.task,
+                    dataset: &it.subject.dataset,
+                    sequence: &it.subject.sequence,
+                    scan: it.subject.scan,
+                    detector: &it.subject.detector,
+                    task: it.subject.task,
                     changes: &it.changes,
                 })
                 .collect(),

@@ -114,10 +114,10 @@ impl PartialTable<'_> {
             [Column::number("%").within(group.clone()), Column::number("95 %").within(group)]
         });
         let lines = self.curves.iter().flat_map(|curve| {
-            ["strangers", "known"].into_iter().enumerate().map(move |(place, who)| {
+            ["strangers", "known"].into_iter().enumerate().map(move |(index, who)| {
                 let cells = SHOWN_AT.iter().flat_map(move |step| {
                     let at_step = curve.steps.iter().find(|it| it.step == *step);
-                    let share = at_step.and_then(|it| it.rejected).map(|it| it[place]);
+                    let share = at_step.and_then(|it| it.rejected).map(|it| it[index]);
                     [percent(share.map(|it| it.value)), interval(share.and_then(|it| it.within))]
                 });
                 let texts = text_cells(curve).chain([Cell::new(who)]);

@@ -112,13 +112,13 @@ fn caveats(verdict: &Verdict) -> Vec<String> {
 fn missing(verdict: &Verdict) -> Vec<String> {
     let dataset = verdict.dataset_in_words();
     let missing = verdict.numbers().filter_map(|it| {
-        let place = it.difference.as_ref().err()?.in_words();
+        let why = it.difference.as_ref().err()?.in_words();
         let GatedMetric { on, task, detector, slice, metric, .. } = it;
         let dataset = on.as_deref().unwrap_or(dataset);
         Some(if metric.is_time() {
-            format!("Time relative to {SPEED_REFERENCE}, {detector}, {dataset}: {place}.")
+            format!("Time relative to {SPEED_REFERENCE}, {detector}, {dataset}: {why}.")
         } else {
-            format!("{} of {slice}, {detector}, {task}, {dataset}: {place}.", metric.id())
+            format!("{} of {slice}, {detector}, {task}, {dataset}: {why}.", metric.id())
         })
     });
     missing.collect()
@@ -188,8 +188,11 @@ pub(crate) fn doubt(verdict: &Verdict) -> Option<String> {
 
 /// Which scan, detector and task a drift is about.
 pub(crate) fn scan_name(drift: &ScanDrift) -> String {
-    let place = &drift.place;
-    format!("{} {}/{:06}, {}, {}", place.dataset, place.sequence, place.scan, place.detector, place.task)
+    let subject = &drift.subject;
+    format!(
+        "{} {}/{:06}, {}, {}",
+        subject.dataset, subject.sequence, subject.scan, subject.detector, subject.task
+    )
 }
 
 /// A finding, with why it is none.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::verdicts::rule_problems::RuleProblems;
-use crate::verdicts::tolerances::GatedPlace;
+use crate::verdicts::tolerances::GatedSubject;
 
 const TOML: &str = r#"
     [[quality]]
@@ -35,7 +35,7 @@ fn read(text: &str) -> Result<Tolerances, String> {
 fn the_first_rule_that_is_about_it_decides() {
     let tolerances = read(TOML).unwrap();
     let about = |metric: &Metric, task: Task, detector, part| {
-        tolerances.rule_about(metric, GatedPlace { task: task.name(), detector, part })
+        tolerances.rule_about(metric, GatedSubject { task: task.name(), detector, part })
     };
     assert_eq!(about(&Metric::Recall, Task::Vehicles, "pca", "class/car"), Some(0));
     assert_eq!(about(&Metric::Recall, Task::Objects, "pca", "class/car"), Some(1));
@@ -53,7 +53,7 @@ fn the_first_rule_that_is_about_it_decides() {
 fn a_number_is_expected_where_slice_and_task_are_named() {
     let tolerances = read(&TOML.replacen("class/*", "class/car", 1)).unwrap();
     let names = |rule: usize, part, task: Task| {
-        tolerances.quality[rule].names(GatedPlace { task: task.name(), detector: "pca", part })
+        tolerances.quality[rule].names(GatedSubject { task: task.name(), detector: "pca", part })
     };
     assert!(names(0, "class/car", Task::Vehicles) && !names(0, "class/van", Task::Vehicles));
     assert!(!names(1, "all", Task::Vehicles) && !names(1, "class/car", Task::Vehicles));

@@ -128,7 +128,7 @@ impl Verdict {
 
     /// Number of scans on which results changed, of whatever detector and task.
     pub fn n_changed_scans(&self) -> usize {
-        let scans = self.drift.iter().map(|it| (&it.place.dataset, &it.place.sequence, it.place.scan));
+        let scans = self.drift.iter().map(|it| (&it.subject.dataset, &it.subject.sequence, it.subject.scan));
         scans.collect::<BTreeSet<_>>().len()
     }
 

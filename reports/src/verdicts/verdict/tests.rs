@@ -90,8 +90,8 @@ impl SampleScans<'_> {
 fn missed(detector: &str, scan: u32, id: u64) -> MatchRow {
     let bounding_box =
         BoxFacts { center_m: [10.0, 0.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
-    let placeless = AnnotationFacts::placeless(AnnotationClass::Car, 100);
-    let annotation = AnnotationFacts { id, bounding_box: Some(bounding_box), ..placeless };
+    let without_position = AnnotationFacts::without_position(AnnotationClass::Car, 100);
+    let annotation = AnnotationFacts { id, bounding_box: Some(bounding_box), ..without_position };
     let [dataset, sequence, detector] = ["main_road", "0000", detector].map(str::to_owned);
     let (task, criterion) = (Task::Objects, CriterionKind::Points);
     let outcome = MatchOutcome::Missed { annotation, reason: MissReason::Split };
@@ -645,7 +645,7 @@ fn changed_results_fail_unless_they_are_allowed() {
         let mut verdict = judge(&USUAL.archive(), &run, &Tolerances { drift, ..tolerances() }).unwrap();
         // As if the first scan had changed of another detector, too.
         let mut another = verdict.drift[0].clone();
-        "kd-tree".clone_into(&mut another.place.detector);
+        "kd-tree".clone_into(&mut another.subject.detector);
         verdict.drift.push(another);
         assert_eq!((verdict.conclusion(), verdict.n_changed_scans()), (conclusion, 5));
         assert_eq!(printed(&verdict).lines().next(), Some(headline));

@@ -12,7 +12,7 @@ use scans::dataset::{DatasetError, Nearness};
 
 use crate::cli::CheckArgs;
 use crate::commands::failure::Failure;
-use crate::commands::first_look::doubts_of;
+use crate::commands::first_look::suspicions_of;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
@@ -25,18 +25,18 @@ const N_AT_ONCE: usize = 16;
 pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let mut first_damage = None;
-    for (place, opened) in
+    for (index, opened) in
         open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &ClassTable::default())?
             .iter()
             .enumerate()
     {
-        if place > 0 {
+        if index > 0 {
             print_result("")?;
         }
         let is_interrupted = || interrupted.load(Ordering::Relaxed);
         let (scans, damage) = check(opened, is_interrupted)?;
-        let (doubts, labels) = doubts_of(opened);
-        let mut report = CheckReport::of(opened.dataset.description(), &scans, &doubts);
+        let (suspicions, labels) = suspicions_of(opened);
+        let mut report = CheckReport::of(opened.dataset.description(), &scans, &suspicions);
         if let Some(labels) = labels {
             report.add_label_look(&labels);
         }

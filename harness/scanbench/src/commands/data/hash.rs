@@ -60,11 +60,11 @@ fn with_checksum(text: &str, id: &str, checksum: &str) -> Option<String> {
     let is_checksum = |line: &String| line.split('=').next().is_some_and(|key| key.trim() == "checksum");
     let line = format!("checksum = \"{checksum}\"");
     let entry = &lines[begin..begin + n_lines];
-    if let Some(place) = entry.iter().position(is_checksum) {
-        lines[begin + place] = line;
+    if let Some(index) = entry.iter().position(is_checksum) {
+        lines[begin + index] = line;
     } else {
         let is_filled = |line: &String| !line.trim().is_empty() && !line.trim_start().starts_with('#');
-        let n_filled = entry.iter().rposition(is_filled).map_or(0, |place| place + 1);
+        let n_filled = entry.iter().rposition(is_filled).map_or(0, |index| index + 1);
         lines.insert(begin + n_filled, line);
     }
     Some(lines.join("\n") + "\n")

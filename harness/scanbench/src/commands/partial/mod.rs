@@ -16,15 +16,15 @@ use crate::commands::failure::Failure;
 use crate::commands::partial::shared_objects::SharedObjects;
 use crate::commands::partial::whole_partial::WholePartial;
 use crate::commands::shards::executor::execute;
-use crate::commands::shards::place::Place;
+use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::standard_streams::print_result_in;
 
 /// Has methods classify objects of which a part has been seen, and writes rows, tables, figures, a page and a recording; or makes a
 /// shard of that.
 pub fn partial(arguments: &PartialArgs) -> Result<(), Failure> {
-    let place = Place::claim(Study::Partial, arguments.shard.shard, &arguments.output)?;
-    let mut objects = SharedObjects::open(arguments, &place)?;
-    let Some(made) = execute(&mut objects, place)? else { return Ok(()) };
+    let output = WorkOutput::claim(Study::Partial, arguments.shard.shard, &arguments.output)?;
+    let mut objects = SharedObjects::open(arguments, &output)?;
+    let Some(made) = execute(&mut objects, output)? else { return Ok(()) };
     let (finished, whole) = made.finish()?;
     print_partial(whole, &finished)
 }

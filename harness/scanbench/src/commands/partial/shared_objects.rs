@@ -33,16 +33,16 @@ use crate::commands::progress::progress_over_results;
 use crate::commands::recorder::{record_growths, records_growths};
 use crate::commands::shards::checksummed_file::write_checksummed;
 use crate::commands::shards::executor::SharedWork;
-use crate::commands::shards::place::Place;
 use crate::commands::shards::share_of_work::ShareOfWork;
 use crate::commands::shards::unfinished_work::{Remains, UnfinishedWork};
+use crate::commands::shards::work_output::WorkOutput;
 
 /// Sets of objects, and what is to be done with them.
 pub struct SharedObjects<'a> {
     arguments: &'a PartialArgs,
     sets: Vec<Compared>,
     manifest: PartialManifest,
-    // Of each set, the objects that are to be judged, as a range of places among all.
+    // Of each set, the objects that are to be judged, as a range of indices among all.
     ranges: Vec<Range<usize>>,
     // Pairs of a method and an object that are judged, of each set.
     done: Vec<BTreeSet<(usize, usize)>>,
@@ -78,13 +78,13 @@ impl From<Interrupted> for Failure {
 }
 
 impl<'a> SharedObjects<'a> {
-    /// Opens the sets that `arguments` name, to be judged in `place`.
-    pub fn open(arguments: &'a PartialArgs, place: &Place) -> Result<Self, Failure> {
+    /// Opens the sets that `arguments` name, to be judged in `output`.
+    pub fn open(arguments: &'a PartialArgs, output: &WorkOutput) -> Result<Self, Failure> {
         let sets = open_all(arguments)?;
-        if place.shard.is_some() {
+        if output.shard.is_some() {
             refuse_same_names(&sets)?;
         }
-        let manifest = manifest(arguments, &sets, place.started)?;
+        let manifest = manifest(arguments, &sets, output.started)?;
         let done = vec![BTreeSet::new(); sets.len()];
         Ok(Self { arguments, sets, manifest, ranges: Vec::new(), done, models: Vec::new() })
     }
@@ -227,7 +227,7 @@ fn refuse_same_names(sets: &[Compared]) -> Result<(), Usage> {
     }
 }
 
-/// Of each set, a range of places among all its objects. Each object is drawn by itself where intervals are estimated.
+/// Of each set, a range of indices among all its objects. Each object is drawn by itself where intervals are estimated.
 fn objects_of_shard(sets: &[Compared], shard: Shard) -> Vec<Range<usize>> {
     let object = |idx: usize| ScanToCut { second: DriveSecond::of(&idx.to_string(), 0.0), work: 1 };
     let objects = |it: &Compared| (0..it.judged.classes().len()).map(object).collect();

@@ -38,9 +38,9 @@ use crate::commands::recorder::serve_until_interrupted;
 use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::run_manifest::refuse_other_scans;
 use crate::commands::scan_study::ScanStudy;
-use crate::commands::shards::place::{Place, refuse_what_is_for_whole_runs};
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
+use crate::commands::shards::work_output::{WorkOutput, refuse_what_is_for_whole_runs};
 use crate::commands::standard_streams::{print_diagnostic, print_result_in, terminal};
 
 /// The method with a part switched off, by what the claims call it.
@@ -73,7 +73,7 @@ const MOST_RECORDED: usize = 30;
 /// Runs the method, its variants and its rivals, judges the claims, and writes and prints what comes of them; or makes a shard of the run.
 pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     refuse_what_is_for_whole_runs(arguments.shard.shard, &arguments.stream)?;
-    let place = Place::claim(Study::Reproduce, arguments.shard.shard, &arguments.output)?;
+    let output = WorkOutput::claim(Study::Reproduce, arguments.shard.shard, &arguments.output)?;
     let (config, datasets) = open(arguments)?;
     let mut stream = arguments.stream.clone();
     let n_scans: usize = datasets.iter().map(|it| it.part.len()).sum();
@@ -85,12 +85,12 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
         selection: arguments.data.scans.as_deref(),
         n_warmup: arguments.timing.warmup,
         n_jobs: arguments.timing.n_jobs(),
-        started: place.started,
+        started: output.started,
         put_up: None,
         recorded: Some((stream, &FIGURES)),
         pairs: None,
     };
-    let Some((made, served)) = execute_watched(&mut study, place)? else { return Ok(()) };
+    let Some((made, served)) = execute_watched(&mut study, output)? else { return Ok(()) };
     let ScanStudy { config, mut datasets, .. } = study;
     // The judge looks at scans, too, also at those that were done before.
     for it in &mut datasets {

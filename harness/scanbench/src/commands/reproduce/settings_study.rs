@@ -161,9 +161,9 @@ impl SettingsStudy {
             &datasets,
             interrupted,
         )?;
-        let place = names.iter().position(|it| *it == CRITERION).expect("it is one of them");
+        let index = names.iter().position(|it| *it == CRITERION).expect("it is one of them");
         let criterion_of =
-            |it: &Vec<String>| criteria().iter().position(|word| *word == it[place]).unwrap_or(0);
+            |it: &Vec<String>| criteria().iter().position(|word| *word == it[index]).unwrap_or(0);
         let criterion_of_setting: Vec<usize> = settings.iter().map(criterion_of).collect();
         // All are simulated.
         let all: Vec<usize> = (0..methods.n_datasets()).collect();

@@ -20,8 +20,8 @@ use crate::commands::progress::RunProgress;
 use crate::commands::recorder::{Recorder, begin_recording, serve_until_interrupted};
 use crate::commands::run::ending::print_ending;
 use crate::commands::run::setup::{ChosenRun, OpenedRun};
-use crate::commands::shards::place::{Place, refuse_what_is_for_whole_runs};
 use crate::commands::shards::watched_study::{WatchedStudy, execute_watched};
+use crate::commands::shards::work_output::{WorkOutput, refuse_what_is_for_whole_runs};
 use crate::commands::sinks::detection_files::DetectionFiles;
 use crate::commands::sinks::mcap_results::McapResults;
 use crate::commands::watched_run::WatchedRun;
@@ -30,10 +30,10 @@ use crate::commands::watched_run::WatchedRun;
 pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     refuse_what_is_for_whole_runs(arguments.shard.shard, &arguments.stream)?;
     let chosen = ChosenRun::of(arguments)?;
-    let place = Place::claim(Study::Run, arguments.shard.shard, &arguments.output)?;
-    let started = place.started;
+    let output = WorkOutput::claim(Study::Run, arguments.shard.shard, &arguments.output)?;
+    let started = output.started;
     let mut study = RunStudy { arguments, opened: chosen.open(arguments)?, started };
-    let Some((made, served)) = execute_watched(&mut study, place)? else { return Ok(()) };
+    let Some((made, served)) = execute_watched(&mut study, output)? else { return Ok(()) };
     let (finished, run) = made.finish()?;
     print_ending(&run, &finished)?;
     if let Some(served) = served {

@@ -15,11 +15,11 @@ use reports::vocabulary::study::Study;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::place::Place;
 use super::shard_directory::ShardDirectory;
 use super::share_of_work::ShareOfWork;
 use super::unfinished_work::{Remains, UnfinishedWork, identity_of};
 use super::whole_manifest::Pieces;
+use super::work_output::WorkOutput;
 use crate::commands::failure::Failure;
 use crate::commands::standard_streams::{Verbosity, is_said, print_diagnostic, print_result};
 
@@ -32,7 +32,7 @@ pub trait WholeResult: Sized {
     fn write(
         study: Study,
         shards: (&[ShardDirectory<'_>], &[&Self::Manifest]),
-        place: (&RunDirectory, Pieces),
+        directory: (&RunDirectory, Pieces),
     ) -> Result<Self, Failure>;
 }
 
@@ -120,15 +120,18 @@ impl<Whole> Made<Whole> {
     }
 }
 
-/// Does `work` in `place`: a shard is left there for `merge`, and all in one piece is handed back.
-pub fn execute<W: SharedWork>(work: &mut W, mut place: Place) -> Result<Option<Made<W::Whole>>, Failure> {
-    place.is_kept &= !work.sees_all();
-    let (part, study, is_kept) = (place.shard, place.study, place.is_kept);
+/// Does `work` in `output`: a shard is left there for `merge`, and all in one piece is handed back.
+pub fn execute<W: SharedWork>(
+    work: &mut W,
+    mut output: WorkOutput,
+) -> Result<Option<Made<W::Whole>>, Failure> {
+    output.is_kept &= !work.sees_all();
+    let (part, study, is_kept) = (output.shard, output.study, output.is_kept);
     let share = work.take_share(part.unwrap_or(Shard::ONLY));
-    let record = place.record(share);
+    let record = output.record(share);
     let identity = identity_of(&work.manifest(Some(record.clone())), work.rules());
     let (ids, extent) = (work.ids(), work.extent());
-    let unfinished = UnfinishedWork::open(place, &ids, (&identity, extent), |it| work.add_done(it))?;
+    let unfinished = UnfinishedWork::open(output, &ids, (&identity, extent), |it| work.add_done(it))?;
     if let Some(done) = work.done() {
         unfinished.report_continuing(&done);
     }

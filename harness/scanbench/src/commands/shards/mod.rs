@@ -2,7 +2,7 @@
 
 pub mod share_of_work;
 pub mod finished_shard;
-pub mod place;
+pub mod work_output;
 pub mod unfinished_work;
 pub mod checksummed_file;
 pub mod shard_directory;

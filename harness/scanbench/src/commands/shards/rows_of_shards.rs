@@ -22,7 +22,7 @@ use reports::run_folder::run_directory::{
 };
 use reports::run_folder::shard_check::ShardMismatch;
 use reports::run_folder::shard_record::processors_of;
-use reports::worst::places::WorstPlaces;
+use reports::worst::objects::WorstObjects;
 
 use super::shard_directory::{FileOfShard, ShardDirectory};
 use crate::commands::failure::Failure;
@@ -34,8 +34,8 @@ pub struct MergedRows {
     pub tally: Tally,
     /// Those of rows under protocols of others.
     pub protocols: ProtocolTally,
-    /// The worst mistakes, with the place of the shard that each is in.
-    pub worst: WorstPlaces<usize>,
+    /// The worst mistakes, with the index of the shard that each is in.
+    pub worst: WorstObjects<usize>,
     /// The times of each kind of processor by themselves, where these are unlike.
     pub of_processors: Vec<(String, Tally)>,
 }
@@ -51,7 +51,7 @@ pub fn merge_rows(
     let mut merged = MergedRows {
         tally: manifest.tally(),
         protocols: ProtocolTally::default(),
-        worst: WorstPlaces::default(),
+        worst: WorstObjects::default(),
         of_processors: unlike.map(|it| ((*it).to_owned(), Tally::default())).collect(),
     };
     let progress = progress_over_results(3 * shards.len(), 0, "files");

@@ -9,7 +9,7 @@ use reports::run_folder::made_in_shards::MadeInShards;
 use reports::run_folder::run_directory::WORST_POINTS_JSON;
 use reports::run_folder::shard_check::NamedShard;
 use reports::run_folder::shard_record::{ShardFile, ShardRecord};
-use reports::worst::places::ObjectName;
+use reports::worst::objects::ObjectName;
 use reports::worst::points::WorstPoints;
 use scans::dataset::checksum::ContentChecksum;
 use serde::de::DeserializeOwned;
@@ -25,7 +25,7 @@ pub struct ShardDirectory<'a> {
 }
 
 impl<'a> ShardDirectory<'a> {
-    /// The shards at the paths that are their names, in this order of their places.
+    /// The shards at the paths that are their names, in this order of their indices.
     pub fn in_order<M: MadeInShards>(shards: &'a [NamedShard<M>], order: &[usize]) -> Vec<Self> {
         let directory = |idx: &usize| {
             let NamedShard { name, manifest } = &shards[*idx];

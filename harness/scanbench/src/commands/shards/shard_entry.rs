@@ -21,7 +21,7 @@ pub enum ShardEntry {
     Scan(Box<ShardScan>),
     /// A scan was left out because it is damaged.
     Skipped {
-        /// Place of its data set in the run.
+        /// Index of its data set in the run.
         dataset_idx: usize,
         /// Which it is.
         scan: String,
@@ -35,9 +35,9 @@ pub enum ShardEntry {
 /// A scan that was judged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShardScan {
-    /// Place of its data set in the run.
+    /// Index of its data set in the run.
     pub dataset_idx: usize,
-    /// Its place among the scans of the data set that were selected.
+    /// Its index among the scans of the data set that were selected.
     pub place: usize,
     /// Its number among all scans of the run.
     pub number: u64,
@@ -64,8 +64,8 @@ pub struct ShardScan {
 /// How far a shard is.
 #[derive(Debug, Clone, Default)]
 pub struct ShardProgress {
-    /// Of each data set that has been begun, the place behind its last scan that was judged.
-    pub next_places: BTreeMap<usize, usize>,
+    /// Of each data set that has been begun, the index behind its last scan that was judged.
+    pub next_indices: BTreeMap<usize, usize>,
     /// Scans that were judged.
     pub n_scans: usize,
     /// How often it was begun.
@@ -79,7 +79,7 @@ impl ShardProgress {
             ShardEntry::Began { .. } => self.n_starts += 1,
             ShardEntry::Scan(scan) => {
                 self.n_scans += 1;
-                self.next_places.insert(scan.dataset_idx, scan.place + 1);
+                self.next_indices.insert(scan.dataset_idx, scan.place + 1);
             }
             ShardEntry::Skipped { .. } | ShardEntry::Recorded(_) => {}
         }

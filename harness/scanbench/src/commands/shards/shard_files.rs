@@ -21,9 +21,9 @@ use reports::run_folder::run_directory::{
 };
 use reports::run_folder::shard_record::{ProcessorRows, ShardRecord, ShardRecording};
 use reports::vocabulary::protocol::Protocol;
-use reports::worst::places::{ObjectName, WorstPlace, WorstPlaces};
+use reports::worst::objects::{ObjectName, WorstObject, WorstObjects};
 use reports::worst::points::{Patch, PlanCells, WorstPoints};
-use reports::worst::recorded::RecordedPlace;
+use reports::worst::recorded::RecordedObject;
 
 use super::checksummed_file::{ChecksummedFile, write_checksummed};
 use super::shard_entry::{ShardEntry, ShardScan};
@@ -70,7 +70,7 @@ struct ShardFiles {
     kitti: Option<ChecksummedFile>,
     labels: Option<ChecksummedFile>,
     datasets: Vec<DatasetSoFar>,
-    worst: WorstPlaces<SeenMistake>,
+    worst: WorstObjects<SeenMistake>,
     processors: Vec<ProcessorRows>,
     recordings: Vec<ShardRecording>,
 }
@@ -92,7 +92,7 @@ impl ShardFiles {
                 .then(|| begin_rows::<LabelScoreRow>(folder, PROTOCOL_LABELS_CSV))
                 .transpose()?,
             datasets: (0..n_datasets).map(|_| DatasetSoFar::default()).collect(),
-            worst: WorstPlaces::default(),
+            worst: WorstObjects::default(),
             processors: Vec::new(),
             recordings: Vec::new(),
         })
@@ -155,12 +155,13 @@ impl ShardFiles {
         for file in [self.boxes, self.kitti, self.labels].into_iter().flatten() {
             record.files.push(file.finish()?);
         }
-        let places = || self.worst.lists().flat_map(|(_, places)| places);
+        let objects = || self.worst.lists().flat_map(|(_, objects)| objects);
         let patch =
-            |it: &WorstPlace<SeenMistake>| Patch { object: it.object.clone(), cells: it.kept.0.clone() };
-        let points = WorstPoints::of_patches(places().map(patch).collect()).to_json();
+            |it: &WorstObject<SeenMistake>| Patch { object: it.object.clone(), cells: it.kept.0.clone() };
+        let points = WorstPoints::of_patches(objects().map(patch).collect()).to_json();
         record.files.push(write_checksummed(folder, WORST_POINTS_JSON, points.as_bytes())?);
-        record.worst_recorded = recorded_places(places().map(|it| (&it.object, it.kept.1)), &self.recordings);
+        record.worst_recorded =
+            recorded_objects(objects().map(|it| (&it.object, it.kept.1)), &self.recordings);
         let mut agreement = Vec::new();
         for (dataset_idx, dataset) in self.datasets.into_iter().enumerate() {
             record.parts[dataset_idx].n_labels = dataset.n_labels;
@@ -187,18 +188,18 @@ fn begin_rows<Row: CsvRow>(folder: &Path, name: &'static str) -> Result<Checksum
     Ok(begun)
 }
 
-/// Those of `places`, objects with the numbers of their scans, that are in one of `recordings`; each once.
-fn recorded_places<'a>(
-    places: impl Iterator<Item = (&'a ObjectName, u64)>,
+/// Those of `seen`, objects with the numbers of their scans, that are in one of `recordings`; each once.
+fn recorded_objects<'a>(
+    seen: impl Iterator<Item = (&'a ObjectName, u64)>,
     recordings: &[ShardRecording],
-) -> Vec<RecordedPlace> {
-    let mut recorded: Vec<RecordedPlace> = Vec::new();
-    for (object, step) in places {
+) -> Vec<RecordedObject> {
+    let mut recorded: Vec<RecordedObject> = Vec::new();
+    for (object, step) in seen {
         let holds =
             |it: &&ShardRecording| (it.first..it.end).contains(&step) && step.is_multiple_of(it.every);
         let Some(recording) = recordings.iter().find(holds) else { continue };
         if recorded.iter().all(|it| it.object != *object) {
-            recorded.push(RecordedPlace { object: object.clone(), recording: recording.file.clone(), step });
+            recorded.push(RecordedObject { object: object.clone(), recording: recording.file.clone(), step });
         }
     }
     recorded

@@ -8,7 +8,7 @@ use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
 use reports::files::csv_rows::to_csv_lines;
 use reports::rows::official_rows::OfficialLines;
 use reports::vocabulary::protocol::Protocol;
-use reports::worst::places::{ObjectName, WorstPlaces};
+use reports::worst::objects::{ObjectName, WorstObjects};
 use reports::worst::points::Patch;
 
 use super::shard_entry::{ShardEntry, ShardScan};
@@ -26,7 +26,7 @@ pub struct ShardJournal<'a> {
     // Of each data set, how many of the scans that were skipped are in the journal.
     n_skipped: Vec<usize>,
     // Which mistakes may be among the worst, and which matches among the best.
-    worst: WorstPlaces<()>,
+    worst: WorstObjects<()>,
     // `None` without protocols of others.
     official: Option<OfficialEvaluation>,
     // The number behind that of the last scan.
@@ -47,7 +47,7 @@ impl<'a> ShardJournal<'a> {
             datasets,
             dataset_idx: 0,
             n_skipped,
-            worst: WorstPlaces::default(),
+            worst: WorstObjects::default(),
             official: OfficialEvaluation::of(protocols),
             end,
         }

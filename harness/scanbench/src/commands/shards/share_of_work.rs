@@ -23,13 +23,13 @@ pub fn take_share(datasets: &mut [OpenedDataset], shard: Shard) -> ShareOfWork {
     let sizes: Option<Vec<Vec<u64>>> = datasets.iter().map(file_sizes).collect();
     let cut_by = if sizes.is_some() { WorkMeasure::FileSizes } else { WorkMeasure::Scans };
     let times: Vec<Vec<ScanTime>> = datasets.iter().map(times_of_selected).collect();
-    let scan = |(dataset_idx, place): (usize, usize)| ScanToCut {
-        second: times[dataset_idx][place].second.clone(),
-        work: sizes.as_ref().map_or(1, |it| it[dataset_idx][place]),
+    let scan = |(dataset_idx, index): (usize, usize)| ScanToCut {
+        second: times[dataset_idx][index].second.clone(),
+        work: sizes.as_ref().map_or(1, |it| it[dataset_idx][index]),
     };
     let scans: Vec<Vec<ScanToCut>> = (0..datasets.len())
         .map(|dataset_idx| {
-            (0..datasets[dataset_idx].scan_indices.len()).map(|place| scan((dataset_idx, place))).collect()
+            (0..datasets[dataset_idx].scan_indices.len()).map(|index| scan((dataset_idx, index))).collect()
         })
         .collect();
     let ranges = scans_of_shard(&scans, shard);

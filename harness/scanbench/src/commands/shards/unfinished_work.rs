@@ -15,7 +15,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::place::Place;
+use super::work_output::WorkOutput;
 use crate::commands::failure::Failure;
 use crate::commands::interruption::{set_grace, set_last_words};
 use crate::commands::standard_streams::print_diagnostic;
@@ -76,28 +76,28 @@ pub struct UnfinishedWork {
 }
 
 impl UnfinishedWork {
-    /// Opens what there is in `place`, called after the data sets `ids` unless it is named, or begins it; `extent` says what it has, such
-    /// as `60 scans`. What was done before is handed to `on_entry`.
+    /// Opens what there is in `output`, called after the data sets `ids` unless it is named, or begins it; `extent` says
+    /// what it has, such as `60 scans`. What was done before is handed to `on_entry`.
     ///
     /// A shard takes its time from now on when it is asked to end.
     pub fn open<Entry: DeserializeOwned>(
-        mut place: Place,
+        mut output: WorkOutput,
         ids: &str,
         (identity, extent): (&JournalIdentity, String),
         on_entry: impl FnMut(Entry),
     ) -> Result<Self, Failure> {
-        let claimed = place.target(ids)?;
+        let claimed = output.target(ids)?;
         let kept = kept_beside(&claimed);
         let refused = |source| ArchiveError::Write { path: kept.clone(), source };
-        let passing = if place.is_kept {
+        let passing = if output.is_kept {
             std::fs::create_dir_all(&kept).map_err(refused)?;
             None
         } else {
             Some(HiddenFolder::beside(claimed.target(), "unfinished").map_err(refused)?)
         };
         let folder = passing.as_ref().map_or(&*kept, HiddenFolder::path).to_owned();
-        let other = if place.overwrites { OtherJournal::Discard } else { OtherJournal::Refuse };
-        let kind = match (place.shard, place.study) {
+        let other = if output.overwrites { OtherJournal::Discard } else { OtherJournal::Refuse };
+        let kind = match (output.shard, output.study) {
             (Some(_), _) => "shard",
             (None, Study::Sweep) => "sweep",
             (None, _) => "run",
@@ -109,12 +109,12 @@ impl UnfinishedWork {
             let _ = std::fs::remove_file(folder.join(JOURNAL)).and_then(|()| std::fs::remove_dir(&folder));
         }
         let journal = journal?;
-        let Place { shard, is_named, .. } = place;
+        let WorkOutput { shard, is_named, .. } = output;
         let unfinished = Self { passing, folder, journal, claimed, extent, shard, is_named };
-        if place.is_kept {
+        if output.is_kept {
             set_last_words(unfinished.how_to_go_on());
         }
-        if place.shard.is_some() {
+        if output.shard.is_some() {
             set_grace(GRACE);
         }
         Ok(unfinished)
@@ -157,7 +157,7 @@ impl UnfinishedWork {
         self.journal.n_entries() > 0
     }
 
-    /// The place of the result, and what is to be removed once that is there.
+    /// The path of the result, and what is to be removed once that is there.
     pub fn into_parts(self) -> (ClaimedTarget, Remains) {
         let Self { folder, journal, claimed, passing, .. } = self;
         (claimed, Remains { folder, journal, passing })
@@ -174,7 +174,7 @@ impl UnfinishedWork {
 
     /// Leaves its files beside the directory, but nothing to go on with, and returns where they are.
     pub fn leave_files(self) -> Result<PathBuf, Failure> {
-        let place = kept_beside(&self.claimed);
+        let kept = kept_beside(&self.claimed);
         let (_claimed, Remains { folder, journal, passing }) = self.into_parts();
         set_last_words(String::new());
         drop(journal);
@@ -182,12 +182,12 @@ impl UnfinishedWork {
             remove(std::fs::remove_file(folder.join(JOURNAL)), &folder);
             return Ok(folder);
         }
-        let refused = |source| ArchiveError::Write { path: place.clone(), source };
-        std::fs::create_dir_all(&place).map_err(refused)?;
+        let refused = |source| ArchiveError::Write { path: kept.clone(), source };
+        std::fs::create_dir_all(&kept).map_err(refused)?;
         for name in names_of_results(&folder) {
-            std::fs::rename(folder.join(&name), place.join(&name)).map_err(refused)?;
+            std::fs::rename(folder.join(&name), kept.join(&name)).map_err(refused)?;
         }
-        Ok(place)
+        Ok(kept)
     }
 }
 

@@ -15,13 +15,13 @@ use reports::vocabulary::shard::Shard;
 use serde_json::{Value, json};
 
 use super::executor::{Made, SharedWork, execute};
-use super::place::Place;
 use super::shard_entry::{ShardEntry, ShardProgress};
 use super::shard_files::write_shard_files;
 use super::shard_journal::ShardJournal;
 use super::share_of_work::{ShareOfWork, take_share};
 use super::unfinished_work::{Remains, UnfinishedWork};
 use super::whole_run::WholeRun;
+use super::work_output::WorkOutput;
 use crate::commands::failure::Failure;
 use crate::commands::open_datasets::{OpenedDataset, ids_of};
 use crate::commands::progress::RunProgress;
@@ -70,10 +70,13 @@ pub trait WatchedStudy {
 /// A run in one piece, or a study that is one, with what still serves its recording.
 pub type MadeRun = (Made<WholeRun>, Option<Box<dyn Served>>);
 
-/// Makes `study` in `place`: a shard is left there for `merge`, and all in one piece is handed back.
-pub fn execute_watched(study: &mut impl WatchedStudy, place: Place) -> Result<Option<MadeRun>, Failure> {
+/// Makes `study` in `output`: a shard is left there for `merge`, and all in one piece is handed back.
+pub fn execute_watched(
+    study: &mut impl WatchedStudy,
+    output: WorkOutput,
+) -> Result<Option<MadeRun>, Failure> {
     let mut work = Watched { study, progress: ShardProgress::default(), end: Cell::new(None), served: None };
-    let made = execute(&mut work, place)?;
+    let made = execute(&mut work, output)?;
     Ok(made.map(|it| (it, work.served)))
 }
 
@@ -223,9 +226,9 @@ impl<S: WatchedStudy> Watched<'_, S> {
 
 /// Begins each data set behind the last scan that was judged.
 fn leave_out_what_is_done(datasets: &mut [OpenedDataset], progress: &ShardProgress) {
-    for (dataset_idx, place) in &progress.next_places {
+    for (dataset_idx, index) in &progress.next_indices {
         let part = &mut datasets[*dataset_idx].part;
-        part.start = (*place).clamp(part.start, part.end);
+        part.start = (*index).clamp(part.start, part.end);
     }
 }
 

@@ -9,9 +9,9 @@ use reports::run_folder::run_directory::{
 };
 use reports::vocabulary::study::Study;
 use reports::vocabulary::task::Task;
-use reports::worst::places::{ObjectName, WorstPlaces};
+use reports::worst::objects::{ObjectName, WorstObjects};
 use reports::worst::points::{Patch, WorstPoints};
-use reports::worst::recorded::{RecordedPlace, Recordings};
+use reports::worst::recorded::{RecordedObject, Recordings};
 
 use super::executor::WholeResult;
 use super::rows_of_shards::merge_rows;
@@ -64,28 +64,28 @@ impl WholeResult for WholeRun {
 /// Writes what was seen around the worst mistakes, and where they are recorded.
 fn write_worst(
     shards: &[ShardDirectory<'_>],
-    worst: &WorstPlaces<usize>,
+    worst: &WorstObjects<usize>,
     (directory, pieces): (&RunDirectory, Pieces),
 ) -> Result<(), Failure> {
     let seen = shards.iter().map(ShardDirectory::worst_points).collect::<Result<Vec<WorstPoints>, _>>()?;
     let objects: Vec<(&ObjectName, usize)> =
-        worst.lists().flat_map(|(_, places)| places).map(|it| (&it.object, it.kept)).collect();
+        worst.lists().flat_map(|(_, objects)| objects).map(|it| (&it.object, it.kept)).collect();
     let mut patches = Vec::new();
     for (object, shard_idx) in &objects {
         let cells = seen[*shard_idx].around(object).ok_or_else(|| shards[*shard_idx].lacks(object))?;
         patches.push(Patch { object: (*object).clone(), cells: cells.clone() });
     }
     directory.write_file(WORST_POINTS_JSON, WorstPoints::of_patches(patches).to_json().as_bytes())?;
-    let mut recorded: Vec<RecordedPlace> = Vec::new();
+    let mut recorded: Vec<RecordedObject> = Vec::new();
     for (object, shard_idx) in objects {
         let shard = &shards[shard_idx];
-        let place = shard.record.worst_recorded.iter().find(|it| it.object == *object);
-        if let Some(place) = place.filter(|_| recorded.iter().all(|it| it.object != *object)) {
+        let source = shard.record.worst_recorded.iter().find(|it| it.object == *object);
+        if let Some(source) = source.filter(|_| recorded.iter().all(|it| it.object != *object)) {
             let recording = match pieces {
-                Pieces::One => place.recording.clone(),
-                Pieces::Shards => path_from(directory.target(), &shard.folder.join(&place.recording)),
+                Pieces::One => source.recording.clone(),
+                Pieces::Shards => path_from(directory.target(), &shard.folder.join(&source.recording)),
             };
-            recorded.push(RecordedPlace { recording, ..place.clone() });
+            recorded.push(RecordedObject { recording, ..source.clone() });
         }
     }
     // Of one recording the number of the scan says enough.
@@ -112,8 +112,8 @@ fn agreement_of(shards: &[ShardDirectory<'_>], manifest: &Manifest) -> Result<Ve
 
 /// Annotations of any kind in the scans of the data set called `id`.
 fn n_labels(manifest: &Manifest, id: &str) -> u64 {
-    let place = manifest.datasets.iter().position(|it| it.id == id);
-    let of_shards = manifest.shards.iter().filter_map(|it| Some(it.parts.get(place?)?.n_labels));
+    let index = manifest.datasets.iter().position(|it| it.id == id);
+    let of_shards = manifest.shards.iter().filter_map(|it| Some(it.parts.get(index?)?.n_labels));
     of_shards.sum()
 }
 

@@ -1,9 +1,9 @@
-//! What the sensor saw around a place, as cells of a ground plan.
+//! What the sensor saw around a position, as cells of a ground plan.
 
 use std::collections::BTreeMap;
 
 use detector::PointCloud;
-use reports::worst::places::PlanWindow;
+use reports::worst::objects::PlanWindow;
 use reports::worst::points::{PLAN_CELL_M, PlanCells, STANDING_M};
 
 /// The cells of `window` that hold points of `cloud`, which was recorded `sensor_height_m` above the road.

@@ -58,7 +58,7 @@ fn merge_words(shards: &str, n_shards: u32, run: &str) -> Vec<String> {
     ["merge".to_owned()].into_iter().chain(folders).chain(output).collect()
 }
 
-/// The rest of a list of YAML, a line for each word. Kubernetes puts variables in the place of `$(NAME)`, and a dollar in the place of two.
+/// The rest of a list of YAML, a line for each word. Kubernetes replaces `$(NAME)` by variables, and two dollars by one.
 fn yaml_list(words: &[String]) -> String {
     let line = |word: &String| format!("            - {}\n", yaml_text(&word.replace('$', "$$")));
     words.iter().map(line).collect::<Vec<_>>().concat()

@@ -31,39 +31,39 @@ pub fn submit_slurm(arguments: &SlurmArgs) -> Result<(), Failure> {
     if !arguments.untried {
         try_here(&command)?;
     }
-    let place = Place {
+    let scripts = JobScripts {
         name,
         folder: absolute_text(&submitted.output)?,
         workplace: absolute_text(Path::new("."))?,
         program: absolute_text(&program)?,
     };
     let files = [
-        ("shards.sh", place.shards_sh(arguments, &command)),
-        ("merge.sh", place.merge_sh(arguments)),
+        ("shards.sh", scripts.shards_sh(arguments, &command)),
+        ("merge.sh", scripts.merge_sh(arguments)),
         (SUBMIT_SH, filled(SUBMIT, &[("run", MERGED_RUN)])),
     ];
     write_job_folder(&submitted.output, &files)?;
-    let submit_sh = Path::new(&place.folder).join(SUBMIT_SH);
+    let submit_sh = Path::new(&scripts.folder).join(SUBMIT_SH);
     if arguments.now {
         submit(&submit_sh)
     } else {
         let submit_sh = shell_word(&submit_sh.to_string_lossy());
         print_result(format_args!(
             "{}: scripts for {} shards.\n\n  bash {submit_sh}",
-            place.folder, submitted.shards
+            scripts.folder, submitted.shards
         ))
     }
 }
 
 /// What the scripts have in common; paths are absolute.
-struct Place {
+struct JobScripts {
     name: String,
     folder: String,
     workplace: String,
     program: String,
 }
 
-impl Place {
+impl JobScripts {
     fn shards_sh(&self, arguments: &SlurmArgs, command: &ShardedCommand) -> String {
         let n_shards = arguments.submitted.shards;
         let tasks = match arguments.submitted.at_once {

@@ -1,17 +1,17 @@
-//! Files with places that are filled in.
+//! Files with placeholders that are filled in.
 
-/// `template` with a value in each place such as `{{name}}`. What looks like a place in a value stays as it is.
+/// `template` with a value in each placeholder such as `{{name}}`. What looks like a placeholder in a value stays as it is.
 ///
 /// # Panics
 ///
-/// If a place has no value, or a value has no place: templates are part of the program.
+/// If a placeholder has no value, or a value has no placeholder: templates are part of the program.
 pub fn filled(template: &str, values: &[(&str, &str)]) -> String {
-    let has_place = |it: &&(&str, &str)| template.contains(&format!("{{{{{}}}}}", it.0));
-    assert!(values.iter().all(|it| has_place(&it)), "a value without a place");
+    let has_placeholder = |it: &&(&str, &str)| template.contains(&format!("{{{{{}}}}}", it.0));
+    assert!(values.iter().all(|it| has_placeholder(&it)), "a value without a placeholder");
     let mut text = String::new();
     let mut rest = template;
-    while let Some((before, place)) = rest.split_once("{{") {
-        let (name, after) = place.split_once("}}").expect("a place has an end");
+    while let Some((before, placeholder)) = rest.split_once("{{") {
+        let (name, after) = placeholder.split_once("}}").expect("a placeholder has an end");
         let value = values.iter().find(|it| it.0 == name).unwrap_or_else(|| panic!("no value for {name}"));
         text += before;
         text += value.1;

@@ -14,7 +14,7 @@ use crate::cli::SweepArgs;
 use crate::commands::failure::Failure;
 use crate::commands::recorder::record_sweep;
 use crate::commands::shards::executor::execute;
-use crate::commands::shards::place::Place;
+use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::standard_streams::print_result_in;
 use crate::commands::sweep::setup::{Sweep, sweep_plan};
 use crate::commands::sweep::whole_sweep::WholeSweep;
@@ -24,9 +24,9 @@ use crate::commands::sweep::whole_sweep::WholeSweep;
 pub fn sweep(arguments: &SweepArgs) -> Result<(), Failure> {
     let plan = sweep_plan(arguments)?;
     // Now, and not after the work: it may be that nothing can be written there.
-    let place = Place::claim(Study::Sweep, arguments.shard.shard, &arguments.output)?;
-    let mut sweep = Sweep::open(arguments, plan, place.started)?;
-    let Some(made) = execute(&mut sweep, place)? else { return Ok(()) };
+    let output = WorkOutput::claim(Study::Sweep, arguments.shard.shard, &arguments.output)?;
+    let mut sweep = Sweep::open(arguments, plan, output.started)?;
+    let Some(made) = execute(&mut sweep, output)? else { return Ok(()) };
     if !arguments.no_rrd {
         let recorded = (&sweep.plan, &sweep.swept_datasets()[0]);
         record_sweep(&made.directory, recorded, &made.whole.scores)?;

@@ -116,8 +116,8 @@ impl Expected<'_> {
     fn keys(&self) -> impl Iterator<Item = [usize; 3]> + use<'_> {
         let parts = self.shard.record.parts.iter().enumerate();
         parts.flat_map(move |(dataset_idx, part)| {
-            let places = (part.first..part.end).map(|it| it as usize);
-            places.flat_map(move |scan_idx| {
+            let indices = (part.first..part.end).map(|it| it as usize);
+            indices.flat_map(move |scan_idx| {
                 (0..self.entry.points.len()).map(move |point_idx| [dataset_idx, scan_idx, point_idx])
             })
         })

@@ -80,12 +80,12 @@ fn text([n_taught, n_judged]: [usize; 2], judgement: &BoxJudgement) -> String {
     let mut line = |what: &str, seen: f64, whole: f64| {
         lines.push(format!("{what:<24}{:>12.1}{:>12.1}", 100.0 * seen, 100.0 * whole));
     };
-    for (place, what) in ["yaw within 5 degrees", "yaw within 10 degrees"].into_iter().enumerate() {
-        line(what, seen.yaw[place], whole.yaw[place]);
+    for (index, what) in ["yaw within 5 degrees", "yaw within 10 degrees"].into_iter().enumerate() {
+        line(what, seen.yaw[index], whole.yaw[index]);
     }
-    for (place, least) in [0.5, 0.7].into_iter().enumerate() {
-        line(&format!("IoU from above >= {least}"), seen.bev[place], whole.bev[place]);
-        line(&format!("IoU in space >= {least}"), seen.space[place], whole.space[place]);
+    for (index, least) in [0.5, 0.7].into_iter().enumerate() {
+        line(&format!("IoU from above >= {least}"), seen.bev[index], whole.bev[index]);
+        line(&format!("IoU in space >= {least}"), seen.space[index], whole.space[index]);
     }
     for (what, share) in [
         ("front right", Some(whole.heading)),

@@ -11,7 +11,7 @@ use reports::files::archive::SCHEMA;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::operating_curve::OperatingRow;
 use reports::plots::operating_plot::operating_plot;
-use reports::rows::training_row::{ImportanceRow, JudgedObjectPlace, JudgedObjects};
+use reports::rows::training_row::{ImportanceRow, JudgedObjectFacts, JudgedObjects};
 use reports::run_folder::run_target::MANIFEST_JSON;
 
 use crate::cli::DatasetArgs;
@@ -100,7 +100,7 @@ fn objects<const D: usize>(
     let mut rows = JudgedObjects::new(&model.features)?;
     for (dataset, candidate, object) in judged {
         let [x_m, y_m, _] = candidate.bounding_box.center_m.map(f64::from);
-        let place = JudgedObjectPlace {
+        let facts = JudgedObjectFacts {
             data: dataset,
             sequence: &candidate.sequence,
             kind: object.kind,
@@ -108,7 +108,7 @@ fn objects<const D: usize>(
             n_points: candidate.positions_m.len(),
             range_m: x_m.hypot(y_m),
         };
-        rows.write(place, svm.decision(&object.features), &object.features)?;
+        rows.write(facts, svm.decision(&object.features), &object.features)?;
     }
     Ok(rows.into_csv())
 }

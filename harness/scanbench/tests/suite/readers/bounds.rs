@@ -103,7 +103,7 @@ fn chunks_that_grow_beyond_all_measure_are_refused() {
 }
 
 /// Where the compressed points of a LAZ file begin, and where its table of chunks is.
-fn laz_places(bytes: &[u8]) -> (usize, usize) {
+fn laz_positions(bytes: &[u8]) -> (usize, usize) {
     let begin = u32::from_le_bytes(bytes[96..100].try_into().unwrap()) as usize;
     let table = i64::from_le_bytes(bytes[begin..begin + 8].try_into().unwrap()) as usize;
     (begin, table)
@@ -114,7 +114,7 @@ fn chunks_and_layers_of_laz_hold_no_more_than_is_there() {
     let points: Vec<[i32; 3]> = (0..2000).map(|it| [it * 7 % 4000, it * 13 % 3000, it % 200]).collect();
     for format in [0, 6] {
         let sound = made::las_file(&points, [0.0; 3], format, true);
-        let (begin, table) = laz_places(&sound);
+        let (begin, table) = laz_positions(&sound);
         // More chunks than there are bytes for their first points.
         let mut many = sound.clone();
         let n_chunks = (sound.len() / 20 + 2) as u32;

@@ -275,10 +275,10 @@ impl Dataset for Drawn {
         // Two metres apart, so that poles do not hang together.
         let cloud: PointCloud =
             (0..objects.len()).map(|it| [2.0 * (it % 500) as f32, 2.0 * (it / 500) as f32, 0.0]).collect();
-        let annotation = |(place, &(class, track)): (usize, &(AnnotationClass, Option<u32>))| Annotation {
+        let annotation = |(index, &(class, track)): (usize, &(AnnotationClass, Option<u32>))| Annotation {
             class,
             bounding_box: None,
-            point_indices: vec![place as u32],
+            point_indices: vec![index as u32],
             track,
             occlusion: None,
             truncation: None,

@@ -189,7 +189,7 @@ fn a_cloud_of_ros_is_read_whatever_its_layout() {
         assert_eq!(dataset.scan_time_ns(1), Some(2 * SECOND));
         let scan = dataset.read_scan(1).unwrap();
         // The third point has no position.
-        assert!(scan.cloud.positions_m().eq([0, 1, 3].map(|place| POSITIONS_M[place])), "{:?}", scan.cloud);
+        assert!(scan.cloud.positions_m().eq([0, 1, 3].map(|index| POSITIONS_M[index])), "{:?}", scan.cloud);
         assert_eq!((scan.cloud.intensity(), &scan.points_left_out[..]), (&[300.0; 3][..], &[2][..]));
         assert_eq!((scan.cloud.ring(), scan.cloud.time_offset_s()), (Some(&[0xbb; 3][..]), None));
         // Nobody labelled anything.

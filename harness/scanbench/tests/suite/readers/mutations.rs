@@ -40,7 +40,7 @@ fn files_below(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     entries.iter().flat_map(|it| files_below(it)).collect()
 }
 
-/// Changes `bytes` in one to four places.
+/// Changes `bytes` in one to four positions.
 fn mutate(bytes: &mut Vec<u8>, random: &mut ChaCha8Rng) {
     for _ in 0..random.random_range(1..5) {
         if bytes.is_empty() {

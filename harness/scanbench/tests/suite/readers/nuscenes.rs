@@ -30,11 +30,11 @@ fn a_scene_is_read_as_it_was_made() {
             assert!(found.cloud.positions_m().eq(expected.cloud.positions_m()));
             assert_eq!(found.cloud.ring().unwrap(), vec![7; found.cloud.len()]);
             assert!(found.annotations.len() == expected.annotations.len());
-            for (place, (found, expected)) in found.annotations.iter().zip(&expected.annotations).enumerate()
+            for (index, (found, expected)) in found.annotations.iter().zip(&expected.annotations).enumerate()
             {
-                assert_eq!(found.class, classes[place % 5]);
+                assert_eq!(found.class, classes[index % 5]);
                 let occlusion =
-                    [Occlusion::Largely, Occlusion::Partly, Occlusion::Partly, Occlusion::None][place % 4];
+                    [Occlusion::Largely, Occlusion::Partly, Occlusion::Partly, Occlusion::None][index % 4];
                 assert_eq!(found.occlusion, Some(occlusion));
                 let (a, b) = (found.bounding_box.unwrap(), expected.bounding_box.unwrap());
                 assert!((0..3).all(|axis| (a.center_m[axis] - b.center_m[axis]).abs() < 1e-4), "{a:?} {b:?}");

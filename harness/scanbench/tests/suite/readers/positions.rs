@@ -10,13 +10,13 @@ use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
 
 /// Where coordinates of a scan lie in a file: the file, the x of its first point, and bytes of a point.
-struct Place {
+struct CoordinateOffsets {
     path: PathBuf,
     first_x: usize,
     stride: usize,
 }
 
-impl Place {
+impl CoordinateOffsets {
     /// Gives the x of a point another value.
     fn set(&self, point_idx: usize, x_m: f32) {
         let mut bytes = std::fs::read(&self.path).unwrap();
@@ -26,12 +26,12 @@ impl Place {
     }
 }
 
-fn place(path: PathBuf, first_x: usize, stride: usize) -> Place {
-    Place { path, first_x, stride }
+fn offsets(path: PathBuf, first_x: usize, stride: usize) -> CoordinateOffsets {
+    CoordinateOffsets { path, first_x, stride }
 }
 
 /// A `.pcd`, `.ply` and `.npy` of four points each, in a folder of its own.
-fn scan_file(folder: &Path, extension: &str) -> Place {
+fn scan_file(folder: &Path, extension: &str) -> CoordinateOffsets {
     let header = match extension {
         "pcd" => "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 4\nDATA binary\n".to_owned(),
         "ply" => {
@@ -53,27 +53,28 @@ fn scan_file(folder: &Path, extension: &str) -> Place {
     }
     let path = folder.join(format!("scan.{extension}"));
     made::write(&path, bytes);
-    place(path, first_x, 12)
+    offsets(path, first_x, 12)
 }
 
 /// Data sets of every format that can hold such points, whose first scan lies there.
-fn data_sets(workplace: &Workplace) -> Vec<(PathBuf, Place)> {
+fn data_sets(workplace: &Workplace) -> Vec<(PathBuf, CoordinateOffsets)> {
     let street = made::street(2);
     let root = |name: &str| workplace.path(name);
     let mut data_sets = Vec::new();
     let tracking = DrawnDataset::tracking(&root("tracking-of"), 2);
-    data_sets.push((tracking.root.clone(), place(tracking.path("training/velodyne/0000/000000.bin"), 0, 16)));
+    data_sets
+        .push((tracking.root.clone(), offsets(tracking.path("training/velodyne/0000/000000.bin"), 0, 16)));
     let objects = DrawnDataset::objects(&root("objects-of"), 2);
-    data_sets.push((objects.root.clone(), place(objects.path("training/velodyne/000000.bin"), 0, 16)));
+    data_sets.push((objects.root.clone(), offsets(objects.path("training/velodyne/000000.bin"), 0, 16)));
     workplace.succeed("data convert tracking-of/street --to semantic-kitti -o semantic");
     let semantic = root("semantic").join("sequences/0000/velodyne/000000.bin");
-    data_sets.push((root("semantic"), place(semantic, 0, 16)));
+    data_sets.push((root("semantic"), offsets(semantic, 0, 16)));
     made::kitti_raw(&root("raw"), &*street);
     let raw = root("raw").join(format!("{}/velodyne_points/data/0000000000.bin", made::DRIVE));
-    data_sets.push((root("raw"), place(raw, 0, 16)));
+    data_sets.push((root("raw"), offsets(raw, 0, 16)));
     made::nuscenes(&root("nuscenes"), &*street);
     // Its second coordinate points forward.
-    data_sets.push((root("nuscenes"), place(root("nuscenes").join("samples/LIDAR_TOP/0.pcd.bin"), 4, 20)));
+    data_sets.push((root("nuscenes"), offsets(root("nuscenes").join("samples/LIDAR_TOP/0.pcd.bin"), 4, 20)));
     for extension in ["pcd", "ply", "npy"] {
         let folder = root(extension);
         data_sets.push((folder.clone(), scan_file(&folder, extension)));
@@ -83,7 +84,7 @@ fn data_sets(workplace: &Workplace) -> Vec<(PathBuf, Place)> {
     let first = std::fs::read(&data_sets[0].1.path).unwrap();
     let at = bytes.windows(16).position(|it| it == &first[..16]).unwrap();
     // A byte says of each point what its labels say.
-    data_sets.push((root("drive.mcap"), place(root("drive.mcap"), at, 17)));
+    data_sets.push((root("drive.mcap"), offsets(root("drive.mcap"), at, 17)));
     data_sets
 }
 
@@ -110,13 +111,13 @@ fn one_rule_holds_in_every_format() {
     let workplace = Workplace::new();
     std::fs::create_dir_all(workplace.path("tracking-of")).unwrap();
     std::fs::create_dir_all(workplace.path("objects-of")).unwrap();
-    for (root, place) in data_sets(&workplace) {
+    for (root, offsets) in data_sets(&workplace) {
         let name = root.display();
         forget_checksums(&root);
         let sound = open(&root).read_scan(0).unwrap();
         assert!(sound.points_left_out.is_empty(), "{name}");
-        place.set(1, f32::NAN);
-        place.set(3, f32::NEG_INFINITY);
+        offsets.set(1, f32::NAN);
+        offsets.set(3, f32::NEG_INFINITY);
         let scan = open(&root).read_scan(0).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(scan.points_left_out, [1, 3], "{name}");
         assert_eq!(scan.cloud.len() + 2, sound.cloud.len(), "{name}");
@@ -134,8 +135,8 @@ fn one_rule_holds_in_every_format() {
             let expected = expected.point_indices.iter().map(|it| *it as usize);
             assert!(expected.filter(|it| ![1, 3].contains(it)).eq(found), "{name}");
         }
-        place.set(0, 12_000.0);
-        let file = place.path.file_name().unwrap().to_str().unwrap().to_owned();
+        offsets.set(0, 12_000.0);
+        let file = offsets.path.file_name().unwrap().to_str().unwrap().to_owned();
         check_damaged(&root, &[&file, "has point 0 at x = 12000.000 m, beyond 10000 m from the origin"]);
     }
 }
@@ -156,7 +157,7 @@ fn regions_and_objects_of_a_recording_stay_with_their_points() {
 fn drive() -> Workplace {
     let workplace = Workplace::new();
     let drawn = DrawnDataset::tracking(workplace.folder(), 3);
-    let first = place(drawn.path("training/velodyne/0000/000000.bin"), 0, 16);
+    let first = offsets(drawn.path("training/velodyne/0000/000000.bin"), 0, 16);
     for point_idx in [5, 6, 900] {
         first.set(point_idx, f32::NAN);
     }

@@ -173,7 +173,7 @@ fn a_run_is_not_replaced_where_the_disk_is_full() {
     assert_eq!((workplace.read("run/manifest.json"), workplace.names()), (before, names));
 }
 
-/// A place where nothing can be written, whoever asks: below a file.
+/// A path where nothing can be written, whoever asks: below a file.
 #[test]
 fn where_nothing_can_be_written_nothing_is_left() {
     let workplace = Workplace::new();

@@ -118,7 +118,7 @@ pub fn nuscenes(folder: &Path, dataset: &dyn Dataset) {
         write(&folder.join(format!("samples/LIDAR_TOP/{number}.pcd.bin")), bytes);
         let ours = Isometry3::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
         let world_from_sensor = world_from_car(number) * car_from_lidar() * ours;
-        for (place, annotation) in boxed(scan).annotations.iter().enumerate() {
+        for (index, annotation) in boxed(scan).annotations.iter().enumerate() {
             let bounding_box = annotation.bounding_box.unwrap();
             let [x, y, z] = bounding_box.center_m.map(f64::from);
             let [length, width, height] = bounding_box.length_width_height_m;
@@ -127,11 +127,11 @@ pub fn nuscenes(folder: &Path, dataset: &dyn Dataset) {
                 UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(bounding_box.yaw_rad)),
             );
             let (translation, rotation) = pose(&(world_from_sensor * in_sensor));
-            let category = place % CATEGORIES.len();
+            let category = index % CATEGORIES.len();
             instances
                 .push(json!({"token": token(10, instances.len()), "category_token": token(6, category)}));
             annotations.push(json!({"token": token(11, annotations.len()), "sample_token": token(7, number),
-                "instance_token": token(10, instances.len() - 1), "visibility_token": (place % 4 + 1).to_string(),
+                "instance_token": token(10, instances.len() - 1), "visibility_token": (index % 4 + 1).to_string(),
                 "attribute_tokens": if category == 3 { vec![token(5, 0)] } else { vec![] },
                 "translation": translation, "size": [width, length, height], "rotation": rotation,
                 "num_lidar_pts": annotation.point_indices.len(), "num_radar_pts": 0, "prev": "", "next": ""}));

@@ -17,8 +17,8 @@ pub fn packets(first: usize, n_columns: usize, step: usize, n_banks: usize, last
             for bank in 0..n_banks {
                 bytes.extend([0xeeff_u16, 0xddff][bank].to_le_bytes());
                 bytes.extend((azimuth as u16).to_le_bytes());
-                for place in 0..32 {
-                    bytes.extend(steps_of(place + 32 * bank, azimuth).to_le_bytes());
+                for index in 0..32 {
+                    bytes.extend(steps_of(index + 32 * bank, azimuth).to_le_bytes());
                     bytes.push((azimuth % 256) as u8);
                 }
             }

@@ -5,9 +5,9 @@ use std::fmt;
 use super::label_correction::Correction;
 use crate::dataset::proposal_list::PROPOSALS_CSV;
 
-/// Why labels are doubtful, and what mends them.
+/// Why labels are suspect, and what mends them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LabelDoubt {
+pub enum LabelSuspicion {
     /// Boxes lie elsewhere than vehicles.
     Position {
         /// What mends it.
@@ -67,7 +67,7 @@ pub enum TakenFor {
     Unknown,
 }
 
-impl fmt::Display for LabelDoubt {
+impl fmt::Display for LabelSuspicion {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Position { correction, gain, n_vehicles } => write!(

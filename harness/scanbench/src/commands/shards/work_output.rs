@@ -14,7 +14,7 @@ use crate::commands::provenance::{compact_utc, program_checksum, program_stamp, 
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 
 /// Where the result of a verb goes, and which part of it is made.
-pub struct Place {
+pub struct WorkOutput {
     /// The verb.
     pub study: Study,
     /// Which part; `None` of all in one piece.
@@ -23,7 +23,8 @@ pub struct Place {
     pub overwrites: bool,
     /// When it was begun.
     pub started: Timestamp,
-    /// Whether what is done is kept until there is a result: where somebody knows the place, and of sweeps, which take long.
+    /// Whether what is done is kept until there is a result: where somebody knows the directory, and of sweeps, which take
+    /// long.
     pub is_kept: bool,
     /// Whether the directory was named.
     pub is_named: bool,
@@ -31,7 +32,7 @@ pub struct Place {
     named: Option<ClaimedTarget>,
 }
 
-impl Place {
+impl WorkOutput {
     /// Takes the directory that `output` names: of a shard its own, in the folder of all shards.
     pub fn claim(study: Study, shard: Option<Shard>, output: &OutputArgs) -> Result<Self, Failure> {
         let named = match shard {

@@ -3,12 +3,12 @@
 use std::fmt;
 
 use super::empty_boxes::{EmptyBoxes, NEAR_M};
-use super::label_doubt::LabelDoubt;
+use super::label_suspicion::LabelSuspicion;
 use super::seen_ground::UpAxis;
 
-/// Why the frame of a data set is doubtful, and what to try.
+/// Why the frame of a data set is suspect, and what to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FrameDoubt {
+pub enum FrameSuspicion {
     /// There is no ground around the origin.
     NoGround,
     /// Another axis than z points up.
@@ -27,10 +27,10 @@ pub enum FrameDoubt {
     /// Most boxes hold no point.
     EmptyBoxes(EmptyBoxes),
     /// Labels do not lie where the points are.
-    Labels(LabelDoubt),
+    Labels(LabelSuspicion),
 }
 
-impl fmt::Display for FrameDoubt {
+impl fmt::Display for FrameSuspicion {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoGround => write!(
@@ -62,7 +62,7 @@ impl fmt::Display for FrameDoubt {
                 "{n_empty} of {n_near} boxes nearer than {NEAR_M} m contain no point: the labels and scans may differ in \
                  frame or time"
             ),
-            Self::Labels(doubt) => write!(formatter, "{doubt}"),
+            Self::Labels(suspicion) => write!(formatter, "{suspicion}"),
         }
     }
 }

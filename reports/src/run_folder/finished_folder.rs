@@ -6,8 +6,8 @@ use std::path::Path;
 use crate::files::whole_file::folder_of;
 use crate::run_folder::run_target::{RunDirectoryError, is_empty_folder, metadata, refused};
 
-/// Gives the finished folder its name; an earlier run of that name goes only once the new one is in its place.
-pub(crate) fn move_into_place(partial: &Path, target: &Path) -> Result<(), RunDirectoryError> {
+/// Gives the finished folder its name; an earlier run of that name goes only once the new one is at its path.
+pub(crate) fn move_to_target(partial: &Path, target: &Path) -> Result<(), RunDirectoryError> {
     let rename = |from: &Path, to: &Path| -> Result<(), RunDirectoryError> {
         std::fs::rename(from, to).map_err(refused(target))
     };

@@ -1,4 +1,5 @@
-//! The worst mistakes of every detector and its best matches, gathered row by row, each object once: what a page shows from above.
+//! The worst mistakes of every detector and its best matches, gathered row by row, each object once: what a page shows from
+//! above.
 
 use std::collections::BTreeMap;
 
@@ -18,10 +19,10 @@ const HALF_WINDOW_M: [f32; 2] = [5.0, 12.0];
 /// What is seen around an object, in metres.
 const SURROUNDINGS_M: f32 = 2.5;
 
-/// The worst mistakes and the best matches so far, with something about each place.
+/// The worst mistakes and the best matches so far, with something about each object.
 #[derive(Debug, Clone)]
-pub struct WorstPlaces<T> {
-    lists: BTreeMap<MistakeList, Vec<WorstPlace<T>>>,
+pub struct WorstObjects<T> {
+    lists: BTreeMap<MistakeList, Vec<WorstObject<T>>>,
 }
 
 /// Whose mistakes or matches, at what, and of which kind.
@@ -47,7 +48,7 @@ pub struct ObjectName {
     pub scan: u32,
     /// Whose detection; `None` for an annotation.
     pub detector: Option<String>,
-    /// Its place among the annotations, or detections, of the scan.
+    /// Its index among the annotations, or detections, of the scan.
     pub id: u64,
 }
 
@@ -71,9 +72,9 @@ impl ObjectName {
     }
 }
 
-/// A mistake or a match with a place.
+/// A mistake or a match with a position.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WorstPlace<T> {
+pub struct WorstObject<T> {
     /// Which object.
     pub object: ObjectName,
     /// What it is, or was taken for.
@@ -112,21 +113,21 @@ impl PlanWindow {
         Self { center_m: [x_m, y_m], half_m: half_m.clamp(HALF_WINDOW_M[0], HALF_WINDOW_M[1]) }
     }
 
-    /// Whether a place is inside.
+    /// Whether a position is inside.
     pub fn holds(&self, x_m: f32, y_m: f32) -> bool {
         (x_m - self.center_m[0]).abs() <= self.half_m && (y_m - self.center_m[1]).abs() <= self.half_m
     }
 }
 
-impl<T> Default for WorstPlaces<T> {
+impl<T> Default for WorstObjects<T> {
     fn default() -> Self {
         Self { lists: BTreeMap::new() }
     }
 }
 
-impl<T> WorstPlaces<T> {
-    /// Takes `row` in if it is a mistake with a place and worse than what is there: seen by more points; or a closer match. `kept` is
-    /// asked only then.
+impl<T> WorstObjects<T> {
+    /// Takes `row` in if it is a mistake with a position and worse than what is there: seen by more points; or a closer
+    /// match. `kept` is asked only then.
     pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
         let annotated = |it: &AnnotationFacts| (it.class.name(), it.n_points, subject_of(it), it.track);
         let (kind, (class, n_points, bounding_box, track), reason, closeness) = match &row.outcome {
@@ -149,37 +150,37 @@ impl<T> WorstPlaces<T> {
         let list = self.lists.entry(list).or_default();
         let same = list.iter().position(|it| it.is_same_object(row, track));
         let is_first = match same {
-            Some(place) => list[place].rank < rank,
+            Some(index) => list[index].rank < rank,
             None => list.len() < most || list.last().is_some_and(|it| it.rank < rank),
         };
         if !is_first {
             return;
         }
-        if let Some(place) = same {
-            list.remove(place);
+        if let Some(index) = same {
+            list.remove(index);
         }
         let window = PlanWindow::around(&bounding_box);
         let Some(object) = ObjectName::shown_of(row) else { return };
         let kept = kept(&window);
-        let place = WorstPlace { object, class, reason, n_points, bounding_box, window, rank, track, kept };
-        list.insert(list.partition_point(|it| it.rank >= rank), place);
+        let worst = WorstObject { object, class, reason, n_points, bounding_box, window, rank, track, kept };
+        list.insert(list.partition_point(|it| it.rank >= rank), worst);
         list.truncate(most);
     }
 
     /// The lists, each with the worst first.
-    pub fn lists(&self) -> impl Iterator<Item = (&MistakeList, &[WorstPlace<T>])> {
-        self.lists.iter().map(|(name, places)| (name, places.as_slice()))
+    pub fn lists(&self) -> impl Iterator<Item = (&MistakeList, &[WorstObject<T>])> {
+        self.lists.iter().map(|(name, objects)| (name, objects.as_slice()))
     }
 
     /// The mistakes of one list, the worst first.
-    pub fn of(&self, list: &MistakeList) -> &[WorstPlace<T>] {
+    pub fn of(&self, list: &MistakeList) -> &[WorstObject<T>] {
         self.lists.get(list).map_or(&[], Vec::as_slice)
     }
 }
 
-impl<T> WorstPlace<T> {
-    /// Whether `row` shows it once more: the same track or, where both have none, one of the scans within a second. So the worst of
-    /// a run are among the worst of its parts.
+impl<T> WorstObject<T> {
+    /// Whether `row` shows it once more: the same track or, where both have none, one of the scans within a second. So the
+    /// worst of a run are among the worst of its parts.
     fn is_same_object(&self, row: &MatchRow, track: Option<u32>) -> bool {
         let is_same_drive = self.object.dataset == row.dataset && self.object.sequence == row.sequence;
         is_same_drive
@@ -214,7 +215,7 @@ mod tests {
         BoxFacts { center_m: [30.0, 4.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
 
     fn missed(track: Option<u32>, n_points: u64, bounding_box: Option<BoxFacts>) -> MatchOutcome {
-        let annotation = AnnotationFacts::placeless(AnnotationClass::Car, n_points);
+        let annotation = AnnotationFacts::without_position(AnnotationClass::Car, n_points);
         let annotation = AnnotationFacts { track, bounding_box, ..annotation };
         MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
     }
@@ -226,12 +227,12 @@ mod tests {
     }
 
     fn kept(rows: &[MatchRow], kind: impl Into<Option<MistakeKind>>) -> Vec<(u32, u64)> {
-        let mut places = WorstPlaces::default();
+        let mut objects = WorstObjects::default();
         for row in rows {
-            places.add(row, |_| ());
+            objects.add(row, |_| ());
         }
         let (task, detector) = (Task::Vehicles, "grid".to_owned());
-        let list = places.of(&MistakeList { task, detector, kind: kind.into() });
+        let list = objects.of(&MistakeList { task, detector, kind: kind.into() });
         list.iter().map(|it| (it.object.scan, it.n_points)).collect()
     }
 
@@ -275,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_place_is_not_shown() {
+    fn what_has_no_position_is_not_shown() {
         assert_eq!(kept(&[row(0, missed(None, 5, None))], MistakeKind::Missed), []);
     }
 
@@ -283,11 +284,11 @@ mod tests {
     fn without_a_box_it_is_where_its_points_are() {
         let MatchOutcome::Missed { annotation, reason } = missed(None, 5, None) else { unreachable!() };
         let annotation = AnnotationFacts { centroid_m: Some([9.0, -2.0, 0.5]), ..annotation };
-        let mut places = WorstPlaces::default();
-        places.add(&row(0, MatchOutcome::Missed { annotation, reason }), |window| *window);
-        let (_, [place]) = places.lists().next().unwrap() else { panic!("one place") };
-        assert_eq!(place.kept, PlanWindow { center_m: [9.0, -2.0], half_m: 5.0 });
-        assert_eq!(place.bounding_box.length_width_height_m, [0.0; 3]);
+        let mut objects = WorstObjects::default();
+        objects.add(&row(0, MatchOutcome::Missed { annotation, reason }), |window| *window);
+        let (_, [worst]) = objects.lists().next().unwrap() else { panic!("one object") };
+        assert_eq!(worst.kept, PlanWindow { center_m: [9.0, -2.0], half_m: 5.0 });
+        assert_eq!(worst.bounding_box.length_width_height_m, [0.0; 3]);
     }
 
     #[test]

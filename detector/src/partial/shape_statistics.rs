@@ -1,12 +1,12 @@
-//! What form all has that is seen of an object, from every point of it.
+//! Shape statistics of all that is seen of an object, from every point of it.
 
 use super::level_spread::LevelSpread;
 use super::seen_extents::SeenExtents;
 
-/// What form all has that is seen of an object: lengths in metres, shares, and how much it leans. All points count, because
-/// thinning would take the edge off thin things.
+/// Shape statistics of all that is seen of an object: lengths in metres, shares, and how much it leans. All points count,
+/// because thinning would take the edge off thin things.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct SeenForm {
+pub struct ShapeStatistics {
     /// Its extents.
     pub extents: SeenExtents,
     /// How its points spread on the ground plan.
@@ -18,12 +18,12 @@ pub struct SeenForm {
     /// How far it goes aside for each metre upward, by the line that fits its points best.
     pub lean: f64,
     /// Level slices that its height is cut into, from the lowest to the highest.
-    pub slices: [FormSlice; N_SLICES],
+    pub slices: [ShapeSlice; N_SLICES],
 }
 
 /// What lies within a sixth of the height.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct FormSlice {
+pub struct ShapeSlice {
     /// Its share of all points.
     pub share: f64,
     /// How its points spread on the ground plan; nothing of fewer than three.
@@ -39,26 +39,27 @@ const LEAST_HEIGHT_M: f64 = 1e-3;
 /// Added to the squares of heights, so that what is level does not lean, in square metres.
 const LEVEL_M2: f64 = 1e-6;
 
-impl SeenForm {
+impl ShapeStatistics {
     /// Height of what is seen, from its bottom to its top, in metres.
     pub fn height_m(&self) -> f64 {
         self.extents.top_m - self.extents.bottom_m
     }
 }
 
-/// A buffer for one form after another.
+/// A buffer for the statistics of one object after another.
 #[derive(Debug, Clone, Default)]
-pub struct FormMeter {
+pub struct ShapeMeter {
     by_slice: Vec<[f64; 3]>,
 }
 
-impl FormMeter {
-    /// The form of some points; nothing without any. A point where two slices meet belongs to the upper one. Not in the papers.
-    pub fn measure(&mut self, points_m: impl Iterator<Item = [f64; 3]> + Clone) -> SeenForm {
+impl ShapeMeter {
+    /// The shape statistics of some points; nothing without any. A point where two slices meet belongs to the upper one. Not
+    /// in the papers.
+    pub fn measure(&mut self, points_m: impl Iterator<Item = [f64; 3]> + Clone) -> ShapeStatistics {
         let spread = LevelSpread::of(points_m.clone());
         let extents = SeenExtents::with_spread(spread, points_m.clone());
         let UpwardSums { n_points, mean_z_m, deviation_up_m, lean } = UpwardSums::of(points_m.clone());
-        SeenForm {
+        ShapeStatistics {
             extents,
             spread,
             mean_height_m: mean_z_m - extents.bottom_m,
@@ -73,7 +74,7 @@ impl FormMeter {
         points_m: impl Iterator<Item = [f64; 3]> + Clone,
         extents: &SeenExtents,
         n_points: usize,
-    ) -> [FormSlice; N_SLICES] {
+    ) -> [ShapeSlice; N_SLICES] {
         let slices_per_m = N_SLICES as f64 / (extents.top_m - extents.bottom_m).max(LEAST_HEIGHT_M);
         let slice_of = |z: f64| (((z - extents.bottom_m) * slices_per_m) as usize).min(N_SLICES - 1);
         let mut counts = [0; N_SLICES];
@@ -100,7 +101,7 @@ impl FormMeter {
             } else {
                 LevelSpread::of(inside.iter().copied())
             };
-            FormSlice { share, spread }
+            ShapeSlice { share, spread }
         })
     }
 }
@@ -148,39 +149,39 @@ mod tests {
         (0..60).flat_map(row).chain([[7.0, lean * 6.0, 6.0]]).collect()
     }
 
-    fn form(points_m: &[[f64; 3]]) -> SeenForm {
-        FormMeter::default().measure(points_m.iter().copied())
+    fn shape(points_m: &[[f64; 3]]) -> ShapeStatistics {
+        ShapeMeter::default().measure(points_m.iter().copied())
     }
 
     #[test]
     fn slices_are_measured_by_themselves() {
-        let form = form(&board(0.0));
-        let lengths_m = form.slices.map(|it| it.spread.length_m);
+        let shape = shape(&board(0.0));
+        let lengths_m = shape.slices.map(|it| it.spread.length_m);
         assert_eq!(lengths_m, [1.0, 1.0, 1.0, 1.0, 1.0, 3.0]);
-        assert!((form.height_m() - 6.0).abs() < 1e-12 && form.spread.width_m == 0.0);
-        assert!((form.slices[0].spread.deviation_along_m - (0.25_f64 / 1.5).sqrt()).abs() < 1e-12);
-        assert!((form.slices.iter().map(|it| it.share).sum::<f64>() - 1.0).abs() < 1e-12);
-        assert!(form.slices[..5].iter().all(|it| (it.share - 30.0 / 181.0).abs() < 1e-9), "{form:?}");
+        assert!((shape.height_m() - 6.0).abs() < 1e-12 && shape.spread.width_m == 0.0);
+        assert!((shape.slices[0].spread.deviation_along_m - (0.25_f64 / 1.5).sqrt()).abs() < 1e-12);
+        assert!((shape.slices.iter().map(|it| it.share).sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(shape.slices[..5].iter().all(|it| (it.share - 30.0 / 181.0).abs() < 1e-9), "{shape:?}");
     }
 
     #[test]
     fn heights_have_a_mean_above_the_bottom_and_a_deviation() {
-        let form = form(&[[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 1.0, 4.0], [5.0, 0.0, 4.0]]);
-        assert_eq!((form.mean_height_m, form.deviation_up_m), (1.0, 1.0));
+        let shape = shape(&[[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 1.0, 4.0], [5.0, 0.0, 4.0]]);
+        assert_eq!((shape.mean_height_m, shape.deviation_up_m), (1.0, 1.0));
     }
 
     #[test]
     fn what_goes_aside_leans() {
         for lean in [0.0, 0.1, 0.5] {
-            let found = form(&board(lean)).lean;
+            let found = shape(&board(lean)).lean;
             assert!((found - lean).abs() < 1e-6, "{found} {lean}");
         }
     }
 
     #[test]
     fn slices_of_few_points_have_no_spread_and_nothing_has_no_form() {
-        let slices = form(&[[0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.0, 5.0]]).slices;
+        let slices = shape(&[[0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.0, 5.0]]).slices;
         assert!(slices.iter().all(|it| it.spread == LevelSpread::default()), "{slices:?}");
-        assert_eq!(form(&[]), SeenForm::default());
+        assert_eq!(shape(&[]), ShapeStatistics::default());
     }
 }
