@@ -72,9 +72,9 @@ fn add_datasets<'a>(script: &mut String, command: &'a Command, path: &mut Vec<&'
     if let Some((verb, inner)) = path.split_first()
         && command.get_positionals().any(is_dataset)
     {
-        let inner: String =
-            inner.iter().map(|it| format!("; and __fish_seen_subcommand_from {it}")).collect();
-        let condition = format!("__fish_scanbench_using_subcommand {verb}{inner}");
+        let outer = format!("__fish_scanbench_using_subcommand {verb}");
+        let inner = inner.iter().map(|it| format!("__fish_seen_subcommand_from {it}"));
+        let condition = std::iter::once(outer).chain(inner).collect::<Vec<_>>().join("; and ");
         // Writing to a string cannot fail.
         let _ = writeln!(script, "complete -c scanbench -n \"{condition}\" -a \"{datasets}\"");
     }

@@ -64,7 +64,7 @@ impl<T: Tabular + ?Sized> Format<T> for Terminal {
             }
             match self.width {
                 Some(width) => {
-                    write_folded(&mut text, &with_broken_words(grid, &notes, width), &notes, width)
+                    write_folded(&mut text, &with_broken_words(grid, &notes, width), &notes, width);
                 }
                 None => write_grid(&mut text, grid, &notes),
             }
