@@ -22,8 +22,8 @@ title = "scanbench"
 [output.html]
 default-theme = "light"
 preferred-dark-theme = "navy"
-additional-css = ["book.css"]
-additional-js = ["book.js"]
+additional-css = ["site.css"]
+additional-js = ["site.js"]
 [output.html.playground]
 runnable = false
 """
@@ -32,6 +32,7 @@ CSS = """main { overflow-wrap: anywhere }
 main img[src$=".svg"] { background: #fff }
 main a:not(.header) { text-decoration: underline }
 .navy { --links: #8ab4ff }
+.navy :is(.hljs-variable, .hljs-attr, .hljs-attribute, .hljs-name, .hljs-deletion) { color: #ee9999 }
 """
 # What scrolls is reached by Tab.
 JS = 'for (const it of document.querySelectorAll("pre code, .table-wrapper")) it.tabIndex = 0;\n'
@@ -181,7 +182,7 @@ def main(mdbook, program, folder):
     (src / "command-line.md").write_text(command_line(program, src), encoding="utf-8")
     (src / "gallery.md").write_text(gallery(program, src), encoding="utf-8")
     (src / "SUMMARY.md").write_text(summary(pages), encoding="utf-8")
-    for name, text in {"book.toml": BOOK, "book.css": CSS, "book.js": JS}.items():
+    for name, text in {"book.toml": BOOK, "site.css": CSS, "site.js": JS}.items():
         (folder / name).write_text(text, encoding="utf-8")
     subprocess.run([mdbook, "build", folder], check=True)
     found, built = broken(folder / "book")
