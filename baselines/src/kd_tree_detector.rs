@@ -23,8 +23,8 @@ use crate::params::{ForegroundChoice, KdTreeParams};
 
 /// Objects as Euclidean components of points, for a sensor `sensor_height_m` above the road.
 ///
-/// Foreground, boxes and classes are those of the hierarchical detector, whose parameters are `shared`, so that a comparison of the two
-/// is about the clusters. All buffers but the tree are used again for the next scan. The models are those of
+/// Foreground, boxes and classes are those of the hierarchical detector, whose parameters are `shared`, so that a comparison
+/// of the two is about the clusters. All buffers but the tree are used again for the next scan. The models are those of
 /// [`object_stages`].
 ///
 /// Paper: HG section 5, the method it compares with; boxes as VM section 4.

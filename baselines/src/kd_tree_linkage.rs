@@ -12,8 +12,9 @@ pub const NESTING: &str = "nesting";
 /// The tolerances of components within components, in metres.
 pub const NESTED_TOLERANCES_M: [f32; N_LEVELS] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2];
 
-/// Joins candidates that chains of neighbours over a kd-tree connect: at one tolerance, or at several, the smallest first. The
-/// components are those of a kd-tree to the point, but found in cells, so that these rivals are not slow for what they do not need.
+/// Joins candidates that chains of neighbours over a kd-tree connect: at one tolerance, or at several, the smallest first.
+/// The components are those of a kd-tree to the point, but found in cells, so that these rivals are not slow for what they
+/// do not need.
 ///
 /// Dense cells only describe the components: over a position where there are several, each has a cell of its own.
 #[derive(Debug, Clone)]

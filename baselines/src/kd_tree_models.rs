@@ -16,7 +16,8 @@ pub const KD_TREE_TREE: &str = "kd-tree-tree";
 /// The constant of the model that says the tolerance for each sensor.
 const TOLERANCES: &str = "tolerance_m";
 
-/// Trees that judge components at one tolerance, which was chosen for each sensor on the scans that the trees are trained on.
+/// Trees that judge components at one tolerance, which was chosen for each sensor on the scans that the trees are trained
+/// on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainedComponents {
     /// They keep or drop a component, and say whether it is a vehicle.

@@ -4,9 +4,10 @@ use detector::segment::disjoint_sets::DisjointSets;
 
 /// What [`NestedComponents::join`] finds, in buffers that the next scan uses again.
 ///
-/// Two points are neighbours as in [`kd_tree_components`](crate::kd_tree_components::kd_tree_components): if their squared distance is
-/// strictly below the squared tolerance, both in f32. That function lists all neighbours of every point. Here the points of a small
-/// cell are neighbours without being looked at, and two cells are only compared while they are of different components.
+/// Two points are neighbours as in [`kd_tree_components`](crate::kd_tree_components::kd_tree_components): if their squared
+/// distance is strictly below the squared tolerance, both in f32. That function lists all neighbours of every point. Here
+/// the points of a small cell are neighbours without being looked at, and two cells are only compared while they are of
+/// different components.
 #[derive(Debug, Clone, Default)]
 pub struct NestedComponents {
     // The smallest index of a point stands for its component.
@@ -148,8 +149,8 @@ impl NestedComponents {
 impl Cell {
     /// Whether a point of this one and one of the other are nearer than `squared_m2`.
     ///
-    /// Rounding never makes the difference of two coordinates larger than that of two that enclose them, so that a box that is too
-    /// far away holds no point that is near.
+    /// Rounding never makes the difference of two coordinates larger than that of two that enclose them, so that a box that
+    /// is too far away holds no point that is near.
     fn is_near(&self, other: &Self, points_m: &[[f32; 3]], squared_m2: f32) -> bool {
         if squared_distance_m2(self.nearest_m(other.low_m, other.high_m), [0.0; 3]) >= squared_m2 {
             return false;
@@ -171,8 +172,8 @@ impl Cell {
     }
 }
 
-/// The columns of cells that each cell is compared with, from its own one on: so each pair is once. The second step is too large by
-/// [`REACH`].
+/// The columns of cells that each cell is compared with, from its own one on: so each pair is once. The second step is too
+/// large by [`REACH`].
 fn columns_ahead() -> impl Iterator<Item = [u32; 2]> {
     let steps = (0..=REACH).flat_map(|dx| (0..=2 * REACH).map(move |dy| [dx, dy]));
     steps.filter(|&[dx, dy]| dx > 0 || dy >= REACH)

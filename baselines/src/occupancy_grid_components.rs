@@ -45,7 +45,8 @@ pub struct OccupancyGridComponents {
 const NO_INDEX: u32 = u32::MAX;
 
 impl OccupancyGridComponents {
-    /// Connects `occupied` cells of `grid`, ascending, that share a side or a corner, and hands the points above them to their components.
+    /// Connects `occupied` cells of `grid`, ascending, that share a side or a corner, and hands the points above them to
+    /// their components.
     pub fn connect(&mut self, grid: &HierarchicalGrid, occupied: &[u32]) {
         for &cell_idx in &self.occupied {
             self.index_of_cell[cell_idx as usize] = NO_INDEX;

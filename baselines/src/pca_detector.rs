@@ -21,11 +21,12 @@ use crate::occupancy_grid_components::{OccupancyGridComponents, OccupancyParams,
 use crate::params::{ClusterExtentParams, PcaParams};
 use crate::pca_vehicle_model::PcaVehicleModel;
 
-/// Objects as components of occupied cells, with boxes along their principal axes, for a sensor `sensor_height_m` above the road.
+/// Objects as components of occupied cells, with boxes along their principal axes, for a sensor `sensor_height_m` above the
+/// road.
 ///
 /// The grid takes all that stands on the street, façades included. Objects longer than a vehicle can be are dropped and
-/// reported. `model` classifies vehicles by the shapes of the neighbourhoods of their points; without a model, the size gate of
-/// `shared` does, as for all detectors.
+/// reported. `model` classifies vehicles by the shapes of the neighbourhoods of their points; without a model, the size gate
+/// of `shared` does, as for all detectors.
 ///
 /// Paper: VM sections 1 and 6, the method it compares with.
 pub fn pca(

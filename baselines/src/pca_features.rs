@@ -9,8 +9,8 @@ use crate::neighborhood_shapes::{MOST_SAMPLES, N_BINS, NeighborhoodShapes, RADIU
 /// Number of values.
 pub const N_PCA_FEATURES: usize = 3 + 3 * N_BINS;
 
-/// What the classifier sees of an object: its size, and how its points lie in their neighbourhoods. With buffers for one object after
-/// another.
+/// What the classifier sees of an object: its size, and how its points lie in their neighbourhoods. With buffers for one
+/// object after another.
 ///
 /// Paper: VM section 6, \[5\].
 #[derive(Debug, Clone, Default, PartialEq)]

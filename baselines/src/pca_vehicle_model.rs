@@ -27,8 +27,8 @@ pub struct PcaVehicleModel {
 }
 
 impl PcaVehicleModel {
-    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again. It is read when it is
-    /// first asked for, and once.
+    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again. It is read when it
+    /// is first asked for, and once.
     pub fn shipped() -> Self {
         static SHIPPED: LazyLock<PcaVehicleModel> = LazyLock::new(|| {
             let model = PcaVehicleModel::from_bytes(include_bytes!("params/pca.model"));

@@ -11,7 +11,8 @@
 //! parameters = { side_m = 1.0 }
 //! ```
 //!
-//! A copy of this file in a crate of its own needs the crates `detector` and `serde_json`. docs/protocol.md describes the messages.
+//! A copy of this file in a crate of its own needs the crates `detector` and `serde_json`. docs/protocol.md describes the
+//! messages.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};

@@ -90,9 +90,9 @@ pub trait Detector: Send {
 pub struct DetectorOutput {
     /// The objects.
     pub detections: Detections,
-    /// What was not classified as a vehicle, but may be one. Each has a score below all detections of vehicles; the score of its box may
-    /// be higher. Only protocols that rank detections use these. Some are among `detections` as objects, others have too few points for
-    /// that.
+    /// What was not classified as a vehicle, but may be one. Each has a score below all detections of vehicles; the score of
+    /// its box may be higher. Only protocols that rank detections use these. Some are among `detections` as objects, others
+    /// have too few points for that.
     pub unlikely_vehicles: Detections,
     /// How long each stage took, in the order of the stages.
     pub stage_times: Vec<StageTime>,

@@ -45,8 +45,8 @@ impl PointCloud {
         Self { x_m: column(), y_m: column(), z_m: column(), intensity: column(), ring, time_offset_s }
     }
 
-    /// Appends a point; `intensity` is the sensor's own, usually in 0 to 1. Nobody knows its ring and time, so that the cloud has
-    /// neither any longer.
+    /// Appends a point; `intensity` is the sensor's own, usually in 0 to 1. Nobody knows its ring and time, so that the
+    /// cloud has neither any longer.
     pub fn push(&mut self, position_m: [f32; 3], intensity: f32) {
         self.x_m.push(position_m[0]);
         self.y_m.push(position_m[1]);
@@ -126,7 +126,8 @@ impl PointCloud {
         self.ring.as_deref()
     }
 
-    /// Seconds from the time of the scan to the measurement of each point, where the data have it; negative before that time.
+    /// Seconds from the time of the scan to the measurement of each point, where the data have it; negative before that
+    /// time.
     pub fn time_offset_s(&self) -> Option<&[f32]> {
         self.time_offset_s.as_deref()
     }

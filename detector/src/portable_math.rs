@@ -1,9 +1,10 @@
-//! Sine, cosine, arc tangent, logarithm and exponential from IEEE additions, multiplications, divisions and square roots alone.
+//! Sine, cosine, arc tangent, logarithm and exponential from IEEE additions, multiplications, divisions and square roots
+//! alone.
 //!
-//! The functions of the standard library call the platform's mathematics library, which may round differently on
-//! another machine. Whatever reaches a simulated scan, a trained model or a detection goes through these instead, so that a seed
-//! or a scan gives the same bytes on every x86-64 machine. They are accurate to about 1e-14, far beyond the f32 the results are rounded
-//! to; those of [`single`] are right but for that rounding, and faster.
+//! The functions of the standard library call the platform's mathematics library, which may round differently on another
+//! machine. Whatever reaches a simulated scan, a trained model or a detection goes through these instead, so that a seed or
+//! a scan gives the same bytes on every x86-64 machine. They are accurate to about 1e-14, far beyond the f32 the results are
+//! rounded to; those of [`single`] are right but for that rounding, and faster.
 
 pub mod single;
 

@@ -7,8 +7,8 @@ use std::fmt;
 pub enum Rule {
     /// Walls are no foreground.
     Walls,
-    /// Trained trees predict the expected IoU of each group of points. Groups above a threshold are kept. Those a little below it are
-    /// kept if they are classified as vehicles. Walls are one of the values that the trees look at.
+    /// Trained trees predict the expected IoU of each group of points. Groups above a threshold are kept. Those a little
+    /// below it are kept if they are classified as vehicles. Walls are one of the values that the trees look at.
     TrainedGroups,
     /// Groups hold groups; of all ways to part them, the one with the highest predicted IoU is taken.
     BestCut,

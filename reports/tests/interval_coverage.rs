@@ -1,7 +1,7 @@
 //! How often 95 % intervals hold the truth, over data sets that are drawn again and again.
 //!
-//! `cargo test --release -p reports --test interval_coverage -- --ignored --nocapture` draws a thousand data sets of each size and
-//! prints what share of the intervals hold the true number.
+//! `cargo test --release -p reports --test interval_coverage -- --ignored --nocapture` draws a thousand data sets of each
+//! size and prints what share of the intervals hold the true number.
 
 use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -11,9 +11,9 @@ use reports::numbers::sums::{FalseObjects, Sums, Term};
 use reports::uncertainty::bootstrap::{Distribution, Resamples};
 use reports::vocabulary::metric::Metric;
 
-/// What two detectors find on drives of a kind. Drives differ in how hard they are and in how much there is to find: hard ones have
-/// more annotations, a smaller share of them is found, and more is false. Values are such that drives vary as the streets of
-/// the default run do.
+/// What two detectors find on drives of a kind. Drives differ in how hard they are and in how much there is to find: hard
+/// ones have more annotations, a smaller share of them is found, and more is false. Values are such that drives vary as the
+/// streets of the default run do.
 struct DriveModel {
     /// Annotations of a drive in the middle.
     n_annotations: f64,
@@ -79,8 +79,8 @@ fn normal(rng: &mut impl Rng) -> f64 {
     rng.sample(StandardNormal)
 }
 
-/// The numbers whose intervals are looked at: F-rate and recall of the first detector, and by how much its F-rate is above that of
-/// the second.
+/// The numbers whose intervals are looked at: F-rate and recall of the first detector, and by how much its F-rate is above
+/// that of the second.
 const NUMBERS: [&str; 3] = ["F-rate", "recall", "difference"];
 
 fn numbers([first, second]: &[Sums; 2]) -> [Option<f64>; 3] {
@@ -152,8 +152,8 @@ impl Study<'_> {
 
 #[track_caller]
 fn check(n_drives: usize, n_strata: usize) {
-    // Of 400 collections the share itself varies by 1.1 points. Percentiles at 2.5 and 97.5 % hold the truth of ten drives in 89 of
-    // a hundred.
+    // Of 400 collections the share itself varies by 1.1 points. Percentiles at 2.5 and 97.5 % hold the truth of ten drives
+    // in 89 of a hundred.
     let shares = Study { model: &OBJECTS, n_drives, n_strata }.coverage(400);
     assert!(shares.iter().all(|it| (0.92..=0.985).contains(it)), "{NUMBERS:?} {shares:?}");
 }

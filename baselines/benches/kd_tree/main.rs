@@ -1,8 +1,8 @@
 //! The kd-tree on one thread: against PCL on the foreground of two real scans, against the hierarchical grid on whole
 //! scans as the paper measured, and on ever denser points, where its cost follows the pairs of neighbours.
 //!
-//! `cargo bench -p baselines --bench kd_tree`. The scans may not be copied into this project: `SCANBENCH_TEST_DATA` says where they
-//! are. Those that are missing are named, and left out.
+//! `cargo bench -p baselines --bench kd_tree`. The scans may not be copied into this project: `SCANBENCH_TEST_DATA` says
+//! where they are. Those that are missing are named, and left out.
 
 mod against_pcl;
 mod raw_scans;

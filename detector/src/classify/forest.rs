@@ -66,8 +66,8 @@ impl<const D: usize> Forest<D> {
             for (row, values) in block.iter_mut().zip(examples.by_ref().take(sums.len())) {
                 row[..D].copy_from_slice(values);
             }
-            // Several are on their way at a time, so that the processor need not wait for one of them. Compiled for wide vectors this
-            // takes twice as long: the compiler then gathers the values, and gathering is slow.
+            // Several are on their way at a time, so that the processor need not wait for one of them. Compiled for wide
+            // vectors this takes twice as long: the compiler then gathers the values, and gathering is slow.
             for tree in &self.trees {
                 for (abreast, first) in sums.chunks_mut(N_ABREAST).zip((0..).step_by(N_ABREAST)) {
                     tree.add(&block, first, abreast);

@@ -14,8 +14,8 @@ use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES};
 /// Number of the values that distinguish vehicles.
 pub const N_VEHICLE_VALUES: usize = N_FEATURES + OF_GROUP.len();
 
-/// The [`NODE_VALUES`] that distinguish vehicles, too: all but those that [`VEHICLE_FEATURES`] has from the points, those of the
-/// groups that hold this one, and those of the wall on which it lies.
+/// The [`NODE_VALUES`] that distinguish vehicles, too: all but those that [`VEHICLE_FEATURES`] has from the points, those of
+/// the groups that hold this one, and those of the wall on which it lies.
 const OF_GROUP: [&str; 22] = [
     "log_points_over_expected",
     "range_m",
@@ -46,7 +46,8 @@ static INDICES_OF_GROUP: LazyLock<[usize; OF_GROUP.len()]> = LazyLock::new(|| {
     OF_GROUP.map(|name| NODE_VALUES.iter().position(|it| *it == name).expect("the list of names is tested"))
 });
 
-/// The names of the values that distinguish vehicles: those of the vehicle model, and those of the group alone. Each is there once.
+/// The names of the values that distinguish vehicles: those of the vehicle model, and those of the group alone. Each is
+/// there once.
 pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = joined(VEHICLE_FEATURES, OF_GROUP);
 
 /// The names of the values that a refinement round sees of a group: those of the group, and its context.
@@ -129,8 +130,8 @@ impl GroupingModel {
     }
 }
 
-/// The values that distinguish vehicles: those of the object, and those of the group alone. The object stays the same whatever it is
-/// grouped with.
+/// The values that distinguish vehicles: those of the object, and those of the group alone. The object stays the same
+/// whatever it is grouped with.
 pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
     let mut values = [0.0; N_VEHICLE_VALUES];
     values[..N_FEATURES].copy_from_slice(features);

@@ -1,8 +1,9 @@
 //! A trained model as a file: a head that people can read, and numbers.
 //!
-//! The file is [`MAGIC`], the length of the head as a `u32`, the head as TOML, the parts one behind the other, and the SHA-256 of
-//! all that comes before it. Numbers are little-endian. The head says what the model is, what it was made of, the constants that
-//! it was trained with, and of each part its name, the names of the values that it looks at, and its length in bytes.
+//! The file is [`MAGIC`], the length of the head as a `u32`, the head as TOML, the parts one behind the other, and the
+//! SHA-256 of all that comes before it. Numbers are little-endian. The head says what the model is, what it was made of, the
+//! constants that it was trained with, and of each part its name, the names of the values that it looks at, and its length
+//! in bytes.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};

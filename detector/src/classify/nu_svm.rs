@@ -60,8 +60,8 @@ impl<const D: usize> HotLoop for WeightedKernels<'_, D> {
         let mut sums = [0.0; N_SUMS];
         for (block, coefficients) in &self.svm.support {
             let kernels = rbf_kernel(self.vector, block, self.svm.gamma);
-            // Independent sums, so that an addition need not wait for the one before; their number is fixed, and with it the order
-            // of additions on every machine.
+            // Independent sums, so that an addition need not wait for the one before; their number is fixed, and with it the
+            // order of additions on every machine.
             for lane in 0..LANES {
                 sums[lane % N_SUMS] += coefficients[lane] * kernels[lane];
             }

@@ -27,8 +27,8 @@ pub struct PaperModel {
 }
 
 impl PaperModel {
-    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again. It is read when it is
-    /// first asked for, and once.
+    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again. It is read when it
+    /// is first asked for, and once.
     pub fn shipped() -> Self {
         static SHIPPED: LazyLock<PaperModel> = LazyLock::new(|| {
             let model = PaperModel::from_bytes(include_bytes!("../params/paper.model"));
@@ -37,7 +37,8 @@ impl PaperModel {
         SHIPPED.clone()
     }
 
-    /// The same, trained with ν and γ as they are printed, where [`Self::shipped`] has those that are best on held-out drives.
+    /// The same, trained with ν and γ as they are printed, where [`Self::shipped`] has those that are best on held-out
+    /// drives.
     ///
     /// Paper: VM section 5.
     pub fn as_printed() -> Self {
@@ -81,7 +82,8 @@ impl PaperModel {
         self.describer.describe(bounding_box, positions_m)
     }
 
-    /// How surely what is seen like this is a vehicle: above 0 it is one. What shows nothing has the margin of the background.
+    /// How surely what is seen like this is a vehicle: above 0 it is one. What shows nothing has the margin of the
+    /// background.
     pub fn decision_on(&self, values: Option<&[f32; N_PAPER_FEATURES]>) -> f32 {
         values.map_or(NO_VEHICLE, |it| self.svm.decision(it))
     }

@@ -8,8 +8,8 @@ use crate::group::node_values::N_NODE_VALUES;
 /// Looks at all groups after the first.
 pub const N_REFINEMENTS: usize = 2;
 
-/// Groups with a lower expected IoU in the round before are skipped: about 1 in 3500 of them would be taken. No parameter, since forests are
-/// trained with the same bound; their file says with which.
+/// Groups with a lower expected IoU in the round before are skipped: about 1 in 3500 of them would be taken. No parameter,
+/// since forests are trained with the same bound; their file says with which.
 pub const LEAST_EXPECTED_IOU: f32 = 0.15;
 
 /// Whether the next round refines a group of this expected IoU. Others keep theirs.
@@ -19,9 +19,9 @@ pub fn is_refined(expected_iou: f32) -> bool {
 
 /// Forests that predict the expected IoU of a group with an annotated object.
 ///
-/// The first sees each group by itself. The others also see what the forest before them predicted for the groups inside this group
-/// and for those around it: whether two people are one object is easier to decide from all three groups than from one. Tu 2008,
-/// *Auto-context and its application to high-level vision tasks*.
+/// The first sees each group by itself. The others also see what the forest before them predicted for the groups inside this
+/// group and for those around it: whether two people are one object is easier to decide from all three groups than from one.
+/// Tu 2008, *Auto-context and its application to high-level vision tasks*.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefinementForests {
     /// Sees each group by itself.
@@ -41,8 +41,8 @@ pub struct RefinementBuffers {
 }
 
 impl RefinementForests {
-    /// Writes to `expected_ious` the expected IoU of each of the `described` nodes of a tree after so many `rounds`, at least one. `upward` are all
-    /// nodes, parts before what they are parts of, as `whole_of` says.
+    /// Writes to `expected_ious` the expected IoU of each of the `described` nodes of a tree after so many `rounds`, at
+    /// least one. `upward` are all nodes, parts before what they are parts of, as `whole_of` says.
     pub fn expected_ious<'a>(
         &self,
         rounds: u8,
@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn what_the_round_before_expects_little_of_is_not_refined() {
-        // Worth 0.5 if the first value is 1 and more, and 0.1 if not; then 0.14 or 0.3 if it is 3 and more; then 0.9 whatever is seen.
+        // Worth 0.5 if the first value is 1 and more, and 0.1 if not; then 0.14 or 0.3 if it is 3 and more; then 0.9
+        // whatever is seen.
         let mut leaves = [0.5; N_LEAVES];
         leaves[..N_LEAVES / 2].fill(0.1);
         let tree = DecisionTree { value_of_split: [0; N_LEAVES], thresholds: [1.0; N_LEAVES], leaves };

@@ -22,8 +22,8 @@ const VEHICLES: &str = "vehicles";
 
 /// Features and their classifier, with buffers for one object after another.
 ///
-/// The paper has a support vector machine for its eight values, as [`PaperModel`](super::paper_model::PaperModel) has; here are
-/// more values, and boosted trees like those that classify the vehicles of the tree of groupings.
+/// The paper has a support vector machine for its eight values, as [`PaperModel`](super::paper_model::PaperModel) has; here
+/// are more values, and boosted trees like those that classify the vehicles of the tree of groupings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleModel {
     describer: VehicleDescriber,
@@ -32,8 +32,8 @@ pub struct VehicleModel {
 }
 
 impl VehicleModel {
-    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again. It is read when it is
-    /// first asked for, and once.
+    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again. It is read when it
+    /// is first asked for, and once.
     pub fn shipped() -> Self {
         static SHIPPED: LazyLock<VehicleModel> = LazyLock::new(|| {
             let model = VehicleModel::from_bytes(include_bytes!("../params/clusters.model"));
@@ -94,8 +94,8 @@ impl VehicleModel {
     }
 }
 
-/// The class of an object of `n_points` by the `decision` of a model. With fewer than `min_points` it is never a vehicle: models are
-/// trained on larger objects.
+/// The class of an object of `n_points` by the `decision` of a model. With fewer than `min_points` it is never a vehicle:
+/// models are trained on larger objects.
 pub fn class_by_decision(decision: Option<f32>, n_points: usize, min_points: usize) -> DetectedClass {
     let is_vehicle = n_points >= min_points && decision.is_some_and(|it| it > 0.0);
     if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }

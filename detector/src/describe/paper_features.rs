@@ -11,7 +11,8 @@ use crate::vector_instructions::{HotLoop, vectorised};
 /// Number of values.
 pub const N_PAPER_FEATURES: usize = 8;
 
-/// What the classifier of the paper sees of an object: three components, eight values. With buffers for one object after another.
+/// What the classifier of the paper sees of an object: three components, eight values. With buffers for one object after
+/// another.
 ///
 /// Paper: VM sections 4 and 5.
 #[derive(Debug, Clone, PartialEq)]

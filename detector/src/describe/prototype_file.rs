@@ -24,7 +24,8 @@ struct File {
 }
 
 impl PrototypeLibrary {
-    /// A library from the text that [`Self::to_toml`] gives; `None` if it is no library, or one of another version, or damaged.
+    /// A library from the text that [`Self::to_toml`] gives; `None` if it is no library, or one of another version, or
+    /// damaged.
     pub fn from_toml(text: &str) -> Option<Self> {
         let file: File = toml::from_str(text).ok()?;
         let is_whole = (file.format.as_str(), file.version, file.n_prototypes)

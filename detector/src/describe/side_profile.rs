@@ -13,8 +13,8 @@ use crate::vector_instructions::{greater, lesser};
 pub struct SideProfile {
     column_m: f32,
     column_of_point: Vec<u32>,
-    // Columns of every fourth point: the sensor stays in a column for a while, and the machine would wait each time for what it
-    // has just written.
+    // Columns of every fourth point: the sensor stays in a column for a while, and the machine would wait each time for what
+    // it has just written.
     tables: Vec<[[f32; 2]; N_TABLES]>,
     columns: Vec<[f32; 2]>,
     contour_m: Vec<[f32; 2]>,

@@ -24,8 +24,8 @@ pub struct RoughnessSquares {
 }
 
 impl RoughnessSquares {
-    /// The share of `points`, of a box of this length and width, that are far from the mean of their square on the side and of
-    /// that on the end. Points alone in their squares say nothing. `None` without points.
+    /// The share of `points`, of a box of this length and width, that are far from the mean of their square on the side and
+    /// of that on the end. Points alone in their squares say nothing. `None` without points.
     #[inline(always)]
     pub fn rough_share(&mut self, points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<f32> {
         let [low_m, high_m] = extent_m(points.up_m())?;

@@ -29,7 +29,8 @@ pub const VEHICLE_FEATURES: [&str; N_FEATURES] = joined(
         "top_m",
         "mean_elevation_m",
         "elevation_deviation_m",
-        // Of the angle between the line of sight and the length of the box, without its sign: 1 if an end is seen, 0 if a side is.
+        // Of the angle between the line of sight and the length of the box, without its sign: 1 if an end is seen, 0 if a
+        // side is.
         "view_cosine",
         "share_above_0.5_m",
         "share_above_1.1_m",
@@ -85,8 +86,8 @@ impl VehicleDescriber {
         self.of_paper.library()
     }
 
-    /// The values of [`VEHICLE_FEATURES`] of an object with these points, in the sensor frame, and with these surroundings. `None`
-    /// without points.
+    /// The values of [`VEHICLE_FEATURES`] of an object with these points, in the sensor frame, and with these surroundings.
+    /// `None` without points.
     pub fn describe(
         &mut self,
         bounding_box: &OrientedBox,

@@ -11,8 +11,8 @@ use crate::portable_math::single;
 use crate::stage;
 use crate::stage_product::{ProductSphere, Shape, StageProduct};
 
-/// Spheres at the upper corners, side profiles, and the nearest prototypes in `library` of `fitted`. Objects without points are left
-/// out.
+/// Spheres at the upper corners, side profiles, and the nearest prototypes in `library` of `fitted`. Objects without points
+/// are left out.
 ///
 /// Profiles stand on the vertical plane through the middle of the box along its length.
 pub fn vehicle_shapes(library: &PrototypeLibrary, fitted: &FittedObjects) -> Vec<StageProduct> {

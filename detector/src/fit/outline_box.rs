@@ -52,13 +52,13 @@ impl Default for OutlineBox {
 }
 
 impl OutlineBox {
-    /// The box around `positions_m` with its sides along the outline: the points nearest to the sensor, which is the origin, at each
-    /// azimuth. The direction is that of the edge of the outline's hull to whose sides these points are closest on average, or one or two
-    /// degrees beside it. A point counts at most 0.3 m, and a side is found without the outermost one of a hundred points. The box itself
-    /// holds all points.
+    /// The box around `positions_m` with its sides along the outline: the points nearest to the sensor, which is the origin,
+    /// at each azimuth. The direction is that of the edge of the outline's hull to whose sides these points are closest on
+    /// average, or one or two degrees beside it. A point counts at most 0.3 m, and a side is found without the outermost one
+    /// of a hundred points. The box itself holds all points.
     ///
-    /// Length is the longer side and the yaw lies in (−π/2, π/2]. One point gives a box of no length and no width at yaw 0, points
-    /// on a line one along it. `None` without points. All must be finite.
+    /// Length is the longer side and the yaw lies in (−π/2, π/2]. One point gives a box of no length and no width at yaw 0,
+    /// points on a line one along it. `None` without points. All must be finite.
     ///
     /// Instead of the mean distance of the hull's corners (VM section 4), which is the same for a square's corners in any
     /// direction.

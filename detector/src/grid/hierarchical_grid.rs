@@ -89,7 +89,8 @@ impl HierarchicalGrid {
         }
     }
 
-    /// Replaces the content by the points of `cloud`. Points that are not finite, or outside the square, belong to [`NO_CELL`].
+    /// Replaces the content by the points of `cloud`. Points that are not finite, or outside the square, belong to
+    /// [`NO_CELL`].
     pub fn fill(&mut self, cloud: &PointCloud) {
         for &cell_idx in self.occupied.ascending() {
             self.cells[cell_idx as usize] = CoarseCell::EMPTY;

@@ -280,8 +280,8 @@ struct StandingPart {
 }
 
 impl StandingPart {
-    /// Of `heights` in steps above the terrain. Free height of `free_m` parts what hangs from what is below; the ground reaches up
-    /// to `ground_top_m`.
+    /// Of `heights` in steps above the terrain. Free height of `free_m` parts what hangs from what is below; the ground
+    /// reaches up to `ground_top_m`.
     fn of(heights: u64, free_m: f32, ground_top_m: f32) -> Self {
         let n_free = (free_m / STEP_M).round().max(1.0) as u32;
         let highest = 63 - heights.leading_zeros().min(63);

@@ -45,8 +45,8 @@ pub struct DenseGaps {
     steps: Vec<u8>,
     // Those that were reached, in this order.
     queue: Vec<u32>,
-    // For every dense cell of a block: the block, which costs a division otherwise, where it is in the grid, whether it holds enough
-    // points, and its group.
+    // For every dense cell of a block: the block, which costs a division otherwise, where it is in the grid, whether it
+    // holds enough points, and its group.
     block: Vec<u32>,
     at: Vec<u32>,
     is_conducting: Vec<bool>,
@@ -66,7 +66,8 @@ struct Reached {
 
 impl Reached {
     const NOTHING: Self = Self { label: NO_LABEL, group: NO_LABEL };
-    /// The outermost cells, which hold no points and nothing reaches; of another group, so that they are not taken for free ones.
+    /// The outermost cells, which hold no points and nothing reaches; of another group, so that they are not taken for free
+    /// ones.
     const BORDER: Self = Self { label: NO_LABEL, group: NO_LABEL - 1 };
 }
 
@@ -92,8 +93,8 @@ impl DenseGaps {
         }
     }
 
-    /// Finds the gaps between the candidates in `dense`: which groups touch, and by how many steps others are apart, up to twice
-    /// [`DenseGapsParams::n_rounds`]. Groups are those of single linkage, by steps sideways or diagonal.
+    /// Finds the gaps between the candidates in `dense`: which groups touch, and by how many steps others are apart, up to
+    /// twice [`DenseGapsParams::n_rounds`]. Groups are those of single linkage, by steps sideways or diagonal.
     pub fn find(&mut self, grid: &HierarchicalGrid, dense: &DenseCells, candidates: &Candidates) {
         let n_along = (grid.n_columns() * self.xi) as usize;
         if self.n_along != n_along {

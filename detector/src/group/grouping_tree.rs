@@ -50,8 +50,8 @@ impl Node {
     }
 }
 
-/// All groupings of the dense cells of a scan, from what touches to what may be one thing at all. Of two groups one holds the
-/// other, or they share nothing.
+/// All groupings of the dense cells of a scan, from what touches to what may be one thing at all. Of two groups one holds
+/// the other, or they share nothing.
 ///
 /// A part has a smaller number than what it is a part of, but for those that [`Self::part`] makes.
 #[derive(Debug, Clone, Default)]

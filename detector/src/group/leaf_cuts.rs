@@ -83,8 +83,8 @@ impl LeafCuts {
         n_left_uncut
     }
 
-    /// Of the cuts of a round keeps those of the leaves of most points if all would make more than `n_more` groups. Returns how
-    /// many it drops.
+    /// Of the cuts of a round keeps those of the leaves of most points if all would make more than `n_more` groups. Returns
+    /// how many it drops.
     fn keep_affordable(&mut self, tree: &GroupingTree, n_more: usize) -> usize {
         let n_cuts = n_more / 2;
         let n_dropped = self.cuts.len().saturating_sub(n_cuts);
@@ -126,8 +126,8 @@ impl LeafCuts {
         best.map(|(_, plane)| plane)
     }
 
-    /// The plane across `normal` that cuts the fewest points, and what it costs; at least `min_end_m` from both ends. `None` if
-    /// there is no such position, or the cells reach less than `least_m` along it.
+    /// The plane across `normal` that cuts the fewest points, and what it costs; at least `min_end_m` from both ends. `None`
+    /// if there is no such position, or the cells reach less than `least_m` along it.
     fn cheapest(
         &mut self,
         cells: &[u32],
@@ -239,7 +239,8 @@ mod tests {
 
     #[test]
     fn a_budget_is_spent_on_groups_of_many_points_and_what_is_left_is_counted() {
-        // Three apart, of which the middle one is the largest; each gets two parts. A fourth would have to be cut too near its end.
+        // Three apart, of which the middle one is the largest; each gets two parts. A fourth would have to be cut too near
+        // its end.
         let three =
             [block(0..6, 0..6), block(10..19, 0..6), block(23..28, 0..6), block(40..42, 0..2)].concat();
         let cut = |max_groups| {

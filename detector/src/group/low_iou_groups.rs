@@ -12,9 +12,9 @@ pub struct LowIouGroups {
 }
 
 impl LowIouGroups {
-    /// Adds to `taken`, which are nodes of `tree` of which none holds another, those of the `offered` nodes that share nothing with
-    /// them nor with each other, the one of the greatest expected IoU first, and of equal ones the one of the smallest number. Each
-    /// is offered with its expected IoU. What was added is [`Self::is_added`].
+    /// Adds to `taken`, which are nodes of `tree` of which none holds another, those of the `offered` nodes that share
+    /// nothing with them nor with each other, the one of the greatest expected IoU first, and of equal ones the one of the
+    /// smallest number. Each is offered with its expected IoU. What was added is [`Self::is_added`].
     pub fn add(
         &mut self,
         tree: &GroupingTree,

@@ -25,8 +25,8 @@ pub const CONTEXT_VALUES: [&str; 10] = [
 /// Number of the values that a refinement round sees.
 pub const N_REFINEMENT_VALUES: usize = N_NODE_VALUES + CONTEXT_VALUES.len();
 
-/// Expected IoU from which on a group is one of the best. What forests have learned rests on it, so that it is no parameter; their file says
-/// what it was.
+/// Expected IoU from which on a group is one of the best. What forests have learned rests on it, so that it is no parameter;
+/// their file says what it was.
 pub const OBJECT_COST: f32 = 0.42;
 
 /// Contexts of the groups of one tree after another, in reusable buffers.
@@ -63,8 +63,8 @@ struct Best {
 }
 
 impl NodeContexts {
-    /// Replaces the content by that of a tree. `upward` are all its nodes, parts before what they are parts of, as `whole_of` says;
-    /// `expected_ious` are those of its described nodes.
+    /// Replaces the content by that of a tree. `upward` are all its nodes, parts before what they are parts of, as
+    /// `whole_of` says; `expected_ious` are those of its described nodes.
     pub fn find(
         &mut self,
         upward: &[u32],

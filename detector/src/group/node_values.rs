@@ -343,7 +343,8 @@ impl NodeDescriber {
         ]
     }
 
-    /// With what a node would be grouped: its share of that, its length and width, what it is joined at, and the logarithm of its points.
+    /// With what a node would be grouped: its share of that, its length and width, what it is joined at, and the logarithm
+    /// of its points.
     fn whole(&self, tree: &GroupingTree, node: &Node) -> [f32; 5] {
         let whole = node.parent.map(|it| (&tree.nodes()[it as usize], &self.shapes[it as usize]));
         let of_whole = |axis: usize| {
@@ -380,9 +381,9 @@ fn parts(tree: &GroupingTree, node: &Node) -> [f32; 3] {
     [n_parts as f32, if n_parts > 0 { share(largest[0]) } else { 1.0 }, share(largest[1])]
 }
 
-/// The logarithm of the area of `n_points` that lie the wider apart the farther they are; the same over what the sensor would put
-/// onto what is seen of the box, if nothing else were there; how far the box is; and the cosine between the line of sight and its
-/// length.
+/// The logarithm of the area of `n_points` that lie the wider apart the farther they are; the same over what the sensor
+/// would put onto what is seen of the box, if nothing else were there; how far the box is; and the cosine between the line
+/// of sight and its length.
 fn seen(bounding_box: &OrientedBox, n_points: f32, n_points_of_scan: usize) -> [f32; 4] {
     let [x_m, y_m, _] = bounding_box.center_m;
     let [length_m, width_m, height_m] = bounding_box.length_width_height_m;

@@ -69,8 +69,8 @@ pub fn check_bounds(document: &toml::Table, bounds: &[Bounds]) -> Result<(), Par
     Ok(())
 }
 
-/// Checks that parameter `name`, which is no number of a file or has bounds that depend on others, lies between `low` and `high`, which
-/// NaN does not; `allowed` says so in words.
+/// Checks that parameter `name`, which is no number of a file or has bounds that depend on others, lies between `low` and
+/// `high`, which NaN does not; `allowed` says so in words.
 ///
 /// # Errors
 ///

@@ -124,8 +124,8 @@ const MOST_DENSE_CELLS: u32 = 12_000;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClusterParams {
-    /// Fewest points of a cluster that a model may classify as a vehicle. Clusters of fewer than `min_points` are dropped unless
-    /// it does.
+    /// Fewest points of a cluster that a model may classify as a vehicle. Clusters of fewer than `min_points` are dropped
+    /// unless it does.
     pub min_vehicle_points: usize,
     /// Fewest points of an object.
     pub min_points: usize,

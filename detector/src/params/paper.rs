@@ -12,8 +12,8 @@ use crate::segment::separation_params::DenseSeparationParams;
 use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 
-/// Parameters of what the papers have, and of readings that the papers do not have, which are off. `params/paper.toml` explains the
-/// values.
+/// Parameters of what the papers have, and of readings that the papers do not have, which are off. `params/paper.toml`
+/// explains the values.
 ///
 /// ```
 /// use detector::params::HierarchicalParams;
@@ -109,9 +109,9 @@ impl PaperParams {
         Ok(params)
     }
 
-    /// The parameters of the stages up to the foreground, and of what follows the clusters. Completion, which is in no paper, is off. The
-    /// density curve, the sizes of vehicles for runs without models, and what walls that are not found as printed need, are those of
-    /// `hierarchical`.
+    /// The parameters of the stages up to the foreground, and of what follows the clusters. Completion, which is in no
+    /// paper, is off. The density curve, the sizes of vehicles for runs without models, and what walls that are not found as
+    /// printed need, are those of `hierarchical`.
     pub fn stages(&self, hierarchical: &HierarchicalParams) -> HierarchicalParams {
         let mut params = hierarchical.clone();
         params.grid = self.grid.clone();

@@ -19,8 +19,8 @@ pub struct TrainingBag {
 /// The weights, a list for each class, under which the bags are most likely: multinomial logistic regression, with a penalty
 /// on the squares of weights.
 ///
-/// Descent with steps of a length of its own for each weight (Kingma and Ba 2015), which shorten to nothing. All threads take
-/// part; the weights are the same to the bit with any number of them.
+/// Descent with steps of a length of its own for each weight (Kingma and Ba 2015), which shorten to nothing. All threads
+/// take part; the weights are the same to the bit with any number of them.
 pub fn learn_class_weights(
     bags: &[TrainingBag],
     (n_classes, n_columns): (usize, usize),

@@ -16,8 +16,8 @@ pub struct DecisionParams {
     pub min_keypoints: usize,
     /// Where bins of the number of keypoints end, ascending: how sure a decision is differs from bin to bin.
     pub evidence_edges: Vec<usize>,
-    /// Share of the clouds of known classes that are not rejected, in each bin of evidence; what is stranger than these is none
-    /// of these. 1: nothing is too strange.
+    /// Share of the clouds of known classes that are not rejected, in each bin of evidence; what is stranger than these is
+    /// none of these. 1: nothing is too strange.
     pub near_share: f64,
     /// A class of this name is none of these; empty: there is no such class.
     pub rejected_class: String,
@@ -194,8 +194,8 @@ fn best_known(scores: &[f32], rejected_idx: Option<usize>) -> Option<usize> {
     known.reduce(|best, it| if scores[it] > scores[best] { it } else { best })
 }
 
-/// How strange a cloud is to all known classes: by how much the score of the rejected class exceeds theirs, or without one, how
-/// far the nearest class is.
+/// How strange a cloud is to all known classes: by how much the score of the rejected class exceeds theirs, or without one,
+/// how far the nearest class is.
 pub fn strangeness(distances: &[f32], scores: &[f32], rejected_idx: Option<usize>) -> f32 {
     match (rejected_idx, best_known(scores, rejected_idx)) {
         (Some(rejected_idx), Some(best)) => scores[rejected_idx] - scores[best],

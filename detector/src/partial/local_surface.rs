@@ -49,11 +49,11 @@ const LEAST_PIVOT: f64 = 1e-9;
 /// Fits a plane to the points `neighbors` of `point_m`, and over it the quadric
 /// z = ½ p₁ x² + p₂ x y + ½ p₃ y² + p₄ x + p₅ y + p₆, with `point_m` above the origin.
 ///
-/// Coordinates are divided by the radius first, so that slopes and bends can be added. Fewer than six points, and points that
-/// leave the quadric undetermined, such as those on a line, are a plane. The sign of the normal is arbitrary.
+/// Coordinates are divided by the radius first, so that slopes and bends can be added. Fewer than six points, and points
+/// that leave the quadric undetermined, such as those on a line, are a plane. The sign of the normal is arbitrary.
 ///
-/// The Harris matrix is that of Sipiran and Bustos 2011, equations 8 to 10: with Gaussian weights of variance 2, its elements
-/// are p₄² + 2 p₁² + 2 p₂², p₅² + 2 p₂² + 2 p₃², p₄ p₅ + 2 p₁ p₂ + 2 p₂ p₃.
+/// The Harris matrix is that of Sipiran and Bustos 2011, equations 8 to 10: with Gaussian weights of variance 2, its
+/// elements are p₄² + 2 p₁² + 2 p₂², p₅² + 2 p₂² + 2 p₃², p₄ p₅ + 2 p₁ p₂ + 2 p₂ p₃.
 ///
 /// Paper: BG section 3.1.
 pub fn local_surface(
@@ -256,8 +256,8 @@ mod tests {
 
     #[test]
     fn a_paraboloid_has_the_curvatures_of_its_sphere_in_units_of_the_radius() {
-        // z = x²/4 + y²/4 touches a sphere of 2 m: half a unit of curvature at a radius of 1 m, one at 2 m. Its Harris matrix
-        // is 2 p₁² on the diagonal.
+        // z = x²/4 + y²/4 touches a sphere of 2 m: half a unit of curvature at a radius of 1 m, one at 2 m. Its Harris
+        // matrix is 2 p₁² on the diagonal.
         let surface = surface_at_origin(1.0, |x, y| 0.25 * (x * x + y * y));
         check_near(surface.curvatures.map(f64::abs), [0.5, 0.5], 1e-9);
         check_near(surface.harris, [0.5, 0.5], 1e-9);

@@ -73,8 +73,8 @@ impl PartialClassifier {
         &self.model
     }
 
-    /// Judges the points of an object, in metres, in a frame with z up and the ground at z = 0. Points that are not finite are
-    /// treated as absent.
+    /// Judges the points of an object, in metres, in a frame with z up and the ground at z = 0. Points that are not finite
+    /// are treated as absent.
     ///
     /// Paper: BG section 3.
     pub fn classify(&mut self, positions_m: impl Iterator<Item = [f32; 3]>) -> &Judgement {

@@ -35,8 +35,8 @@ pub struct PatternParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PatternKind {
-    /// Its graph: the labels of its four vertices without order, with the height of their mean and the volume that they span.
-    /// The paper's.
+    /// Its graph: the labels of its four vertices without order, with the height of their mean and the volume that they
+    /// span. The paper's.
     Graph,
     /// Its graph, with its own label apart from the other three.
     CenteredGraph,

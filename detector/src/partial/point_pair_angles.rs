@@ -40,9 +40,9 @@ pub enum AngleSigns {
 
 /// The shares of the pairs in the bins of α, φ and θ together, α in the highest bit; all 0 if there is no pair.
 ///
-/// Of two points, the source is the one whose normal is nearer to the line between them (Rusu 2009), the first if both are as
-/// near. With `d` from source to target, `u = n_s; v = u × d; w = u × v` and `α = v·n_t; φ = u·d; θ = atan(w·n_t, u·n_t)`. v
-/// is a unit vector; a pair whose d lies along u has none and is left out, and so is one of the same position.
+/// Of two points, the source is the one whose normal is nearer to the line between them (Rusu 2009), the first if both are
+/// as near. With `d` from source to target, `u = n_s; v = u × d; w = u × v` and `α = v·n_t; φ = u·d; θ = atan(w·n_t,
+/// u·n_t)`. v is a unit vector; a pair whose d lies along u has none and is left out, and so is one of the same position.
 ///
 /// Paper: BG section 3.1, equations 2 and 3 (which print `w·n_t` for α).
 pub fn point_feature_histogram(

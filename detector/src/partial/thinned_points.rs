@@ -26,8 +26,8 @@ pub struct ThinnedPoints {
 }
 
 impl ThinnedPoints {
-    /// Keeps the mean of the points in every cube. The result does not depend on the order of `positions_m`, and its order is
-    /// arbitrary but fixed.
+    /// Keeps the mean of the points in every cube. The result does not depend on the order of `positions_m`, and its order
+    /// is arbitrary but fixed.
     ///
     /// Not in the papers.
     pub fn fill(&mut self, positions_m: impl Iterator<Item = [f32; 3]>, params: &ThinningParams) {
@@ -83,7 +83,8 @@ fn mean_m(points: &[(u64, [f64; 3])]) -> [f64; 3] {
     sum.map(|it| it / points.len() as f64)
 }
 
-/// The number of the cube of side `side_m`, at least a centimetre, that holds a point: cubes are ordered by x, then y, then z.
+/// The number of the cube of side `side_m`, at least a centimetre, that holds a point: cubes are ordered by x, then y, then
+/// z.
 pub(super) fn cell_of(point_m: [f64; 3], side_m: f64) -> u64 {
     let [x, y, z] = point_m.map(|it| ((it / side_m).floor() as i64 + CELL_OFFSET) as u64);
     x << 42 | y << 21 | z

@@ -71,8 +71,8 @@ pub enum TrainingError {
     },
 }
 
-/// Learns to predict `classes` from `clouds`, which were described with the same parameters. Clouds without keypoints are left
-/// out.
+/// Learns to predict `classes` from `clouds`, which were described with the same parameters. Clouds without keypoints are
+/// left out.
 ///
 /// How sure decisions are is learned from clouds of objects that were held out in turn; the labels and patterns are those of
 /// all. The same clouds in the same order give the same model to the bit, on every machine and with any number of threads.

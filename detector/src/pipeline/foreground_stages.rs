@@ -24,7 +24,8 @@ pub fn foreground_stages(params: &HierarchicalParams) -> Stages {
         .then(stage::FOREGROUND, ForegroundPoints)
 }
 
-/// These stages alone, for a sensor `sensor_height_m` above the road: what they find is in the frame, and there are no detections.
+/// These stages alone, for a sensor `sensor_height_m` above the road: what they find is in the frame, and there are no
+/// detections.
 pub fn foreground(params: &HierarchicalParams, sensor_height_m: f32) -> Pipeline {
     let frame = Frame::new(params, sensor_height_m);
     Pipeline { name: "foreground", frame, stages: foreground_stages(params) }

@@ -66,7 +66,8 @@ pub struct Groups {
     pub tree: GroupingTree,
     /// The groups that may be objects by their size.
     pub describer: NodeDescriber,
-    /// Those that are taken for objects, or for vehicles if a model says so: nodes of the tree, ascending, of which none holds another.
+    /// Those that are taken for objects, or for vehicles if a model says so: nodes of the tree, ascending, of which none
+    /// holds another.
     pub taken: Vec<u32>,
     /// Which of them are taken only if a model takes them for vehicles.
     pub low_iou: LowIouGroups,
@@ -121,7 +122,8 @@ impl Frame {
         self.terrain.elevation_m(self.grid.nearest_column_and_row([x_m, y_m]))
     }
 
-    /// The class of every point: that of its cell, except that points of short cells that lie below the foreground are ground.
+    /// The class of every point: that of its cell, except that points of short cells that lie below the foreground are
+    /// ground.
     pub fn point_classes(&self) -> Vec<SurfaceClass> {
         let mut classes = class_by_cell(&self.grid, |cell_idx| match self.classes[cell_idx as usize] {
             SurfaceClass::Short => SurfaceClass::Ground,

@@ -16,8 +16,8 @@ use crate::segment::ground_segmentation::GroundSegmentation;
 use crate::stage;
 use crate::stage_product::{Shape, StageProduct};
 
-/// Grid, terrain, candidates, tree and descriptions over `frame`, whose linkage joins cells to groups. There are no detections:
-/// training and detection use the same trees.
+/// Grid, terrain, candidates, tree and descriptions over `frame`, whose linkage joins cells to groups. There are no
+/// detections: training and detection use the same trees.
 pub fn grouping(frame: Frame, params: &HierarchicalParams) -> Pipeline {
     let [filling, linking] = frame.groups.linkage.stages();
     let stages = Stages::default()

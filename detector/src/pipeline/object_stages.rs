@@ -55,13 +55,14 @@ pub fn completion_stages(params: &HierarchicalParams, box_model: Option<Arc<BoxM
     Stages::default().then(stage::COMPLETION, completed).then(stage::REPORTED_BOXES, boxes)
 }
 
-/// Fewest points of an object with a box. Objects of fewer than `cluster.min_points` are dropped later, unless `model` classifies them
-/// as vehicles.
+/// Fewest points of an object with a box. Objects of fewer than `cluster.min_points` are dropped later, unless `model`
+/// classifies them as vehicles.
 pub fn least_points(cluster: &ClusterParams, model: Option<&VehicleModel>) -> usize {
     if model.is_some() { cluster.least_vehicle_points() } else { cluster.min_points }
 }
 
-/// The class of an object: by the decision of a model if there is one, where a vehicle needs `least_points`; else by its size.
+/// The class of an object: by the decision of a model if there is one, where a vehicle needs `least_points`; else by its
+/// size.
 fn class_of(object: &FittedObject, sizes: &SizeGateParams, least_points: usize) -> DetectedClass {
     let n_points = object.members.len();
     match object.decision {
@@ -124,8 +125,8 @@ impl Stage for Decisions {
     }
 }
 
-/// Classifies objects by `decide`, and makes a detection of each as it is. A vehicle needs `least_points`; objects that `decide`
-/// leaves open are classified by `sizes`.
+/// Classifies objects by `decide`, and makes a detection of each as it is. A vehicle needs `least_points`; objects that
+/// `decide` leaves open are classified by `sizes`.
 pub fn classification(
     sizes: SizeGateParams,
     least_points: usize,
@@ -141,8 +142,8 @@ pub fn classification(
     }
 }
 
-/// Drops objects that are too small and no vehicles, and makes detections of the others, with the points in their boxes that are no
-/// foreground.
+/// Drops objects that are too small and no vehicles, and makes detections of the others, with the points in their boxes that
+/// are no foreground.
 struct CompletedObjects {
     cluster: ClusterParams,
     sizes: SizeGateParams,
@@ -153,7 +154,8 @@ struct CompletedObjects {
 }
 
 impl CompletedObjects {
-    /// Drops objects of too low an expected IoU or too few points, unless they are vehicles: a car far away shows few points.
+    /// Drops objects of too low an expected IoU or too few points, unless they are vehicles: a car far away shows few
+    /// points.
     fn drop_background(&self, fitted: &mut FittedObjects, output: &mut DetectorOutput) {
         let FittedObjects { objects, members, .. } = fitted;
         objects.retain(|it| {

@@ -17,10 +17,11 @@ use crate::segment::dense_separation::DenseSeparation;
 use crate::stage;
 use crate::stage_product::StageProduct;
 
-/// Objects from a hierarchical grid, and vehicles by eight values, as the papers print it; for a sensor `sensor_height_m` above the road.
+/// Objects from a hierarchical grid, and vehicles by eight values, as the papers print it; for a sensor `sensor_height_m`
+/// above the road.
 ///
-/// Density curve and sizes of vehicles are those of `of_sensor`; without a model the sizes classify vehicles. The papers have no size
-/// bounds, no trained judge of groups and no completion, and so this detector has none.
+/// Density curve and sizes of vehicles are those of `of_sensor`; without a model the sizes classify vehicles. The papers
+/// have no size bounds, no trained judge of groups and no completion, and so this detector has none.
 ///
 /// Paper: HG sections 3 to 4, VM sections 3 to 5.
 ///

@@ -49,12 +49,14 @@ impl GroupModels {
     }
 }
 
-/// Objects as the best cut of a tree of groupings of a hierarchical grid's cells, for a sensor `sensor_height_m` above the road.
+/// Objects as the best cut of a tree of groupings of a hierarchical grid's cells, for a sensor `sensor_height_m` above the
+/// road.
 ///
-/// Grid and terrain are those of the paper (HG section 3). Instead of one decision for every pair of cells (HG 3.2), every gap
-/// gets a strength. Joining cells over the gaps, the weakest first, gives a tree of groups, and boosted trees predict the IoU of each
-/// group with an object. The disjoint groups with the greatest sum are taken: Hu, Held, Ramanan 2020, *Learning to optimally segment
-/// point clouds*, with the expected IoU as the score of a group. Walls are one of the values, and exclude no group.
+/// Grid and terrain are those of the paper (HG section 3). Instead of one decision for every pair of cells (HG 3.2), every
+/// gap gets a strength. Joining cells over the gaps, the weakest first, gives a tree of groups, and boosted trees predict
+/// the IoU of each group with an object. The disjoint groups with the greatest sum are taken: Hu, Held, Ramanan 2020,
+/// *Learning to optimally segment point clouds*, with the expected IoU as the score of a group. Walls are one of the values,
+/// and exclude no group.
 pub fn hierarchical(params: &HierarchicalParams, models: GroupModels, sensor_height_m: f32) -> Pipeline {
     best_cut("hierarchical", grouping(Frame::new(params, sensor_height_m), params), params, models)
 }

@@ -15,8 +15,8 @@ pub struct Expected {
 
 /// The same at every range.
 ///
-/// The density falls with about the cube of the range, over level ground, where the sensor's rays fan out in proportion to the
-/// range: so its cube root gives how far apart neighbouring points of one surface may lie.
+/// The density falls with about the cube of the range, over level ground, where the sensor's rays fan out in proportion to
+/// the range: so its cube root gives how far apart neighbouring points of one surface may lie.
 ///
 /// Paper: HG section 4.
 #[derive(Debug, Clone)]
@@ -25,8 +25,8 @@ pub struct ExpectedDensity {
 }
 
 impl ExpectedDensity {
-    /// Of dense cells of grids of the geometry `grid`. Upright objects hold `object_density_ratio` times what all points together put
-    /// into a dense cell at their range; where that is `single_gap_points`, a single empty dense cell is a gap.
+    /// Of dense cells of grids of the geometry `grid`. Upright objects hold `object_density_ratio` times what all points
+    /// together put into a dense cell at their range; where that is `single_gap_points`, a single empty dense cell is a gap.
     pub fn new(
         (object_density_ratio, single_gap_points): (f32, f32),
         grid: &GridParams,

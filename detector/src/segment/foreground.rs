@@ -13,8 +13,8 @@ use crate::surface_class::SurfaceClass;
 pub struct ForegroundParams {
     /// Points of a foreground cell that are no higher than this above the lowest ground of the cell are road, in metres.
     pub clearance_m: f32,
-    /// The lowest point of a cell is its ground if it lies within this of the terrain, in metres: kerbs, pavements, gutters. A
-    /// higher one counts as this far above the terrain. A lower one is a mirror image, and the terrain is the ground.
+    /// The lowest point of a cell is its ground if it lies within this of the terrain, in metres: kerbs, pavements, gutters.
+    /// A higher one counts as this far above the terrain. A lower one is a mirror image, and the terrain is the ground.
     pub ground_band_m: f32,
 }
 

@@ -6,10 +6,11 @@ use crate::segment::foreground::ForegroundParams;
 use crate::segment::terrain::Terrain;
 use crate::surface_class::SurfaceClass;
 
-/// Whether each point of `cloud` is ground, in the order of the scan; `grid` holds the cloud, and `classes` has the class of each cell.
+/// Whether each point of `cloud` is ground, in the order of the scan; `grid` holds the cloud, and `classes` has the class of
+/// each cell.
 ///
-/// All points of a ground cell are. Of any other cell those are that do not stand clear of its ground: the road around an object's feet,
-/// the grass below a tree. Points outside of the grid are not.
+/// All points of a ground cell are. Of any other cell those are that do not stand clear of its ground: the road around an
+/// object's feet, the grass below a tree. Points outside of the grid are not.
 pub fn ground_points(
     cloud: &PointCloud,
     grid: &HierarchicalGrid,

@@ -39,13 +39,13 @@ pub enum HeightOver {
 
 /// The classes of cells.
 ///
-/// The paper calls a cell tall above 1.40 m over the sensor or when it spans 3.10 m. With its sensor at 1.73 m both
-/// are 3.1 m over a level road, which is [`HeightOver::LevelRoad`]; over the *terrain* a climbing road does not turn its cars
-/// into walls.
+/// The paper calls a cell tall above 1.40 m over the sensor or when it spans 3.10 m. With its sensor at 1.73 m both are 3.1
+/// m over a level road, which is [`HeightOver::LevelRoad`]; over the *terrain* a climbing road does not turn its cars into
+/// walls.
 ///
-/// A fixed number of points, as in the paper, makes clutter of what stands far away: at 40 m the road puts a point into every
-/// third cell. With [`GroundSegmentationParams::fewer_far_away`] the number follows the weight of the range down to a single
-/// point, as all counts do in section 4.
+/// A fixed number of points, as in the paper, makes clutter of what stands far away: at 40 m the road puts a point into
+/// every third cell. With [`GroundSegmentationParams::fewer_far_away`] the number follows the weight of the range down to a
+/// single point, as all counts do in section 4.
 ///
 /// Paper: HG sections 3.1 and 4.
 #[derive(Debug, Clone)]

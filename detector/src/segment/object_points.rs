@@ -33,8 +33,8 @@ pub struct ObjectPoint {
 }
 
 impl ObjectPoints {
-    /// Replaces the content by the points `point_indices` of `cloud`, which `dense` was filled with, in the order of their objects.
-    /// `object_of_dense` is the object of every dense cell, a number below `n_objects`.
+    /// Replaces the content by the points `point_indices` of `cloud`, which `dense` was filled with, in the order of their
+    /// objects. `object_of_dense` is the object of every dense cell, a number below `n_objects`.
     pub fn fill(
         &mut self,
         cloud: &PointCloud,

@@ -25,8 +25,8 @@ pub struct WallRefinementParams {
     pub ceiling_margin_deg: f32,
     /// Least share of a segment's length along which cells support a wall.
     pub min_support: f32,
-    /// Least share of a segment's length along which cells support a wall that do not hang over the street. Which hang is known
-    /// only where cells are looked into, for the tree of groupings.
+    /// Least share of a segment's length along which cells support a wall that do not hang over the street. Which hang is
+    /// known only where cells are looked into, for the tree of groupings.
     pub min_standing: f32,
     /// Greatest share of a segment's length behind which ground is seen: a wall hides it, rain and rows of trunks do not.
     pub max_ground_behind: f32,
@@ -73,8 +73,8 @@ const MIN_RANGE_OF_CEILING_M: f32 = 8.0;
 /// The rise of the field of view's upper end is this quantile of the rises of the cells' highest points.
 const CEILING_QUANTILE: f32 = 0.99;
 
-/// The upper end of the field of view is known if it cuts off this share of what stands beyond [`MIN_RANGE_OF_CEILING_M`], and
-/// if that is higher than cars.
+/// The upper end of the field of view is known if it cuts off this share of what stands beyond [`MIN_RANGE_OF_CEILING_M`],
+/// and if that is higher than cars.
 const LEAST_CUT_OFF_SHARE: f32 = 0.1;
 
 impl WallRefinement {
@@ -109,8 +109,8 @@ impl WallRefinement {
         self.clear_behind(grid, classes);
     }
 
-    /// Turns the short cells among `classes` that lie on walls into tall ones. Cells that hang over the street, such as crowns and
-    /// signs, are a wall only in line with enough that stand: see `min_standing`.
+    /// Turns the short cells among `classes` that lie on walls into tall ones. Cells that hang over the street, such as
+    /// crowns and signs, are a wall only in line with enough that stand: see `min_standing`.
     pub fn refine_on_walls(
         &mut self,
         grid: &HierarchicalGrid,
@@ -219,8 +219,8 @@ impl WallRefinement {
         self.shadows.iter().any(|it| it.covers(position_m, &self.borne))
     }
 
-    /// Whether the upper end of the field of view of the latest scan cuts off what reaches this height over the sensor at this
-    /// range, both in metres. Nothing is known of it if walls are not looked for, or little reaches it.
+    /// Whether the upper end of the field of view of the latest scan cuts off what reaches this height over the sensor at
+    /// this range, both in metres. Nothing is known of it if walls are not looked for, or little reaches it.
     pub fn is_cut_off(&self, range_m: f32, top_m: f32) -> bool {
         top_m >= self.least_cut_off * range_m
     }
@@ -236,7 +236,8 @@ impl WallRefinement {
         }
     }
 
-    /// The length of the longest wall of the latest scan on which a cell lies, or beside which, in metres; 0 of a cell on none.
+    /// The length of the longest wall of the latest scan on which a cell lies, or beside which, in metres; 0 of a cell on
+    /// none.
     pub fn length_of_wall_m(&self, cell_idx: u32) -> f32 {
         self.wall_length_m[cell_idx as usize]
     }

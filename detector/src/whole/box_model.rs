@@ -20,11 +20,13 @@ const RIGHT: &str = "right";
 pub struct BoxModel {
     /// The logarithm of the odds that it is longer along the width of what is seen of it.
     pub turned: Forest<N_BOX_VALUES>,
-    /// How far it reaches beyond what is seen of it, in metres: at the near end, the far end, the near side, the far side and the top.
+    /// How far it reaches beyond what is seen of it, in metres: at the near end, the far end, the near side, the far side
+    /// and the top.
     pub growth_m: [Forest<N_BOX_VALUES>; 5],
     /// The logarithm of the odds that its front is the end that is farther away.
     pub away: Forest<N_BOX_VALUES>,
-    /// The logarithm of the odds that the box predicted by the others has a volume IoU of at least 0.7 with the annotated box.
+    /// The logarithm of the odds that the box predicted by the others has a volume IoU of at least 0.7 with the annotated
+    /// box.
     pub right: Forest<N_BOX_VALUES>,
 }
 

@@ -51,7 +51,8 @@ pub const BOX_VALUES: [&str; N_BOX_VALUES] = [
 /// then.
 pub const IS_TURNED: usize = N_BOX_VALUES - 1;
 
-/// The values of an object with these points and this box around them, whose frame is `frame`, above ground of elevation `ground_m`.
+/// The values of an object with these points and this box around them, whose frame is `frame`, above ground of elevation
+/// `ground_m`.
 pub fn box_values(
     seen: &OrientedBox,
     frame: &SeenFrame,

@@ -19,10 +19,11 @@ const MOST_CLEARANCE_M: f32 = 0.6;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoxParams {
-    /// Whether boxes lie along the outline that the sensor sees; otherwise close to the corners of the convex hull (VM section 4).
+    /// Whether boxes lie along the outline that the sensor sees; otherwise close to the corners of the convex hull (VM
+    /// section 4).
     pub outline: bool,
-    /// Whether vehicles have the box of the whole vehicle, and other objects one down to the ground if it ends a little above it; otherwise
-    /// that of what is seen.
+    /// Whether vehicles have the box of the whole vehicle, and other objects one down to the ground if it ends a little
+    /// above it; otherwise that of what is seen.
     pub whole: bool,
 }
 
@@ -61,8 +62,8 @@ impl ReportedBoxes {
         self.model.is_some()
     }
 
-    /// Replaces the boxes in `output`, which was found in `cloud`; `ground_below_m` is the elevation of the ground below a box. Without
-    /// points a box stays as it is.
+    /// Replaces the boxes in `output`, which was found in `cloud`; `ground_below_m` is the elevation of the ground below a
+    /// box. Without points a box stays as it is.
     pub fn replace(
         &mut self,
         cloud: &PointCloud,

@@ -5,8 +5,8 @@ use crate::portable_math::single;
 
 /// A box whose sides are named by how near they are to the sensor, which is the origin of the scan.
 ///
-/// In its frame u runs along the length and v along the width, both from the centre and away from the sensor. So the near end is at
-/// the lowest u, and the near side at the lowest v.
+/// In its frame u runs along the length and v along the width, both from the centre and away from the sensor. So the near
+/// end is at the lowest u, and the near side at the lowest v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenFrame {
     center_m: [f32; 2],

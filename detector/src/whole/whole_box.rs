@@ -103,8 +103,8 @@ pub struct WholeBox {
 }
 
 impl WholeBox {
-    /// What is said of the box. `score` is the logarithm of the odds that it is a vehicle; without one it is taken for one, and the score is
-    /// that of the box alone.
+    /// What is said of the box. `score` is the logarithm of the odds that it is a vehicle; without one it is taken for one,
+    /// and the score is that of the box alone.
     pub fn details(&self, score: Option<f32>) -> BoxDetails {
         let score = score.map_or(self.right_log_odds, |it| both_log_odds(it, self.right_log_odds));
         BoxDetails { score: Some(score), seen: Some(self.seen) }

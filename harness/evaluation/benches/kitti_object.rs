@@ -1,8 +1,8 @@
 //! How long KITTI's protocol takes for a data set of the size of its validation split: 3,769 made-up scans with 100
 //! annotations and 100 detections each. One core, from boxes to all numbers, without intervals.
 //!
-//! `cargo bench -p evaluation --bench kitti_object` prints seconds and fails if it takes more than 2. With `-- FOLDER` it writes the first
-//! hundredth of the scans there as KITTI's files instead, `label_2` and `data`, for other programs.
+//! `cargo bench -p evaluation --bench kitti_object` prints seconds and fails if it takes more than 2. With `-- FOLDER` it
+//! writes the first hundredth of the scans there as KITTI's files instead, `label_2` and `data`, for other programs.
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
 
 use std::fmt::Write as _;

@@ -1,8 +1,8 @@
 //! How long it takes to judge a scan with very many detections: 10,000 boxes of low score against 200 annotations, by every
 //! criterion, in the task that takes longer. One core, drawn scenes.
 //!
-//! `cargo bench -p evaluation --bench matching` prints the least and the median of several passes for each scene and criterion, in
-//! milliseconds a scan, and fails if the criterion *centre* takes more than 100 ms in the median.
+//! `cargo bench -p evaluation --bench matching` prints the least and the median of several passes for each scene and
+//! criterion, in milliseconds a scan, and fails if the criterion *centre* takes more than 100 ms in the median.
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
 
 use std::process::ExitCode;

@@ -1,8 +1,8 @@
 //! How long protocols of others take at the size of nuScenes' validation set: 6,019 scans with 30 labels and 500 boxes each,
 //! in 150 drives, made up. One core.
 //!
-//! `cargo bench -p evaluation --bench protocols` prints seconds for matching, for the numbers and for their intervals, and the most memory
-//! that was held; it fails if matching and numbers take more than 20 s, or memory is more than 1 GB.
+//! `cargo bench -p evaluation --bench protocols` prints seconds for matching, for the numbers and for their intervals, and
+//! the most memory that was held; it fails if matching and numbers take more than 20 s, or memory is more than 1 GB.
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
 
 use std::process::ExitCode;

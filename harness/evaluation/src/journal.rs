@@ -187,8 +187,8 @@ impl Journal {
     }
 }
 
-/// The names under which `head` and `identity` do not say the same, with dots between those of tables within tables; `None` if `head`
-/// says nothing.
+/// The names under which `head` and `identity` do not say the same, with dots between those of tables within tables; `None`
+/// if `head` says nothing.
 fn differences(head: &[u8], identity: &JournalIdentity) -> Option<Vec<String>> {
     /// More of them say no more.
     const MOST: usize = 6;

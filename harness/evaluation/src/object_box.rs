@@ -52,7 +52,8 @@ impl ObjectBox {
 /// No point is nearer to a side than this when it counts, in metres.
 const LEAST_DISTANCE_M: f64 = 0.01;
 
-/// The box of the direction, of all whole degrees, at which the sum of one over the distance to the nearest side is greatest.
+/// The box of the direction, of all whole degrees, at which the sum of one over the distance to the nearest side is
+/// greatest.
 fn closeness_box(positions_m: &[[f32; 3]]) -> Option<OrientedBox> {
     let closeness = |along: [f32; 2]| -> f64 {
         let [cos, sin] = along.map(f64::from);

@@ -1,8 +1,8 @@
 //! What it costs to ask a detector that is a program of its own: the way there and back for scans of some 111,000 points.
 //!
 //! `cargo bench -p scanbench --bench overhead`. Asks a program that answers nothing, and one of our detectors within this
-//! program and as a program of its own, in turns; fails if the way there and back takes more than half a millisecond (median over scans of the shortest of
-//! twenty).
+//! program and as a program of its own, in turns; fails if the way there and back takes more than half a millisecond (median
+//! over scans of the shortest of twenty).
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};

@@ -1,8 +1,8 @@
 //! How soon the program gets to work: the time of one small scan from the start of the process to its end.
 //!
-//! `cargo bench -p scanbench --bench start_up` prints the least and the median of interleaved repetitions, with the shipped models, with
-//! a model from files, and for a mistake on the command line, and fails if any takes more than 50 ms at least: the median is that of
-//! the load of the machine. A model that is parsed as plain TOML takes several times as long.
+//! `cargo bench -p scanbench --bench start_up` prints the least and the median of interleaved repetitions, with the shipped
+//! models, with a model from files, and for a mistake on the command line, and fails if any takes more than 50 ms at least:
+//! the median is that of the load of the machine. A model that is parsed as plain TOML takes several times as long.
 
 use std::fs;
 use std::io::Write as _;

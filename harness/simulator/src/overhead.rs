@@ -63,8 +63,8 @@ pub fn wires(world: &mut World, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// Builds rows of garages at the building lines, whose doors stand back a little, out over the pavement where they are half open, or let one
-/// look in.
+/// Builds rows of garages at the building lines, whose doors stand back a little, out over the pavement where they are half
+/// open, or let one look in.
 pub fn garages(world: &mut World, rng: &mut ChaCha8Rng) {
     for section in cross_sections(world, GARAGE_SPACINGS_M, rng) {
         let is_left = rng.random_bool(0.5);
@@ -144,7 +144,8 @@ mod tests {
     use crate::street::{Street, StreetKind};
     use crate::street_conditions::StreetConditions;
 
-    /// Points over the lanes at least 4 m above the sensor's road, over all streets; and on the pavements, between knees and 3 m.
+    /// Points over the lanes at least 4 m above the sensor's road, over all streets; and on the pavements, between knees and
+    /// 3 m.
     fn n_over_and_beside(conditions: &StreetConditions) -> [usize; 2] {
         let sensor = SensorModel { carrier_roof: None, ..SensorModel::embedded("os1-128").unwrap() };
         let scans =

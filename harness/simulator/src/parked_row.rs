@@ -94,7 +94,8 @@ fn row_along_kerb(world: &mut World, roadside: &Roadside, params: &ParkedRowPara
     second_row.stop(world, roadside);
 }
 
-/// A random stream for second rows, apart from those for everything else, so that the rest of a street does not depend on them.
+/// A random stream for second rows, apart from those for everything else, so that the rest of a street does not depend on
+/// them.
 pub fn second_row_dice(rng: &ChaCha8Rng) -> ChaCha8Rng {
     let mut apart = rng.clone();
     apart.set_stream(1);

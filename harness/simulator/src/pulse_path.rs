@@ -25,8 +25,8 @@ pub struct Surroundings<'a> {
 
 /// Where a pulse sent along `ray` (sensor frame, unit direction) ends within the sensor's range.
 ///
-/// `rng` decides what happens by chance on the way. A pulse that a pane or wet ground mirrors ends on what it meets then, and
-/// appears to come from behind the mirror: such a ghost belongs to no object.
+/// `rng` decides what happens by chance on the way. A pulse that a pane or wet ground mirrors ends on what it meets then,
+/// and appears to come from behind the mirror: such a ghost belongs to no object.
 pub fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ray, rng: u32) -> Option<Hit> {
     if sensor.carrier_roof.is_some_and(|roof| is_shaded(&roof, ray)) {
         return None;

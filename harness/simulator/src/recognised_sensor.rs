@@ -85,8 +85,8 @@ impl SeenBeams {
         (least < MOST_DIFFERENT).then_some(id)
     }
 
-    /// How far these beams differ from those of `model`: a third more or fewer beams is 0.7; as much is 3 degrees at the lower end, or twice
-    /// that at the upper end, where the sky sends nothing back.
+    /// How far these beams differ from those of `model`: a third more or fewer beams is 0.7; as much is 3 degrees at the
+    /// lower end, or twice that at the upper end, where the sky sends nothing back.
     fn difference(&self, model: &SensorModel) -> f32 {
         let ends = model
             .beams()

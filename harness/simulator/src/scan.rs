@@ -65,7 +65,8 @@ pub fn turn(
     part_of_turn(sensor, errors, surroundings, |_| 0..sensor.n_firings_per_turn as usize, beam_rng)
 }
 
-/// As [`turn`], but sends only those pulses of a beam that `firings` says: it is given how much the beam rises on each unit of its way.
+/// As [`turn`], but sends only those pulses of a beam that `firings` says: it is given how much the beam rises on each unit
+/// of its way.
 pub fn part_of_turn<Firings: IntoIterator<Item = usize>>(
     sensor: &SensorModel,
     errors: &[BeamError],

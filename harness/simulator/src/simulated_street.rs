@@ -79,8 +79,8 @@ struct SimulatedStreet {
 /// The format's name in tables and files.
 const FORMAT: &str = "simulated-street";
 
-/// Opens the drive as the data set called `id`. Where a street ends, or has given as many scans as it may, the drive goes on in
-/// the street of the next seed.
+/// Opens the drive as the data set called `id`. Where a street ends, or has given as many scans as it may, the drive goes on
+/// in the street of the next seed.
 pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Dataset>, DatasetError> {
     let described = sensor_named(&drive.sensor)?;
     let height_above_road_m = drive.sensor_height_m.unwrap_or(described.height_above_road_m);

@@ -22,11 +22,12 @@ pub struct StreetConditions {
     /// Whether broad trees stand along the pavements of all roads, whose crowns hang over what is parked there.
     #[serde(default)]
     pub avenue: bool,
-    /// Whether half of what drives and waits, and a third of what is parked along kerbs, are trucks and buses, as where goods are
-    /// handled. Lanes for parking are wider there.
+    /// Whether half of what drives and waits, and a third of what is parked along kerbs, are trucks and buses, as where
+    /// goods are handled. Lanes for parking are wider there.
     #[serde(default)]
     pub haulage: bool,
-    /// Whether cars are those of a North American town: off-roaders, pickups and large saloons. Lanes for parking are wider there.
+    /// Whether cars are those of a North American town: off-roaders, pickups and large saloons. Lanes for parking are wider
+    /// there.
     #[serde(default)]
     pub north_american: bool,
     /// Whether bridges cross the road, so low that trucks just pass.

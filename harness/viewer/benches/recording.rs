@@ -60,8 +60,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Runs the detectors on the scans and records them in `file`. Returns the time of logging each scan, then that of the end, and the
-/// number of all points.
+/// Runs the detectors on the scans and records them in `file`. Returns the time of logging each scan, then that of the end,
+/// and the number of all points.
 fn record(
     dataset: &dyn Dataset,
     scan_indices: &[usize],

@@ -9,8 +9,8 @@ use rerun::RecordingStream;
 use super::error::StreamError;
 use super::{entity_paths, legend, palette, recording};
 
-/// Logs the pose of the sensor at the current time, and where it was lately; where it is not known the frame of the sensor is
-/// the world's.
+/// Logs the pose of the sensor at the current time, and where it was lately; where it is not known the frame of the sensor
+/// is the world's.
 ///
 /// # Errors
 ///

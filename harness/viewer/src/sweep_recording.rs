@@ -92,7 +92,8 @@ pub fn record_sweep(
     Ok(())
 }
 
-/// Logs what `detector` makes of the scan of a data set, with the F-rates that it has on all scans, in the order of the tasks.
+/// Logs what `detector` makes of the scan of a data set, with the F-rates that it has on all scans, in the order of the
+/// tasks.
 fn look_again(
     stream: &mut Stream,
     (scan, dataset): (&LabeledScan, &DatasetDescription),

@@ -171,8 +171,8 @@ impl ViewerLink {
         self.with(|shared| shared.state.clone())
     }
 
-    /// Waits until the viewer has everything, but not for a viewer that takes nothing any more, and disconnects. A server goes
-    /// on with what it has.
+    /// Waits until the viewer has everything, but not for a viewer that takes nothing any more, and disconnects. A server
+    /// goes on with what it has.
     pub fn finish(&self) -> (ViewerState, Option<ServedRecording>) {
         let Some(queue) = self.with(|shared| shared.queue.clone()) else {
             return (self.state(), None);

@@ -9,8 +9,8 @@ use crate::files::whole_file::folder_of;
 
 /// A name in a folder that no other program claims while this lives.
 ///
-/// It is a lock on a hidden file beside the name, which the system lifts whatever ends the program. The file goes when this is
-/// dropped.
+/// It is a lock on a hidden file beside the name, which the system lifts whatever ends the program. The file goes when this
+/// is dropped.
 #[derive(Debug)]
 #[must_use = "a name is claimed for as long as this lives"]
 pub struct ClaimedName {

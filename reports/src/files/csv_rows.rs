@@ -16,8 +16,8 @@ pub trait CsvRow: Serialize + DeserializeOwned {
     const COLUMNS: &'static [&'static str];
 }
 
-/// Declares a struct whose fields are the columns of a row, in order: its own, or that of the type named before, which is written as it.
-/// A field of several columns, such as an array, has their names behind it.
+/// Declares a struct whose fields are the columns of a row, in order: its own, or that of the type named before, which is
+/// written as it. A field of several columns, such as an array, has their names behind it.
 macro_rules! row {
     ($(#[$of_struct:meta])* $visible:vis struct $name:ident { $($fields:tt)* }) => {
         row! { for $name: $(#[$of_struct])* $visible struct $name { $($fields)* } }

@@ -1,7 +1,7 @@
 //! What is on the disk and not finished, for whoever has to end the program in the middle.
 //!
-//! Making, naming and removing such things go one at a time through one lock, so that whoever holds it sees all of them, each
-//! either unfinished or finished. Nothing that takes long belongs under it.
+//! Making, naming and removing such things go one at a time through one lock, so that whoever holds it sees all of them,
+//! each either unfinished or finished. Nothing that takes long belongs under it.
 
 use std::io;
 use std::path::PathBuf;
@@ -81,8 +81,8 @@ fn lock() -> MutexGuard<'static, Vec<Entry>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes everything unfinished, the latest first. From then on nothing can be begun or finished: whoever tries waits for the
-/// end of the program.
+/// Removes everything unfinished, the latest first. From then on nothing can be begun or finished: whoever tries waits for
+/// the end of the program.
 pub fn remove_for_good() {
     let Some(mut entries) = lock_before(Instant::now() + LONGEST_WAIT) else { return };
     while let Some(entry) = entries.pop() {

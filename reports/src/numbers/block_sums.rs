@@ -1,7 +1,7 @@
 //! Sums by blocks of scans, in as little memory as it takes.
 //!
-//! Whether whole drives or seconds are drawn shows when all scans are known. Until a data set has enough drives, sums of seconds serve
-//! for both; from then on those of drives do, however long these are.
+//! Whether whole drives or seconds are drawn shows when all scans are known. Until a data set has enough drives, sums of
+//! seconds serve for both; from then on those of drives do, however long these are.
 
 use std::collections::BTreeMap;
 

@@ -1,8 +1,8 @@
 //! Which scans are drawn together when the uncertainty of a number is estimated.
 //!
 //! Scans of one drive show the same street and, close together, the same objects. So whole drives are drawn where a data set
-//! has enough of them; where it has not, seconds of its drives are. Where nobody knows when scans were taken, each is drawn by
-//! itself, and nothing may rest on that: it may be the neighbour of another.
+//! has enough of them; where it has not, seconds of its drives are. Where nobody knows when scans were taken, each is drawn
+//! by itself, and nothing may rest on that: it may be the neighbour of another.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -42,8 +42,8 @@ impl DriveSecond {
         Self { drive: drive.to_owned(), part: DrivePart::Second(second) }
     }
 
-    /// What scan number `scan` of `drive` belongs to, as far as is known: `block` is what has been said about it, `time_s` when it
-    /// was taken.
+    /// What scan number `scan` of `drive` belongs to, as far as is known: `block` is what has been said about it, `time_s`
+    /// when it was taken.
     pub fn of_scan((drive, scan): (&str, u32), block: Option<&str>, time_s: Option<f64>) -> Self {
         match (block, time_s) {
             (_, Some(time_s)) => Self::of(block.unwrap_or(drive), time_s),
@@ -71,7 +71,8 @@ named! {
         Tracks = "tracks",
         /// Blocks that the user has named.
         Named = "named blocks",
-        /// Single scans of which nobody knows when they were taken: they may be neighbours, and nothing may rest on an interval.
+        /// Single scans of which nobody knows when they were taken: they may be neighbours, and nothing may rest on an
+        /// interval.
         Scans = "scans without times",
     }
 }
@@ -216,8 +217,8 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// The blocks that scans of these seconds are in: drives if there are [`FEWEST_DRIVES`] or more, else the seconds. Blocks that
-    /// the user has named are drives in this, however few they are.
+    /// The blocks that scans of these seconds are in: drives if there are [`FEWEST_DRIVES`] or more, else the seconds.
+    /// Blocks that the user has named are drives in this, however few they are.
     ///
     /// Blocks are in the order of drives and times, whatever the order of `seconds`.
     pub fn of(seconds: impl IntoIterator<Item = DriveSecond>) -> Self {

@@ -29,7 +29,8 @@ pub struct BoxErrorLine {
     pub n_pairs: u64,
     /// Tracks that these belong to.
     pub n_tracks: u64,
-    /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs, and for boxes that do not have it.
+    /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs, and for boxes that
+    /// do not have it.
     pub fits: Vec<(&'static str, Option<NumberWithin>)>,
 }
 

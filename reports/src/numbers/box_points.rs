@@ -16,7 +16,8 @@ pub enum Across {
     Up,
 }
 
-/// The points of all vehicles of one class, in the frame of one kind of box: x along its length to the front, y across, from the centre.
+/// The points of all vehicles of one class, in the frame of one kind of box: x along its length to the front, y across, from
+/// the centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoxPoints {
     /// The class.
@@ -29,7 +30,8 @@ pub struct BoxPoints {
     pub across: Across,
     /// Mean length of the boxes, and mean width or height, in metres.
     pub length_width_m: [f64; 2],
-    /// For each cell that holds a point, the share of the points of a vehicle, on average over the vehicles. Cell `[0, 0]` begins at the centre.
+    /// For each cell that holds a point, the share of the points of a vehicle, on average over the vehicles. Cell `[0, 0]`
+    /// begins at the centre.
     pub shares: BTreeMap<[i32; 2], f64>,
 }
 

@@ -19,8 +19,8 @@ impl Latencies {
         self.sorted_ms.len()
     }
 
-    /// The `percent`-th percentile in milliseconds by nearest rank: the shortest time that at least `percent` % of the times do
-    /// not exceed. 0 gives the shortest. `None` without times.
+    /// The `percent`-th percentile in milliseconds by nearest rank: the shortest time that at least `percent` % of the times
+    /// do not exceed. 0 gives the shortest. `None` without times.
     pub fn percentile_ms(&self, percent: u32) -> Option<f64> {
         let rank = (self.n() * percent as usize).div_ceil(100);
         self.sorted_ms.get(rank.saturating_sub(1)).copied()

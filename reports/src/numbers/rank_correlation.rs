@@ -6,8 +6,8 @@ pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     rank_correlation_within([pairs])
 }
 
-/// The same within groups: each pair is ranked among those of its group, so that what sets groups apart does not count. `None` without a
-/// group of three pairs.
+/// The same within groups: each pair is ranked among those of its group, so that what sets groups apart does not count.
+/// `None` without a group of three pairs.
 pub fn rank_correlation_within<'a>(groups: impl IntoIterator<Item = &'a [(f64, f64)]>) -> Option<f64> {
     let [mut both, mut of_left, mut of_right] = [0.0; 3];
     for pairs in groups.into_iter().filter(|it| it.len() >= 3) {

@@ -142,8 +142,8 @@ impl RunReport {
         self.rows.first().map(|it| it.subject.task)
     }
 
-    /// Scans of the data sets that are asked about that `detector` gave no answer to, and all its scans there; `None` if it answered
-    /// all of them.
+    /// Scans of the data sets that are asked about that `detector` gave no answer to, and all its scans there; `None` if it
+    /// answered all of them.
     pub fn failed_scans(
         &self,
         is_asked: impl Fn(&str) -> bool,

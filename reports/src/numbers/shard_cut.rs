@@ -1,7 +1,7 @@
 //! Which scans of a run a shard has.
 //!
-//! Scans stay in the order of the run, and every shard has neighbours; so the rows of all shards, one after the other, are those of the run.
-//! What is drawn together when intervals are estimated stays together, be it a second or a whole drive.
+//! Scans stay in the order of the run, and every shard has neighbours; so the rows of all shards, one after the other, are
+//! those of the run. What is drawn together when intervals are estimated stays together, be it a second or a whole drive.
 
 use std::ops::Range;
 
@@ -19,8 +19,8 @@ pub struct ScanToCut {
 
 /// The scans of `shard`: of each data set of the run, in order, a range of positions among its scans.
 ///
-/// The run is cut where the work before the cut is nearest to the share of the shards before it. A shard is empty where there are
-/// fewer positions to cut than shards.
+/// The run is cut where the work before the cut is nearest to the share of the shards before it. A shard is empty where
+/// there are fewer positions to cut than shards.
 pub fn scans_of_shard(datasets: &[Vec<ScanToCut>], shard: Shard) -> Vec<Range<usize>> {
     let cuts = possible_cuts(datasets);
     let work = cuts.last().map_or(0, |it| it.work_before);

@@ -151,7 +151,8 @@ impl Sums {
         }
     }
 
-    /// The geometric mean over scans of the time of detection over that of the reference; `None` if none was timed beside it.
+    /// The geometric mean over scans of the time of detection over that of the reference; `None` if none was timed beside
+    /// it.
     pub fn time_ratio(&self) -> Option<f64> {
         let n = self.of(Term::TimedScans);
         (n > 0.0).then(|| (self.of(Term::LogTimeRatio) / n).exp())

@@ -99,7 +99,8 @@ pub struct SweepTime {
     pub n_scans: u64,
     /// Number of detections of these.
     pub n_detections: u64,
-    /// Median over the scans of the shortest time of each, in milliseconds: what other programs on the machine disturb least.
+    /// Median over the scans of the shortest time of each, in milliseconds: what other programs on the machine disturb
+    /// least.
     pub typical_ms: f64,
     /// Shortest time in milliseconds.
     pub min_ms: f64,

@@ -95,13 +95,14 @@ pub(crate) struct Gathered {
 }
 
 impl Tally {
-    /// Nothing yet, of rows that were made on such processors, and of data sets of which those with the ids `simulated` are simulated.
+    /// Nothing yet, of rows that were made on such processors, and of data sets of which those with the ids `simulated` are
+    /// simulated.
     pub fn of_run(processors: Processors, simulated: BTreeSet<String>) -> Self {
         Self { processors, simulated, ..Self::default() }
     }
 
-    /// The same, where what the scans of a data set are drawn with has names of its own: by id of the data set and name of the
-    /// scan.
+    /// The same, where what the scans of a data set are drawn with has names of its own: by id of the data set and name of
+    /// the scan.
     pub fn with_blocks(self, blocks: BTreeMap<String, BTreeMap<String, String>>) -> Self {
         Self { blocks, ..self }
     }
@@ -156,8 +157,8 @@ impl Tally {
         self.times[dataset].add_stage(detector, &row.stage, row.time_ms);
     }
 
-    /// Adds what became of an annotation, a detection or a pair of them, whose scan was added before. What is of another scan
-    /// is left out.
+    /// Adds what became of an annotation, a detection or a pair of them, whose scan was added before. What is of another
+    /// scan is left out.
     pub fn add_match(&mut self, row: &MatchRow) {
         let key = self.key(&row.dataset, row.task, &row.detector);
         let of_sequence = self.scans[key.dataset].get(&row.sequence);

@@ -71,7 +71,8 @@ struct Drawn<'a> {
 }
 
 impl<'a> ObjectDraws<'a> {
-    /// Of `rows` of one method and direction. The same objects of `data` are drawn in the same way whatever their predicted classes.
+    /// Of `rows` of one method and direction. The same objects of `data` are drawn in the same way whatever their predicted
+    /// classes.
     pub fn of(data: &str, rows: &[&'a PartialRow]) -> Self {
         let is_known = |it: &&PartialRow| PartialClass::LEARNT.contains(&it.true_class);
         let (known, strangers): (Vec<&PartialRow>, Vec<&PartialRow>) =

@@ -161,7 +161,8 @@ impl PartialCurve {
     }
 }
 
-/// The mean share of steps from which objects are right and stay so, of those that are right in the end; and the share of these.
+/// The mean share of steps from which objects are right and stay so, of those that are right in the end; and the share of
+/// these.
 fn kept(draws: &ObjectDraws<'_>, steps: &[PartialStep]) -> (Option<f64>, Option<f64>) {
     let n_steps = steps.len() as f64;
     let (mut kept_from, mut n_objects) = (Vec::new(), 0_u64);

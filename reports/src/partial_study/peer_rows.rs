@@ -76,8 +76,8 @@ pub enum PeerError {
 /// What rows say that the programs of others were trained on.
 pub const ELSEWHERE: &str = "elsewhere";
 
-/// The rows of `method`, whose results are in the file at `path`, for each part that `ours` judge. `class_of` says which class a
-/// word stands for. Other rows of the file are ignored.
+/// The rows of `method`, whose results are in the file at `path`, for each part that `ours` judge. `class_of` says which
+/// class a word stands for. Other rows of the file are ignored.
 ///
 /// # Errors
 ///

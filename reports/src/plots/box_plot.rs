@@ -11,8 +11,8 @@ const DRAWN: [&str; 2] = ["occlusion", "range"];
 /// Slices are an apart; fits of one slice stand this far from each other.
 const ASIDE: f64 = 0.13;
 
-/// The plot of `lines`, all of the same data, as an SVG document: a row of panels for each of [`BoxError::OF_SLICES`], by occlusion
-/// and by range, with the 95 % interval of every number. `title` says what the data are.
+/// The plot of `lines`, all of the same data, as an SVG document: a row of panels for each of [`BoxError::OF_SLICES`], by
+/// occlusion and by range, with the 95 % interval of every number. `title` says what the data are.
 pub fn box_plot(lines: &[BoxErrorLine], title: &str) -> String {
     let mut heading = vec![Mark::title(title, (LEFT_PX, 20.0))];
     for (series, (fit, _)) in lines.first().map_or(&[][..], |it| &it.fits).iter().enumerate() {

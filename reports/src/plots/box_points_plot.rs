@@ -24,7 +24,8 @@ const BEYOND: [f64; 2] = [0.3, 0.5];
 /// Shades of the cells. The darkest is for the fullest, and each holds half of what the next one does.
 const N_SHADES: u32 = 7;
 
-/// The panels of each class in a row, to the same scale within the row, as an SVG document. `title` says what is shown, and whether it is simulated.
+/// The panels of each class in a row, to the same scale within the row, as an SVG document. `title` says what is shown, and
+/// whether it is simulated.
 pub fn box_points_plot(rows: &[Vec<BoxPoints>], title: &str) -> String {
     let widest = rows.iter().map(Vec::len).max().unwrap_or(0).max(1) as u32;
     let row = |points: &Vec<BoxPoints>| {

@@ -7,8 +7,8 @@ use crate::numbers::sweep_curve::{SweepCurve, highest};
 use crate::numbers::sweep_score::{FitnessValue, SweepScores};
 use crate::vocabulary::extent::Extent;
 
-/// The readings of the fitness of the cells of `extent` over their size: a panel for each reading. `None` if cell sizes are not
-/// what is swept.
+/// The readings of the fitness of the cells of `extent` over their size: a panel for each reading. `None` if cell sizes are
+/// not what is swept.
 ///
 /// Paper: HG Fig. 6 a.
 pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {

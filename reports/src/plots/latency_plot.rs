@@ -5,7 +5,8 @@ use super::series::{Points, Position, Series};
 use super::small_panel::small_panel;
 use super::themed_panel::ThemedPanel;
 
-/// A panel of that title with a curve of every detector, whose times are in milliseconds, ascending and above zero; `None` without any.
+/// A panel of that title with a curve of every detector, whose times are in milliseconds, ascending and above zero; `None`
+/// without any.
 pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<ThemedPanel> {
     let times = || of_detectors.iter().flat_map(|(_, times)| times).copied();
     let (least, most) = (times().reduce(f64::min)?, times().reduce(f64::max)?);

@@ -6,8 +6,8 @@ use super::series::{Position, Series};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::vocabulary::partial_class::PartialClass;
 
-/// The mean errors of each class to every class over the steps, a panel for each class of the objects. The upright line is at
-/// the first step at which all of them could be judged.
+/// The mean errors of each class to every class over the steps, a panel for each class of the objects. The upright line is
+/// at the first step at which all of them could be judged.
 ///
 /// Paper: BG Figs. 4 to 7.
 pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> Figure {

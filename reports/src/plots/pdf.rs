@@ -35,7 +35,8 @@ pub fn figure_files(stem: &str, svg: &str) -> Result<[(String, Vec<u8>); 2], Arc
     Ok([(format!("{stem}.svg"), svg.as_bytes().to_vec()), (path, pdf)])
 }
 
-/// The figure `svg` as a PDF of one page of its size, in the colours of print. Text stays text. The same figure gives the same bytes.
+/// The figure `svg` as a PDF of one page of its size, in the colours of print. Text stays text. The same figure gives the
+/// same bytes.
 ///
 /// # Errors
 ///
@@ -47,7 +48,8 @@ fn pdf_of(svg: &str) -> Result<Vec<u8>, String> {
         .map_err(|error| error.to_string())
 }
 
-/// `svg` without the style that follows the theme of a page, of which a converter understands half: attributes have the colours of print.
+/// `svg` without the style that follows the theme of a page, of which a converter understands half: attributes have the
+/// colours of print.
 fn without_themes(svg: &str) -> String {
     match (svg.split_once("<style>"), svg.split_once("</style>")) {
         (Some((before, _)), Some((_, after))) => format!("{before}{after}"),

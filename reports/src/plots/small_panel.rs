@@ -17,7 +17,8 @@ const FRAME: Frame = Frame {
     grid: Grid::Both,
 };
 
-/// A panel of percentages, called `title`; `about` says what is seen of the detectors, whose `series` are in the order of the run.
+/// A panel of percentages, called `title`; `about` says what is seen of the detectors, whose `series` are in the order of
+/// the run.
 pub(crate) fn small_panel(
     [title, about]: [&str; 2],
     x: Axis,

@@ -16,8 +16,8 @@ use super::theme::{Paint, class_of, hex};
 pub(crate) enum Colours {
     /// Those of print.
     Print,
-    /// Those of print, each with the class that follows the theme of a page. There are no line breaks and no ids, so that pages stay
-    /// small and nothing collides.
+    /// Those of print, each with the class that follows the theme of a page. There are no line breaks and no ids, so that
+    /// pages stay small and nothing collides.
     Themed,
 }
 

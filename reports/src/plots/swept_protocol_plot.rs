@@ -10,8 +10,8 @@ use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::protocol::Protocol;
 
-/// The principal numbers under `protocol` on `extent`, with 95 % intervals: a panel for each number and each combination of the other
-/// parameters, a series for each detector. `None` if there are none.
+/// The principal numbers under `protocol` on `extent`, with 95 % intervals: a panel for each number and each combination of
+/// the other parameters, a series for each detector. `None` if there are none.
 pub fn swept_protocol_plot(swept: &SweptNumbers, protocol: Protocol, extent: &Extent) -> Option<String> {
     let is_asked = |it: &NumberCurve<'_>| {
         let first = it.first();

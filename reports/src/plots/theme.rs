@@ -1,7 +1,7 @@
 //! Colours that follow the page they are on, light or dark.
 //!
-//! Whatever is drawn for a page has a class beside the colour of each of its elements. A page's style decides about the class; a
-//! viewer that knows no styles takes the colour, which is legible on white.
+//! Whatever is drawn for a page has a class beside the colour of each of its elements. A page's style decides about the
+//! class; a viewer that knows no styles takes the colour, which is legible on white.
 
 use super::palette::{BLACK, DETECTOR_HUES, Hue, QUIET, Rgb, WHITE};
 

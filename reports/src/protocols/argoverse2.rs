@@ -1,7 +1,7 @@
 //! Argoverse 2's detection challenge: average precision over centre distances, three errors, and CDS.
 //!
-//! Wilson et al.: Argoverse 2: Next Generation Datasets for Self-Driving Perception and Forecasting, `NeurIPS` 2021, section 4.1; av2 0.3.6
-//! where both differ.
+//! Wilson et al.: Argoverse 2: Next Generation Datasets for Self-Driving Perception and Forecasting, `NeurIPS` 2021, section
+//! 4.1; av2 0.3.6 where both differ.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -188,8 +188,8 @@ mod tests {
         check(&rows, "SIGN", "cds", 0.0);
     }
 
-    /// Mean over recalls as the definition reads: of each recall the best precision of all points from there on, on the straight line
-    /// between points.
+    /// Mean over recalls as the definition reads: of each recall the best precision of all points from there on, on the
+    /// straight line between points.
     fn slow_average(is_right: &[bool], n: usize) -> f64 {
         let mut points = Vec::new();
         let mut n_found = 0;

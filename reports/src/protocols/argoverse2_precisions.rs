@@ -7,8 +7,8 @@ use super::ranked_classes::RankedClass;
 use super::recall_grid::{N_RECALLS, n_to_pass, on_line, recall_at};
 use crate::vocabulary::ranked_protocol::PAIR_DISTANCES_M;
 
-/// Average precision at each of [`PAIR_DISTANCES_M`] in each draw: the mean over recalls of the best precision at that recall or a higher
-/// one.
+/// Average precision at each of [`PAIR_DISTANCES_M`] in each draw: the mean over recalls of the best precision at that
+/// recall or a higher one.
 pub(super) fn average_precisions<const N: usize>(
     class: &RankedClass,
     times: &[Times<N>],

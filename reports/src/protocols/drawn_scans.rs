@@ -37,7 +37,8 @@ impl DrawnScans {
         }))
     }
 
-    /// The scans of data sets, given with their ids, each with the second that it was taken in. Each data set is drawn from by itself.
+    /// The scans of data sets, given with their ids, each with the second that it was taken in. Each data set is drawn from
+    /// by itself.
     pub fn of_datasets<'a>(datasets: impl Iterator<Item = (&'a str, Vec<(ScanName, DriveSecond)>)>) -> Self {
         let (mut scans, mut resamples) = (Vec::new(), Vec::new());
         for (id, of_dataset) in datasets {

@@ -1,6 +1,7 @@
 //! nuScenes' detection task: average precision over centre distances, five errors, and NDS.
 //!
-//! Caesar et al.: nuScenes: A multimodal dataset for autonomous driving, CVPR 2020, section 3.1; nuscenes-devkit 1.2.0 where both differ.
+//! Caesar et al.: nuScenes: A multimodal dataset for autonomous driving, CVPR 2020, section 3.1; nuscenes-devkit 1.2.0 where
+//! both differ.
 
 use std::collections::BTreeMap;
 
@@ -183,7 +184,8 @@ mod tests {
     #[test]
     fn one_class_can_be_done_in_the_head() {
         let rows = right_false_right(HERE, "car");
-        // Precision is 1 below a recall of 0.5, 1/2 at it, and from there rises to 2/3. Of 90 recalls each counts less a tenth.
+        // Precision is 1 below a recall of 0.5, 1/2 at it, and from there rises to 2/3. Of 90 recalls each counts less a
+        // tenth.
         let at_half_and_above: f64 = (0..=50_i32).map(|it| 0.5 + f64::from(it) / 300.0).sum();
         let average = (39.0 + at_half_and_above - 9.0) / (0.9 * 90.0);
         check(&rows, "car", "ap", Some(average));

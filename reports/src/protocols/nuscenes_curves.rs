@@ -21,8 +21,8 @@ pub(super) struct RecallCurve {
     scores: [f64; N_RECALLS],
 }
 
-/// At each of [`PAIR_DISTANCES_M`] the curves of each draw; `None` of one in which nothing is found. A scan that is there several times
-/// finds all at once what it finds.
+/// At each of [`PAIR_DISTANCES_M`] the curves of each draw; `None` of one in which nothing is found. A scan that is there
+/// several times finds all at once what it finds.
 pub(super) fn recall_curves<const N: usize>(
     class: &RankedClass,
     times: &[Times<N>],
@@ -149,8 +149,8 @@ impl RecallCurve {
     }
 }
 
-/// The errors of each draw: of each the mean over what is found up to a recall, and of these the mean over recalls from 0.11 to the highest;
-/// 1 if that is lower. `curves` are those at the distance of errors.
+/// The errors of each draw: of each the mean over what is found up to a recall, and of these the mean over recalls from 0.11
+/// to the highest; 1 if that is lower. `curves` are those at the distance of errors.
 pub(super) fn mean_errors<const N: usize>(
     class: &RankedClass,
     times: &[Times<N>],
@@ -232,8 +232,8 @@ impl<'a> Lookup<'a> {
         self.scores.get(self.n_taken).copied().unwrap_or(f64::NAN)
     }
 
-    /// Takes the means at all scores down to that of `to`, the first detection whose score is not above them, from the line between it and
-    /// the detection before it.
+    /// Takes the means at all scores down to that of `to`, the first detection whose score is not above them, from the line
+    /// between it and the detection before it.
     fn take(&mut self, from: Option<(f64, [f64; N_ERRORS])>, (to_score, to): (f64, [f64; N_ERRORS])) {
         while to_score <= self.next() {
             let score = self.next();
@@ -249,7 +249,8 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// The means over all scores, where those below every detection have the errors of all. An error that is never known is 1.
+    /// The means over all scores, where those below every detection have the errors of all. An error that is never known is
+    /// 1.
     fn closed(&self, of_all: &[f64; N_ERRORS], are_known: [bool; N_ERRORS]) -> [f64; N_ERRORS] {
         std::array::from_fn(|kind| {
             if self.scores.is_empty() || !are_known[kind] {

@@ -142,8 +142,8 @@ impl ProtocolTally {
         })
     }
 
-    /// All numbers, with how sure they are: protocol by protocol, data set by data set and then those of one origin together, detector by detector.
-    /// Which scans there are, and which are drawn together, is known from `tally`.
+    /// All numbers, with how sure they are: protocol by protocol, data set by data set and then those of one origin
+    /// together, detector by detector. Which scans there are, and which are drawn together, is known from `tally`.
     pub fn numbers(&self, tally: &Tally) -> Vec<ProtocolNumber> {
         let pools = tally.pools();
         let several = pools.iter().filter(|it| it.is_of_several()).map(|it| it.extent.name());

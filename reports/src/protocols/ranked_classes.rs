@@ -165,8 +165,8 @@ impl RankedClass {
         last.map_or(0.0, |it| self.scores[it])
     }
 
-    /// Shows every detection that finds something to `visit`, the best first, with how often it is there in each draw and how many
-    /// detections come before it. Returns how many there are in all.
+    /// Shows every detection that finds something to `visit`, the best first, with how often it is there in each draw and
+    /// how many detections come before it. Returns how many there are in all.
     #[inline(always)]
     pub(super) fn go_through<const N: usize>(
         &self,

@@ -1,8 +1,9 @@
 //! Scores of SemanticKITTI's instances: association, unknown quality, panoptic quality of things, entropies.
 //!
-//! Nunes et al.: Unsupervised Class-Agnostic Instance Segmentation of 3D LiDAR Data for Autonomous Vehicles, 2022, for the association.
-//! Wong et al.: Identifying Unknown Instances for Autonomous Driving, 2019, for unknown quality. Kirillov et al.: Panoptic Segmentation,
-//! CVPR 2019, as semantic-kitti-api has it. Oh et al.: TRAVEL, RA-L 2022, as `continuous_clustering` has it, for entropies.
+//! Nunes et al.: Unsupervised Class-Agnostic Instance Segmentation of 3D LiDAR Data for Autonomous Vehicles, 2022, for the
+//! association. Wong et al.: Identifying Unknown Instances for Autonomous Driving, 2019, for unknown quality. Kirillov et
+//! al.: Panoptic Segmentation, CVPR 2019, as semantic-kitti-api has it. Oh et al.: TRAVEL, RA-L 2022, as
+//! `continuous_clustering` has it, for entropies.
 
 use std::collections::BTreeMap;
 

@@ -6,8 +6,8 @@ use crate::vocabulary::protocol::ProtocolFamily;
 use crate::vocabulary::ranked_protocol::RankedProtocol;
 
 impl ProtocolNumber {
-    /// Whether it stands in the short form of a table: numbers of all classes together; of KITTI, which has none, AP of each class on the
-    /// plan and in space over 40 recalls; of ground, all.
+    /// Whether it stands in the short form of a table: numbers of all classes together; of KITTI, which has none, AP of each
+    /// class on the plan and in space over 40 recalls; of ground, all.
     pub fn is_in_short_form(&self) -> bool {
         match self.protocol.family() {
             ProtocolFamily::KittiObjects => SHORT_FORM.contains(&self.metric.id.as_str()),

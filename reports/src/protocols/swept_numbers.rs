@@ -124,7 +124,8 @@ pub(crate) mod tests {
     use crate::vocabulary::origin::Origin;
     use crate::vocabulary::protocol::Protocol;
 
-    /// A sweep of a probability over as many values as there are of mAP of the present classes, 0.1 and up, with an error of cars.
+    /// A sweep of a probability over as many values as there are of mAP of the present classes, 0.1 and up, with an error of
+    /// cars.
     pub(crate) fn swept(map: &[Option<f64>]) -> SweptNumbers {
         let numbers_at = |(point_idx, map): (usize, &Option<f64>)| {
             let number = |class: &str, id: &str, direction, value: Option<f64>| SweptNumber {

@@ -12,7 +12,8 @@ pub struct JudgedClaim {
     pub claim: Claim,
     /// What was seen under each reading of the paper, that in good faith first; none where nothing could be.
     pub readings: Vec<Seen>,
-    /// Under how many of the joint settings of open values it holds, and of how many; `None` where it does not depend on them.
+    /// Under how many of the joint settings of open values it holds, and of how many; `None` where it does not depend on
+    /// them.
     pub settings: Option<[usize; 2]>,
     /// The conclusion.
     pub verdict: ClaimVerdict,

@@ -93,8 +93,8 @@ pub fn seen(reading: &str, leads: &[SceneLead]) -> Seen {
     }
 }
 
-/// Whether what is claimed `is_so` on every scene: one that is known and where it is not refutes it. Nothing rests on blocks of scans
-/// that are too few, so that without a refutation it is unknown where there are such, and where there is no scene.
+/// Whether what is claimed `is_so` on every scene: one that is known and where it is not refutes it. Nothing rests on blocks
+/// of scans that are too few, so that without a refutation it is unknown where there are such, and where there is no scene.
 pub fn holds_on_all(leads: &[SceneLead], is_so: impl Fn(&PairedDifference) -> bool) -> Option<bool> {
     if leads.iter().any(|it| it.is_known() && !is_so(&it.difference)) {
         return Some(false);

@@ -77,7 +77,8 @@ pub fn quantiles<const N: usize>(rates: &[Option<f64>], shares: [f64; N]) -> Opt
 }
 
 impl Sensitivity {
-    /// The settings by their values that are words, such as the criterion of matching: the words, and the numbers of the settings.
+    /// The settings by their values that are words, such as the criterion of matching: the words, and the numbers of the
+    /// settings.
     pub fn by_words(&self) -> BTreeMap<String, Vec<usize>> {
         let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for (idx, setting) in self.settings.iter().enumerate() {
@@ -91,8 +92,8 @@ impl Sensitivity {
         groups
     }
 
-    /// How strongly the rate goes with each value that is a number: Spearman's rank correlation over the settings, each ranked among
-    /// those with the same words.
+    /// How strongly the rate goes with each value that is a number: Spearman's rank correlation over the settings, each
+    /// ranked among those with the same words.
     pub fn correlations(&self, rate: &SetRate) -> Vec<(String, Option<f64>)> {
         let groups = self.by_words();
         let of_value = |(idx, value): (usize, &SetValue)| {

@@ -1,4 +1,5 @@
-//! `errors.csv`: how many objects were missed, and how many detections are false, for each reason, and what repairing it would gain.
+//! `errors.csv`: how many objects were missed, and how many detections are false, for each reason, and what repairing it
+//! would gain.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,8 +30,8 @@ row! {
         pub n: u64,
         /// Of how many: NO, the annotations that count, of what was missed; ND, the detections that count, of what is false.
         pub of: u64,
-        /// What the F-rate, 0 to 1, would gain if these alone were repaired: were the missed objects found, or the false detections
-        /// not there. `None` where the F-rate is undefined.
+        /// What the F-rate, 0 to 1, would gain if these alone were repaired: were the missed objects found, or the false
+        /// detections not there. `None` where the F-rate is undefined.
         pub(crate) f_rate_gain: Option<Fixed<6>>,
     }
 }

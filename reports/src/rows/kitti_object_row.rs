@@ -2,8 +2,8 @@
 //! detection, every pair of them that overlaps enough to count somewhere, and every detection in a region that is not
 //! labelled.
 //!
-//! Boxes are those of the files, in the rectified frame of the camera (x right, y down, z ahead) and in its image. Numbers are written in
-//! full, since a result may hang on the last digit.
+//! Boxes are those of the files, in the rectified frame of the camera (x right, y down, z ahead) and in its image. Numbers
+//! are written in full, since a result may hang on the last digit.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,5 @@
-//! `protocol_labels.csv`: what became of labelled instances, things and ground points, under protocols that score labels of points.
+//! `protocol_labels.csv`: what became of labelled instances, things and ground points, under protocols that score labels of
+//! points.
 //!
 //! Numbers have all digits, so that those of the makers' own programs can be made of this file alone.
 
@@ -45,7 +46,8 @@ pub struct InstanceScore {
     pub n_points: u64,
     /// Its association, 0 to 1: Σ |p ∩ g| · IoU(p, g) / |g| over all segments p that were found.
     pub association: f64,
-    /// The overlap with the segment that found it: the one, if there is one, that shares more than half of the points of either.
+    /// The overlap with the segment that found it: the one, if there is one, that shares more than half of the points of
+    /// either.
     pub matched_iou: Option<f64>,
 }
 
@@ -110,8 +112,8 @@ enum KindName {
 
 row! {
     for LabelScoreRow:
-    /// `class` is the number of the class of an instance, the name of that of things, or that of a definition of ground. `iou` is of the match of an
-    /// instance, or the sum of those of things; `n_matched` is of things or points.
+    /// `class` is the number of the class of an instance, the name of that of things, or that of a definition of ground.
+    /// `iou` is of the match of an instance, or the sum of those of things; `n_matched` is of things or points.
     #[derive(Default, Serialize, Deserialize)]
     struct ScoreRecord {
         scan: ScanName = ["dataset", "sequence", "scan"],

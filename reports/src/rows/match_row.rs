@@ -1,8 +1,8 @@
 //! `matches.csv`: one row for every matched pair, and for every annotation and detection that is in none.
 //!
-//! With boxes, classes, scores and numbers of points, so that anyone can score again without this program.
-//! What a task does not ask for, such as pedestrians among vehicles, has no row. An annotation without a box has the centroid of
-//! its points for a centre, and neither size nor heading. An annotation that is ignored because it is tall makes a pair with the
+//! With boxes, classes, scores and numbers of points, so that anyone can score again without this program. What a task does
+//! not ask for, such as pedestrians among vehicles, has no row. An annotation without a box has the centroid of its points
+//! for a centre, and neither size nor heading. An annotation that is ignored because it is tall makes a pair with the
 //! detection that found it all the same: both are ignored.
 
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,7 @@
 //! `protocol_boxes.csv`: one row for every annotation and detection under a protocol that ranks boxes.
 //!
-//! Boxes are as the makers' own evaluation takes them, and numbers have all digits, so that it can be run on this file alone.
+//! Boxes are as the makers' own evaluation takes them, and numbers have all digits, so that it can be run on this file
+//! alone.
 
 use serde::{Deserialize, Serialize};
 

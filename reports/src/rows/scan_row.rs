@@ -17,8 +17,8 @@ pub struct ScanRow {
     pub sequence: String,
     /// Number of the scan within the drive.
     pub scan: u32,
-    /// When it was taken, in seconds since the first scan of the drive, in whole milliseconds; `None` where nobody knows, or the
-    /// user says otherwise which scans belong together.
+    /// When it was taken, in seconds since the first scan of the drive, in whole milliseconds; `None` where nobody knows, or
+    /// the user says otherwise which scans belong together.
     pub time_s: Option<f64>,
     /// Name of the detector.
     pub detector: String,

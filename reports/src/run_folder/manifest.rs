@@ -113,8 +113,8 @@ pub struct DatasetEntry {
     pub classes: BTreeMap<String, AnnotationClass>,
     /// Which scans were selected, as the command line writes it; `None` for all.
     pub selection: Option<String>,
-    /// What is known better than drives say of which scans are drawn together: names of blocks, or of the drives that scans come
-    /// from, each with its scans.
+    /// What is known better than drives say of which scans are drawn together: names of blocks, or of the drives that scans
+    /// come from, each with its scans.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub blocks: BTreeMap<String, Vec<String>>,
     /// SHA-256 of the file that the user gave for that.
@@ -127,7 +127,8 @@ pub struct DatasetEntry {
     /// What the scans themselves say of the sensor; `None` where nobody asked them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seen: Option<SeenMounting>,
-    /// Where points lie in the frames of labelled boxes, as the first scans show it; `None` where nobody asked them, or vehicles are few.
+    /// Where points lie in the frames of labelled boxes, as the first scans show it; `None` where nobody asked them, or
+    /// vehicles are few.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub label_points: Option<SeenLabels>,
     /// Why the frame of the scans or their labels are suspect, a sentence each. No verdict rests on such a data set.

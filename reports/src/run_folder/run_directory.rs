@@ -42,7 +42,8 @@ pub const PROTOCOLS_JSON: &str = "protocols.json";
 pub const PROTOCOL_BOXES_CSV: &str = "protocol_boxes.csv";
 /// What KITTI's evaluation of objects looks at, for each detector.
 pub const KITTI_OBJECT_CSV: &str = "protocol_kitti_object.csv";
-/// What became of labelled instances, things and ground points under protocols that score labels of points, for each detector.
+/// What became of labelled instances, things and ground points under protocols that score labels of points, for each
+/// detector.
 pub const PROTOCOL_LABELS_CSV: &str = "protocol_labels.csv";
 /// The files of rows under protocols of others.
 pub const PROTOCOL_FILES: [&str; 3] = [PROTOCOL_BOXES_CSV, KITTI_OBJECT_CSV, PROTOCOL_LABELS_CSV];
@@ -96,8 +97,8 @@ impl RunDirectory {
     ///
     /// # Errors
     ///
-    /// [`RunDirectoryError`] if nothing can be written there, or if `target` exists and may not be replaced, or somebody else is
-    /// writing it: at once, and not after a long run.
+    /// [`RunDirectoryError`] if nothing can be written there, or if `target` exists and may not be replaced, or somebody
+    /// else is writing it: at once, and not after a long run.
     pub fn create(
         target: &Path,
         existing: ExistingTarget,

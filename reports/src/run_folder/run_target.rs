@@ -85,8 +85,8 @@ impl ClaimedTarget {
     ///
     /// # Errors
     ///
-    /// [`RunDirectoryError`] if nothing can be written there, if `target` exists and may not be replaced, or if somebody else
-    /// has taken it.
+    /// [`RunDirectoryError`] if nothing can be written there, if `target` exists and may not be replaced, or if somebody
+    /// else has taken it.
     pub fn claim(
         target: &Path,
         existing: ExistingTarget,

@@ -22,8 +22,8 @@ pub struct SeenLabels {
     pub n_boxes: usize,
     /// Mean length, width and height of the boxes, in metres.
     pub length_width_height_m: [f64; 3],
-    /// From above, the left on top and the front to the right: a digit for each cell of 0.15 m, 9 for the fullest, a lower one for half as
-    /// many points each time, a dot for none.
+    /// From above, the left on top and the front to the right: a digit for each cell of 0.15 m, 9 for the fullest, a lower
+    /// one for half as many points each time, a dot for none.
     pub above: Vec<String>,
     /// The same from the side, without what is far beside the box.
     pub side: Vec<String>,

@@ -71,7 +71,8 @@ pub struct PaperStep {
     pub stages: &'static [&'static str],
 }
 
-/// Our detector that is the papers' own method to the letter. No other has their results beside it: what is in no paper has none.
+/// Our detector that is the papers' own method to the letter. No other has their results beside it: what is in no paper has
+/// none.
 pub const PAPER_DETECTOR: &str = "paper";
 
 /// The steps of the model-based approach.

@@ -11,7 +11,8 @@ use crate::tables::task_table::{MeasuredRow, Score, TableRow, TaskTable};
 use crate::vocabulary::extent::{Extent, OVERALL};
 use crate::vocabulary::origin::Origin;
 
-/// One line a data set, as in the papers: NO, then for each detector ND, F-rate and fps; beneath it how sure the F-rates are.
+/// One line a data set, as in the papers: NO, then for each detector ND, F-rate and fps; beneath it how sure the F-rates
+/// are.
 ///
 /// Where the F-rate is undefined because false objects are unknown, a line with the recall follows.
 fn main_grid(table: &TaskTable) -> Grid {

@@ -31,7 +31,8 @@ pub struct TaskTable {
     pub rules: Vec<(String, Vec<String>)>,
     /// By what vehicles are classified, in words, with the names of the detectors; nothing of runs that do not say.
     pub vehicles: Vec<(String, Vec<String>)>,
-    /// Detectors that are not built in, with where their results were read if they did not run here. Nobody knows all their rules.
+    /// Detectors that are not built in, with where their results were read if they did not run here. Nobody knows all their
+    /// rules.
     pub foreign: Vec<(String, Option<String>)>,
     /// Detectors that gave no answer to some scans, with the numbers of these and of all scans.
     pub failures: Vec<(String, [u64; 2])>,
@@ -131,8 +132,8 @@ impl TaskTable {
 
 /// The tables of all tasks of a run, in the order in which the report first mentions them.
 ///
-/// Data sets and detectors are in the order of the manifest. Where there are several data sets of one origin, rows about all of these
-/// follow. Recorded and simulated data sets are never put together.
+/// Data sets and detectors are in the order of the manifest. Where there are several data sets of one origin, rows about all
+/// of these follow. Recorded and simulated data sets are never put together.
 ///
 /// ```
 /// use std::path::Path;

@@ -1,7 +1,7 @@
 //! The uncertainty of numbers: what they would be if other scans had been drawn.
 //!
-//! Neighbouring scans show the same objects, so whole [blocks](crate::numbers::blocks) of scans are drawn, with replacement, as many as
-//! there are, and every ratio is computed again from the sums of what was drawn.
+//! Neighbouring scans show the same objects, so whole [blocks](crate::numbers::blocks) of scans are drawn, with replacement,
+//! as many as there are, and every ratio is computed again from the sums of what was drawn.
 //!
 //! What is drawn varies too little where blocks are few: its variance is (n − 1) / n of what it should be, and the ends of a
 //! percentile interval are those of a normal distribution where they should be those of Student's. So percentiles farther
@@ -180,8 +180,8 @@ fn widening(blocks: BlockCount) -> f64 {
     (blocks.n_blocks as f64 / blocks.degrees_of_freedom as f64).sqrt()
 }
 
-/// The share of the resamples beyond either end of the 95 % interval: Φ(−√(n / (n − 1)) · t), where t is Student's quantile at
-/// 97.5 %. 0.025 of many blocks, 0.0086 of ten.
+/// The share of the resamples beyond either end of the 95 % interval: Φ(−√(n / (n − 1)) · t), where t is Student's quantile
+/// at 97.5 %. 0.025 of many blocks, 0.0086 of ten.
 fn expanded_tail(blocks: BlockCount) -> f64 {
     let student = student_quantile(0.975, blocks.degrees_of_freedom);
     Normal::standard().cdf(-widening(blocks) * student)

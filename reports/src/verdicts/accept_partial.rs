@@ -24,8 +24,8 @@ const SCORES_HEAD: &str = "# Accepted scores\n\nMeans of recalls in % of the acc
 ///
 /// # Errors
 ///
-/// [`AcceptError`] if the result cannot be made again, or is not of the objects of the one accepted before although it is meant
-/// to, or something cannot be written; the earlier baseline is there still.
+/// [`AcceptError`] if the result cannot be made again, or is not of the objects of the one accepted before although it is
+/// meant to, or something cannot be written; the earlier baseline is there still.
 pub fn accept_partial(
     result: &PartialArchive,
     directory: &Path,

@@ -72,7 +72,8 @@ impl Sizes {
 }
 
 impl Tolerances {
-    /// The built-in tolerances for `baseline`: rules about every metric, task and detector that it has a number of, and about its times.
+    /// The built-in tolerances for `baseline`: rules about every metric, task and detector that it has a number of, and
+    /// about its times.
     pub fn built_in(baseline: &RunArchive) -> Self {
         let tally = baseline.tally();
         let numbers = Numbers { draws: tally.undrawn(), tally: &tally };
@@ -97,7 +98,8 @@ impl Tolerances {
     }
 }
 
-/// One rule for each protocol that the baseline was evaluated under, about those of `metrics` that it has of all classes together.
+/// One rule for each protocol that the baseline was evaluated under, about those of `metrics` that it has of all classes
+/// together.
 fn protocol_rules(baseline: &RunArchive, size: &ProtocolSize) -> Vec<Rule> {
     let tally = baseline.tally();
     let names = tally.datasets().iter().flat_map(|it| DrawnScans::of(&tally, it).names().to_vec());
@@ -148,7 +150,8 @@ impl Numbers<'_> {
         self.tally.detectors().iter().filter(has_it).cloned().collect()
     }
 
-    /// Rules about a metric of the slices that `patterns` stand for: one for all tasks, and all patterns, that the same detectors have it in.
+    /// Rules about a metric of the slices that `patterns` stand for: one for all tasks, and all patterns, that the same
+    /// detectors have it in.
     fn rules_about(&self, id: &str, patterns: &[String], [absolute, relative]: [f64; 2]) -> Vec<Rule> {
         let metric = Metric::from_id(id).expect("the file is a part of the program and tested");
         let of_task = |task: Task| {

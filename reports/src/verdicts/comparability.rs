@@ -16,7 +16,8 @@ pub struct NotComparable {
     pub reasons: Vec<String>,
 }
 
-/// Checks that `run` was asked what `baseline` was: the same scans, judged by the same rules, with all its detectors and tasks.
+/// Checks that `run` was asked what `baseline` was: the same scans, judged by the same rules, with all its detectors and
+/// tasks.
 ///
 /// Detectors that `run` has beyond those of `baseline` do not matter, nor do the parameters of detectors.
 ///

@@ -104,12 +104,13 @@ pub(super) struct Sides<'a> {
 }
 
 impl Sides<'_> {
-    /// Every number that `tolerances` are about, task by task, detector by detector, slice by slice: over all recorded data sets together,
-    /// and over all simulated ones.
+    /// Every number that `tolerances` are about, task by task, detector by detector, slice by slice: over all recorded data
+    /// sets together, and over all simulated ones.
     ///
     /// # Errors
     ///
-    /// [`RuleProblems`] with all that is wrong: what the file has, names that there are not, rules that decide about nothing.
+    /// [`RuleProblems`] with all that is wrong: what the file has, names that there are not, rules that decide about
+    /// nothing.
     pub(super) fn gated_metrics(&self, tolerances: &Tolerances) -> Result<Vec<GatedMetric>, RuleProblems> {
         let slices = self.slices();
         let mut problems = tolerances.problems.clone();
@@ -152,7 +153,8 @@ impl Sides<'_> {
         gated
     }
 
-    /// Those of `metrics` that `rules` are about, of one subject; what neither side has is left out unless its rule names it.
+    /// Those of `metrics` that `rules` are about, of one subject; what neither side has is left out unless its rule names
+    /// it.
     fn held(
         &self,
         rules: &[Rule],
@@ -243,7 +245,8 @@ fn without_gaps(gated: Vec<GatedMetric>) -> Vec<GatedMetric> {
     gated.into_iter().filter(|it| !is_gap(it) || !known.contains(&key(it))).collect()
 }
 
-/// Metrics and parts of `rules` that no number of `gated` was held to: of no part is the metric measured, or an earlier rule decides.
+/// Metrics and parts of `rules` that no number of `gated` was held to: of no part is the metric measured, or an earlier rule
+/// decides.
 pub(super) fn void_rules(
     rules: &[Rule],
     table: fn(usize) -> RuleTable,

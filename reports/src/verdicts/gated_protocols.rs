@@ -10,7 +10,8 @@ use crate::verdicts::tolerances::{GatedSubject, Tolerances};
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::protocol::Protocol;
 
-/// Every number that `tolerances` are about, protocol by protocol and detector by detector, over all data sets of `tally` of one origin together.
+/// Every number that `tolerances` are about, protocol by protocol and detector by detector, over all data sets of `tally` of
+/// one origin together.
 ///
 /// # Errors
 ///

@@ -20,8 +20,8 @@ pub struct LeastLoss {
     pub detector: String,
     /// The F-rate; recall where that is undefined.
     pub metric: Metric,
-    /// What is tolerated, and half of the 95 % interval of the rate: that of a difference is as wide if a change varies from block to
-    /// block as the rate does.
+    /// What is tolerated, and half of the 95 % interval of the rate: that of a difference is as wide if a change varies from
+    /// block to block as the rate does.
     pub loss: f64,
 }
 

@@ -14,7 +14,8 @@ pub struct PairedDifference {
     pub before: f64,
     /// The number that is compared.
     pub after: f64,
-    /// How sure [`Self::difference`] is: both are of the same resamples. `None` where a data set has one block of scans only.
+    /// How sure [`Self::difference`] is: both are of the same resamples. `None` where a data set has one block of scans
+    /// only.
     pub interval: Option<Interval>,
     /// The least difference that scans like these would show, see [`Distribution::least_effect`].
     pub least_effect: Option<f64>,
@@ -64,8 +65,8 @@ impl PairedDifference {
         self.sign() * self.difference()
     }
 
-    /// How much worse it has become at least: the lower end of the 95 % interval of [`Self::worsening`]. `None` where there is no
-    /// interval, or nothing may rest on the blocks of scans that it is of.
+    /// How much worse it has become at least: the lower end of the 95 % interval of [`Self::worsening`]. `None` where there
+    /// is no interval, or nothing may rest on the blocks of scans that it is of.
     pub fn sure_worsening(&self) -> Option<f64> {
         let interval = self.interval.filter(|it| !it.blocks.decide_nothing())?;
         interval.ends.map(|it| self.sign() * it).into_iter().reduce(f64::min)

@@ -43,8 +43,8 @@ impl ReasonTally {
         }
     }
 
-    /// The rows of `errors.csv`: of each data set and of those of one origin together, task by task, detector by detector, slice by
-    /// slice. `tally` has the same matches. Reasons without a mistake have no row.
+    /// The rows of `errors.csv`: of each data set and of those of one origin together, task by task, detector by detector,
+    /// slice by slice. `tally` has the same matches. Reasons without a mistake have no row.
     pub fn rows(&self, tally: &Tally) -> Vec<ErrorRow> {
         let (pools, draws) = (tally.pools(), tally.undrawn());
         let several = pools.iter().filter(|it| it.is_of_several()).map(|it| it.extent.name());
@@ -128,8 +128,8 @@ mod tests {
         DetectionFacts { id: 0, class: DetectionClass::Object, score: None, n_points: 50, bounding_box }
     }
 
-    /// Ten objects, of which six are found. Two far cars are merged, a near tree is split, and nothing finds a near car. Of three
-    /// false detections one joins the two cars far away, and two near ones lie on nothing.
+    /// Ten objects, of which six are found. Two far cars are merged, a near tree is split, and nothing finds a near car. Of
+    /// three false detections one joins the two cars far away, and two near ones lie on nothing.
     fn scene() -> Vec<MatchOutcome> {
         let found = || MatchOutcome::Matched {
             annotation: annotation(AnnotationClass::Car, NEAR),
@@ -193,7 +193,8 @@ mod tests {
 
     #[test]
     fn a_repaired_reason_gains_what_its_objects_are_worth() {
-        // F = 2 · 6 / (10 + 9); with the two merged ones found 2 · 8 / (10 + 11); without the two on nothing 2 · 6 / (10 + 7).
+        // F = 2 · 6 / (10 + 9); with the two merged ones found 2 · 8 / (10 + 11); without the two on nothing 2 · 6 / (10 +
+        // 7).
         let gain = |numerator: f64, denominator: f64| {
             Some(((numerator / denominator - 12.0 / 19.0) * 1e6).round() / 1e6)
         };

@@ -120,8 +120,8 @@ pub fn speeds(manifest: &Manifest, report: &RunReport) -> Vec<Speeds> {
 }
 
 impl Standing {
-    /// Who leads, in a sentence. A second sentence is about the detectors that it does not name, and one more about each detector that
-    /// gave no answer to some scans.
+    /// Who leads, in a sentence. A second sentence is about the detectors that it does not name, and one more about each
+    /// detector that gave no answer to some scans.
     pub fn sentence(&self) -> String {
         format!("{}{}{}", self.sentence_of_rates(), self.sentence_of_others(), self.sentence_of_failures())
     }

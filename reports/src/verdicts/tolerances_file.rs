@@ -317,8 +317,8 @@ fn share_problem(name: &str, share: f64) -> Option<String> {
     }
 }
 
-/// The most that may be tolerated of a metric in `unit`: half of what a rate, or an angle between boxes, can be; 2 m, where the
-/// criterion *centre* no longer takes two boxes for one object's; a nat, a choice of nearly three. Counts have no limit.
+/// The most that may be tolerated of a metric in `unit`: half of what a rate, or an angle between boxes, can be; 2 m, where
+/// the criterion *centre* no longer takes two boxes for one object's; a nat, a choice of nearly three. Counts have no limit.
 fn greatest_absolute(unit: &str) -> Option<f64> {
     match unit {
         "ratio" => Some(0.5),

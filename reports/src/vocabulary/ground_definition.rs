@@ -9,7 +9,8 @@ named! {
         Patchwork = "patchwork",
         /// Vegetation is left out like unlabelled points and outliers. Steinke et al. 2024.
         GroundGrid = "groundgrid",
-        /// Vegetation and outliers are no ground; unlabelled points are left out. Reich et al. 2024, after TRAVEL, Oh et al. 2022.
+        /// Vegetation and outliers are no ground; unlabelled points are left out. Reich et al. 2024, after TRAVEL, Oh et al.
+        /// 2022.
         ContinuousClustering = "continuous-clustering",
     }
 }

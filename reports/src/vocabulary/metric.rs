@@ -53,8 +53,8 @@ pub enum Metric {
     OverheadP50,
     /// Scans to which the detector gave no answer, and that count as if it had found nothing.
     FailedScans,
-    /// Time of the reference that detectors are timed in turns with: a plain write of a grid. Geometric mean over scans of the
-    /// shortest of all repetitions.
+    /// Time of the reference that detectors are timed in turns with: a plain write of a grid. Geometric mean over scans of
+    /// the shortest of all repetitions.
     ReferenceTime,
     /// Time of detection over that of the reference, of the shortest of all repetitions: geometric mean over scans.
     TimeRatio,

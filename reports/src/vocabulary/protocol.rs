@@ -18,7 +18,8 @@ named! {
     }
 }
 
-/// What the numbers of a protocol are computed from. Protocols of one family share rows, the file of these and the words of tables.
+/// What the numbers of a protocol are computed from. Protocols of one family share rows, the file of these and the words of
+/// tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProtocolFamily {
     /// Boxes and regions that are left out, as KITTI's object benchmark has them.

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::vocabulary::protocol::Protocol;
 
-/// Distances of centres below which a detection finds an annotation, in metres, in the order of all rows. The third is that of the errors.
+/// Distances of centres below which a detection finds an annotation, in metres, in the order of all rows. The third is that
+/// of the errors.
 pub const PAIR_DISTANCES_M: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 
 /// Which of [`PAIR_DISTANCES_M`] errors are measured at.

@@ -47,8 +47,8 @@ named! {
 
     /// Why a detection does not count.
     pub enum IgnoredDetection {
-        /// At least half of its points lie on ignored annotations, or it has none and stands inside the box of one, or it found
-        /// a tall annotation.
+        /// At least half of its points lie on ignored annotations, or it has none and stands inside the box of one, or it
+        /// found a tall annotation.
         OnIgnoredAnnotation = "on ignored annotation",
         /// At least half of its points lie outside the labelled region, or it has none and stands there.
         OutsideLabeledRegion = "outside labelled region",

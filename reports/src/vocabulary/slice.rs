@@ -35,7 +35,8 @@ pub enum Slice {
     /// Annotations at least half of whose points lie outside the labelled region, such as what the border of a camera image
     /// cuts. Counted by points, not by what labels say of their image. False detections belong to none.
     Truncated,
-    /// Annotations that are too tall for the task and so count nowhere else, with those of them that were found all the same.
+    /// Annotations that are too tall for the task and so count nowhere else, with those of them that were found all the
+    /// same.
     Tall,
 }
 

@@ -23,8 +23,8 @@ pub struct NuSvcParams {
 pub enum Tolerance {
     /// Decision values are so far from where they should be; the margin is 1.
     OfMargin(f64),
-    /// The gradients of the dual problem are, as the libraries have it; the kernel is at most 1. With small ν and noise this is
-    /// long before the least objective.
+    /// The gradients of the dual problem are, as the libraries have it; the kernel is at most 1. With small ν and noise this
+    /// is long before the least objective.
     OfGradients(f64),
 }
 
@@ -90,11 +90,11 @@ pub enum NuSvcError {
 
 /// Trains on `vectors`, of which `is_first` says for each whether it is of the first class.
 ///
-/// The dual problem of Schölkopf et al. 2000, `min ½ αᵀQα` with α within 0 to 1 and `ν n / 2` in either class, by
-/// sequential minimal optimisation: two multipliers of one class at a time, chosen by second-order gain (Fan, Chen, Lin
-/// 2005). A tolerance that is relative to the margin is the safe one: with small ν and noise the margin is so small that a fixed
-/// tolerance ends long before the least objective. The result depends on the order of the vectors, in the last digits, and on
-/// nothing else.
+/// The dual problem of Schölkopf et al. 2000, `min ½ αᵀQα` with α within 0 to 1 and `ν n / 2` in either class, by sequential
+/// minimal optimisation: two multipliers of one class at a time, chosen by second-order gain (Fan, Chen, Lin 2005). A
+/// tolerance that is relative to the margin is the safe one: with small ν and noise the margin is so small that a fixed
+/// tolerance ends long before the least objective. The result depends on the order of the vectors, in the last digits, and
+/// on nothing else.
 ///
 /// # Errors
 ///

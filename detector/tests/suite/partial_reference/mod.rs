@@ -12,8 +12,8 @@ use detector::partial::partial_model::PartialModel;
 /// Numbers that go through eigenvectors and least squares differ by as much, at most.
 const BOUND: f64 = 1e-6;
 
-/// Checks that `classifier` finds in `positions_m` what the reference finds: the same keypoints, descriptors within the bound, the same
-/// labels, graphs and patterns, distances within the bound. Returns how many keypoints there are.
+/// Checks that `classifier` finds in `positions_m` what the reference finds: the same keypoints, descriptors within the
+/// bound, the same labels, graphs and patterns, distances within the bound. Returns how many keypoints there are.
 #[track_caller]
 pub fn check_same(classifier: &mut PartialClassifier, positions_m: &[[f32; 3]], name: &str) -> usize {
     let Judgement { distances, .. } = classifier.classify(positions_m.iter().copied()).clone();

@@ -139,7 +139,8 @@ impl Terrain {
         plane_through(&known, params.max_slope).map(|plane_m| (plane_m(0.0, 0.0), n_seen))
     }
 
-    /// Mean of the neighbours known so far, those that were seen counting most, and the fewest blocks that one of them is unseen.
+    /// Mean of the neighbours known so far, those that were seen counting most, and the fewest blocks that one of them is
+    /// unseen.
     fn expectation(&self, block: Cell) -> Option<(f32, u16)> {
         let known: Vec<&Block> = block.neighborhood().filter_map(|it| self.blocks.get(&it)).collect();
         let fewest_unseen = known.iter().map(|it| it.n_unseen).min()?;

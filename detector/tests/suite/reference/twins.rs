@@ -28,7 +28,8 @@ impl Twins {
         Self { params, sensor_height_m, detector, output: DetectorOutput::default() }
     }
 
-    /// Checks that both find the same in `cloud`; the detector has its buffers from the clouds before. Returns the number of objects.
+    /// Checks that both find the same in `cloud`; the detector has its buffers from the clouds before. Returns the number of
+    /// objects.
     #[track_caller]
     pub fn check(&mut self, cloud: &PointCloud, name: &str) -> usize {
         let expected = super::detect(cloud, &self.params, self.sensor_height_m);

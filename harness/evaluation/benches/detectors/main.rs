@@ -1,8 +1,8 @@
 //! Time of every detector, and of the default one by stage, against a plain grid write, over numbers of points and
 //! on two threads. Everything that is compared is interleaved in one run; one thread unless said otherwise.
 //!
-//! `cargo bench -p evaluation --bench detectors [-- DATASET [SCANS]]`; DATASET is an id of the catalogue or a path, from the root of the repository. Without it the
-//! simulated street is used.
+//! `cargo bench -p evaluation --bench detectors [-- DATASET [SCANS]]`; DATASET is an id of the catalogue or a path, from the
+//! root of the repository. Without it the simulated street is used.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
 

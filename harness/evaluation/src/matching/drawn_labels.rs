@@ -73,8 +73,8 @@ pub(crate) fn detections_in_row(parts: &[(DetectedClass, Range<u32>)], score: Op
     detections
 }
 
-/// The scan of a drawing of annotations, and what a drawing of detections finds in it: so many points for each letter, all of the same
-/// letter are one object, and a dot is no object.
+/// The scan of a drawing of annotations, and what a drawing of detections finds in it: so many points for each letter, all
+/// of the same letter are one object, and a dot is no object.
 pub(crate) fn drawn_in_letters(
     n_per_letter: usize,
     (class, annotations): (AnnotationClass, &str),

@@ -12,8 +12,8 @@ use crate::matching::outcome::AnnotationOutcome;
 
 /// In the task *objects* what reaches higher above the ground is tall, unless it is a vehicle, in metres.
 ///
-/// Paper: HG, whose objects are short street objects, as vehicles, pedestrians and mail boxes; signs, walls and lamp posts are
-/// tall, from 3.10 m on (section 3.1).
+/// Paper: HG, whose objects are short street objects, as vehicles, pedestrians and mail boxes; signs, walls and lamp posts
+/// are tall, from 3.10 m on (section 3.1).
 pub const TALL_ABOVE_GROUND_M: f64 = 3.10;
 
 /// Which annotations are too poor to be judged. The same for every detector.

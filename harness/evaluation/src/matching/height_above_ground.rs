@@ -1,7 +1,7 @@
 //! How far objects reach above the ground around them.
 //!
-//! Tall objects are left out of the task *objects* whatever the data set, so the height is taken from what every data set has:
-//! boxes, or points, and the points around.
+//! Tall objects are left out of the task *objects* whatever the data set, so the height is taken from what every data set
+//! has: boxes, or points, and the points around.
 
 use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::{Annotation, LabeledScan, range_m};
@@ -28,17 +28,17 @@ const EDGE_MARGIN_DEG: f64 = 0.8;
 /// How far each of the annotations `annotation_idxs` of `scan` reaches above the ground around it, in metres. `None` if it
 /// has neither box nor points; infinite if the sensor does not see how far.
 ///
-/// The top is that of the box or, without a box, the highest labelled point. A pole or tree without a box whose highest point
-/// lies within 0.8° of the upper edge of what the sensor sees goes on above it: infinite. That edge is the elevation, seen
-/// from the origin, that 20 points of the scan beyond 20 m reach or exceed; with fewer such points there is none.
+/// The top is that of the box or, without a box, the highest labelled point. A pole or tree without a box whose highest
+/// point lies within 0.8° of the upper edge of what the sensor sees goes on above it: infinite. That edge is the elevation,
+/// seen from the origin, that 20 points of the scan beyond 20 m reach or exceed; with fewer such points there is none.
 ///
 /// The ground is looked for among the points that belong to no annotation and lie on or within 2 m of the footprint: the
 /// rectangle of the box, or the one along the axes of the sensor around the labelled points. Length and width through the
-/// middle of the footprint divide them into four sides. The ground of a side with four points or more is their lower quartile
-/// in height (the point of rank ⌊n/4⌋ from the lowest, counted from 0), and the ground around the object the median of these
-/// sides, the higher of the middle two if they are two or four. Where no side has enough points, or the object itself reaches
-/// lower (bottom of the box, lowest labelled point), the ground is there. So a ditch on one half does not count, and neither
-/// does a bank or a hedge.
+/// middle of the footprint divide them into four sides. The ground of a side with four points or more is their lower
+/// quartile in height (the point of rank ⌊n/4⌋ from the lowest, counted from 0), and the ground around the object the median
+/// of these sides, the higher of the middle two if they are two or four. Where no side has enough points, or the object
+/// itself reaches lower (bottom of the box, lowest labelled point), the ground is there. So a ditch on one half does not
+/// count, and neither does a bank or a hedge.
 pub fn heights_above_ground_m(scan: &LabeledScan, annotation_idxs: &[usize]) -> Vec<Option<f64>> {
     let extents: Vec<Option<Extent>> =
         annotation_idxs.iter().map(|&it| Extent::of(scan, &scan.annotations[it])).collect();

@@ -45,8 +45,8 @@ impl<'a> UnjudgedPositions<'a> {
     /// Why `detection`, which matches nothing, is neither right nor false; `None` if it is false for all that is labelled.
     ///
     /// One with points is ignored if at least half of them are on ignored annotations, outside the labelled region,
-    /// unscorable or beyond the range. One without is ignored if the centre of its box, on the ground plan, is inside the box
-    /// of an ignored annotation, where nothing was labelled, or beyond the range; that its box is empty is no reason.
+    /// unscorable or beyond the range. One without is ignored if the centre of its box, on the ground plan, is inside the
+    /// box of an ignored annotation, where nothing was labelled, or beyond the range; that its box is empty is no reason.
     pub fn why_ignored(&self, detection: &Detection<'_>) -> Option<IgnoredDetection> {
         if detection.point_indices.is_empty() {
             self.why_position_is_ignored(detection.bounding_box.center_m)

@@ -22,7 +22,8 @@ impl Rectangle {
         self.length_width_m[0].hypot(self.length_width_m[1]) / 2.0
     }
 
-    /// Whether the centres are farther from each other than `reach_m`. If that is the sum of both radii, they have nothing in common.
+    /// Whether the centres are farther from each other than `reach_m`. If that is the sum of both radii, they have nothing
+    /// in common.
     pub fn are_centers_apart(&self, other: &Self, reach_m: f64) -> bool {
         let [x_m, y_m] = [0, 1].map(|axis| self.center_m[axis] - other.center_m[axis]);
         x_m * x_m + y_m * y_m > reach_m * reach_m

@@ -16,8 +16,8 @@ pub fn asked_for(detections: &Detections, task: Task) -> Vec<usize> {
 /// Indices of those detections of the first of two detectors that the second has, too, in a scan of `n_points`: they share
 /// half of the points that they have together. Only what `task` asks for is looked at.
 ///
-/// The detections are matched as if those of the second detector were annotations, one with one, so that as many as possible are
-/// matched and they share as many points as possible. They are as many the other way round.
+/// The detections are matched as if those of the second detector were annotations, one with one, so that as many as possible
+/// are matched and they share as many points as possible. They are as many the other way round.
 pub fn shared([first, second]: [&Detections; 2], task: Task, n_points: usize) -> Vec<usize> {
     let mut at_point: Vec<Vec<usize>> = vec![Vec::new(); n_points];
     for idx in asked_for(second, task) {

@@ -6,9 +6,9 @@ use reports::numbers::blocks::BlockCount;
 use reports::numbers::box_errors::NumberWithin;
 use reports::uncertainty::bootstrap::{Distribution, N_RESAMPLES};
 
-/// The lower median of `values`, with its 95 % interval by a bootstrap of the blocks that the second of each pair names by their
-/// indices: whole blocks are drawn, as values of one block are not independent. The same seed draws the same blocks. `None`
-/// without values.
+/// The lower median of `values`, with its 95 % interval by a bootstrap of the blocks that the second of each pair names by
+/// their indices: whole blocks are drawn, as values of one block are not independent. The same seed draws the same blocks.
+/// `None` without values.
 pub fn median_within(values: &[(f64, usize)], blocks: BlockCount, seed: u64) -> Option<NumberWithin> {
     let mut sorted = values.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -137,9 +137,10 @@ impl PartialExperiment<'_> {
     }
 }
 
-/// Has every method judge, after it has learned unless it knows already, and hands what it says of each object to `on_object` until
-/// that returns an error. Left out are pairs of a method and an object of which `is_done` says that they are done; a method that is not
-/// needed does not learn. Returns what our method last learned, or had learned before, if it took part or is `wanted`.
+/// Has every method judge, after it has learned unless it knows already, and hands what it says of each object to
+/// `on_object` until that returns an error. Left out are pairs of a method and an object of which `is_done` says that they
+/// are done; a method that is not needed does not learn. Returns what our method last learned, or had learned before, if it
+/// took part or is `wanted`.
 ///
 /// The same objects give the same rows, with any number of threads.
 ///

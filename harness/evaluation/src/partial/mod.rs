@@ -1,4 +1,5 @@
-//! How partly seen objects are classified: the ten-step experiment, the rivals, and what each part of the method contributes.
+//! How partly seen objects are classified: the ten-step experiment, the rivals, and what each part of the method
+//! contributes.
 
 pub mod object_parts;
 pub mod model_training;

@@ -45,11 +45,13 @@ pub enum ModelTrainingError {
     Training(#[from] TrainingError),
 }
 
-/// Learns the classes that `sets` have, from all parts of their objects: what had been seen at ten moments of the drive of those that
-/// are driven toward; all others are uncovered from below and from above, as they are judged. `on_object` is called for each object that was looked at.
+/// Learns the classes that `sets` have, from all parts of their objects: what had been seen at ten moments of the drive of
+/// those that are driven toward; all others are uncovered from below and from above, as they are judged. `on_object` is
+/// called for each object that was looked at.
 ///
-/// Within a class all sets weigh the same, however many parts of objects they have. Objects of simulated sets that have the same name are the same object, seen in another way: they are held out together.
-/// The same sets give the same model to the bit, with any number of threads.
+/// Within a class all sets weigh the same, however many parts of objects they have. Objects of simulated sets that have the
+/// same name are the same object, seen in another way: they are held out together. The same sets give the same model to the
+/// bit, with any number of threads.
 ///
 /// # Errors
 ///

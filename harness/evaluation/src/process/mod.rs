@@ -1,5 +1,5 @@
-//! Detectors that are programs of their own: `docs/protocol.md`. The time to ask one and to get its answer, without detection, is
-//! the process overhead.
+//! Detectors that are programs of their own: `docs/protocol.md`. The time to ask one and to get its answer, without
+//! detection, is the process overhead.
 
 pub mod problem;
 pub mod message;

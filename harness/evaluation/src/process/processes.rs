@@ -26,8 +26,8 @@ pub fn children(pid: u32) -> Vec<u32> {
         .collect()
 }
 
-/// Time on processors, user and system, of these processes. It is exact to the nanosecond for processes that run, and to the tick of
-/// the system for children that have ended and been waited for. `None` if the system does not report it.
+/// Time on processors, user and system, of these processes. It is exact to the nanosecond for processes that run, and to the
+/// tick of the system for children that have ended and been waited for. `None` if the system does not report it.
 pub fn cpu_time_of(pids: &[u32]) -> Option<Duration> {
     let ticks_per_s = sysconf(SysconfVar::CLK_TCK).ok()??;
     let mut sum = Duration::ZERO;

@@ -27,8 +27,8 @@ pub const WRITE_FD: &str = "SCANBENCH_WRITE_FD";
 /// How long what was killed may take to be gone.
 const LONGEST_DEATH: Duration = Duration::from_secs(2);
 
-/// Starts `words`, a program and its arguments, and waits for its end. Its messages come in on our standard input and go out on our
-/// standard output; what it prints goes to our standard error. How it ended is reported there, too, in lines that
+/// Starts `words`, a program and its arguments, and waits for its end. Its messages come in on our standard input and go out
+/// on our standard output; what it prints goes to our standard error. How it ended is reported there, too, in lines that
 /// begin with the [token](TOKEN).
 pub fn supervise(words: &[String]) {
     let token = std::env::var(TOKEN).unwrap_or_default();

@@ -1,5 +1,5 @@
-//! Argoverse 2's detection challenge: each detection picks the nearest annotation, and of those that pick the same only the best may find
-//! it.
+//! Argoverse 2's detection challenge: each detection picks the nearest annotation, and of those that pick the same only the
+//! best may find it.
 //!
 //! Wilson et al.: Argoverse 2, `NeurIPS` 2021, section 4.1; av2 0.3.6, which differs from it.
 

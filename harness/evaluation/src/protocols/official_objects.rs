@@ -48,8 +48,8 @@ impl<'a> OfficialScanView<'a> {
         Self { scan, official: None, kitti: None }
     }
 
-    /// What is labelled, from where ranges are measured: as the files have it, or else the annotations with a box, in the frame of the
-    /// sensor, by the names of our classes.
+    /// What is labelled, from where ranges are measured: as the files have it, or else the annotations with a box, in the
+    /// frame of the sensor, by the names of our classes.
     pub fn labels(&self) -> Vec<OfficialObject> {
         if let Some((official, _)) = &self.official {
             return official.objects.iter().map(|it| self.moved_to_origin(it.clone())).collect();
@@ -61,8 +61,8 @@ impl<'a> OfficialScanView<'a> {
         annotations.collect()
     }
 
-    /// What was found, from where ranges are measured: `official` where results were read that have it, or else the vehicles in `output`,
-    /// the unlikely ones, too, as cars: these protocols rank by the score of the box. What has no score has 1.
+    /// What was found, from where ranges are measured: `official` where results were read that have it, or else the vehicles
+    /// in `output`, the unlikely ones, too, as cars: these protocols rank by the score of the box. What has no score has 1.
     pub fn found(&self, output: &DetectorOutput, official: &[OfficialObject]) -> Vec<OfficialObject> {
         let with_score = |it: OfficialObject, score: Option<f64>| OfficialObject {
             score: Some(score.unwrap_or(SCORE_OF_NONE.into())),

@@ -63,8 +63,8 @@ pub(super) fn rows_by<Rules: RankedRules>(found: &FoundInScan<'_>) -> Vec<Ranked
     annotations.chain(detections).map(row).collect()
 }
 
-/// Those of `objects` whose class is evaluated, from the best score down; those of like scores by their numbers, so that their order in a
-/// file decides nothing.
+/// Those of `objects` whose class is evaluated, from the best score down; those of like scores by their numbers, so that
+/// their order in a file decides nothing.
 fn candidates<Rules: RankedRules>(objects: Vec<OfficialObject>, labels: &[OfficialObject]) -> Vec<Candidate> {
     let candidate = |object: OfficialObject| {
         let class = Rules::class_of(&object.name)?;

@@ -2,8 +2,8 @@
 
 use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
-/// Least, median and greatest of what the scans of either side have of `title`, a bin each. A bin is made of as many things as there
-/// are values.
+/// Least, median and greatest of what the scans of either side have of `title`, a bin each. A bin is made of as many things
+/// as there are values.
 pub fn spread_over_scans(
     statistic: &'static str,
     title: &'static str,

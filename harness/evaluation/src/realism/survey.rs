@@ -34,8 +34,8 @@ pub struct SurveyedScan {
     pub cells: CellCounts,
 }
 
-/// Looks at the scans of `pass`, and returns what it saw in their order. The ground is found by the stages and parameters of the hierarchical
-/// detector, whatever the data set.
+/// Looks at the scans of `pass`, and returns what it saw in their order. The ground is found by the stages and parameters of
+/// the hierarchical detector, whatever the data set.
 ///
 /// # Errors
 ///

@@ -24,12 +24,13 @@ pub struct ObservedScan {
     pub cells: Vec<CellTally>,
     /// Its points over range. HG Fig. 5.
     pub rings: RingCounts,
-    /// Of each annotated car of which much is seen, the mean radius of the spheres at its front and at its back, in metres. VM Fig. 6.
+    /// Of each annotated car of which much is seen, the mean radius of the spheres at its front and at its back, in metres.
+    /// VM Fig. 6.
     pub spheres_m: Vec<[f32; 2]>,
 }
 
-/// Looks at the scans of `pass`, and returns what they show in their order. The grids have those of `grid` but their cell size; cells that
-/// span more than `ground_extent_m` stand.
+/// Looks at the scans of `pass`, and returns what they show in their order. The grids have those of `grid` but their cell
+/// size; cells that span more than `ground_extent_m` stand.
 ///
 /// # Errors
 ///

@@ -32,8 +32,8 @@ pub enum SettingsError {
     Detector(#[from] DetectorFailure),
 }
 
-/// A Latin hypercube of `n` joint settings of `values` over the parameters of `base`: each value takes every `n`th of its range once, in an
-/// order of its own. `McKay`, Beckman, Conover 1979.
+/// A Latin hypercube of `n` joint settings of `values` over the parameters of `base`: each value takes every `n`th of its
+/// range once, in an order of its own. `McKay`, Beckman, Conover 1979.
 ///
 /// # Errors
 ///

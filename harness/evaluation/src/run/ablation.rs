@@ -82,8 +82,8 @@ fn trained_parts(models: &Path) -> Result<Vec<&'static Part>, NoTrainedPart> {
     Ok(found)
 }
 
-/// What leads from the papers to the method, in the order of the stages: what a row adds to those above it, and how the detector of the
-/// papers does so. Overrides that end in `=` get the value that the method has for the same parameter.
+/// What leads from the papers to the method, in the order of the stages: what a row adds to those above it, and how the
+/// detector of the papers does so. Overrides that end in `=` get the value that the method has for the same parameter.
 const STEPS: &[(&str, &[&str])] = &[
     ("and points clear of the ground", &["paper.foreground.clearance_m="]),
     (
@@ -133,9 +133,9 @@ pub enum AblationError {
     Models(#[from] NoTrainedPart),
 }
 
-/// `method` with the parameters of `config`, then without each of its parts in turn, where `models` has a folder of its name also with
-/// trees that were trained so, then without all of them; then the detector of the papers, the same with one after another of the steps
-/// that lead from it to the method, and the method without what the whole adds.
+/// `method` with the parameters of `config`, then without each of its parts in turn, where `models` has a folder of its name
+/// also with trees that were trained so, then without all of them; then the detector of the papers, the same with one after
+/// another of the steps that lead from it to the method, and the method without what the whole adds.
 ///
 /// # Errors
 ///

@@ -62,8 +62,8 @@ pub struct BoxPair {
     pub framed: [FramedCluster; FRAMES.len()],
 }
 
-/// The boxes in whose frames points are shown. The hull box has no front of its own: it gets the end that is nearer to the annotated
-/// front.
+/// The boxes in whose frames points are shown. The hull box has no front of its own: it gets the end that is nearer to the
+/// annotated front.
 pub const FRAMES: [&str; 3] = ["annotated box", "hull box", "reported box"];
 
 /// The points of a cluster in the frame of a box.
@@ -89,8 +89,8 @@ impl FramedCluster {
     }
 }
 
-/// All pairs of the scans of `pass`, in their order: clusters that `listed` finds with `config`, matched as objects, so that their
-/// predicted class does not matter.
+/// All pairs of the scans of `pass`, in their order: clusters that `listed` finds with `config`, matched as objects, so that
+/// their predicted class does not matter.
 ///
 /// # Errors
 ///

@@ -44,8 +44,8 @@ pub const PAPER: ListedDetector = ListedDetector {
     },
 };
 
-/// Every detector, in the order of tables and pictures: the best cut of the hierarchical grid, its rivals with the same training, the
-/// method of the papers, and the baselines of the papers.
+/// Every detector, in the order of tables and pictures: the best cut of the hierarchical grid, its rivals with the same
+/// training, the method of the papers, and the baselines of the papers.
 pub const DETECTORS: &[ListedDetector] = &[
     ListedDetector {
         name: "hierarchical",
@@ -142,8 +142,8 @@ fn cluster_models(config: &RunConfig) -> (Option<VehicleModel>, Option<Arc<BoxMo
     (config.vehicle_models.as_ref().map(VehicleModels::clusters), config.box_model())
 }
 
-/// The detectors that run if none are asked for: the method, its strongest rival, which has the same training, the method of the papers,
-/// and the baselines of the papers.
+/// The detectors that run if none are asked for: the method, its strongest rival, which has the same training, the method of
+/// the papers, and the baselines of the papers.
 pub const DEFAULT_DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "paper", "kd-tree", "pca"];
 
 /// A detector that was asked for, built in or not.

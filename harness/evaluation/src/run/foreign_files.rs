@@ -19,8 +19,9 @@ pub struct ForeignFileError {
 
 /// SHA-256 of the files that the words of `command`, and of `parameters`, name from `folder`, by these names.
 ///
-/// A word names a file, a file's function (`detector.py:dbscan`) or a module's (`detectors.mine:dbscan`, `-m detectors.mine`). A program that
-/// is found on `PATH` is one of them only if the command names nothing else: not Python itself. What files import is not looked for.
+/// A word names a file, a file's function (`detector.py:dbscan`) or a module's (`detectors.mine:dbscan`, `-m
+/// detectors.mine`). A program that is found on `PATH` is one of them only if the command names nothing else: not Python
+/// itself. What files import is not looked for.
 ///
 /// # Errors
 ///

@@ -80,8 +80,8 @@ struct PreparedObject {
 pub type ObjectProblem = String;
 
 impl ForeignVehicles {
-    /// By their size, as `params` have it, in scans of a sensor `sensor_height_m` above the road. Objects without a box get the one
-    /// that our own detectors would report: that of the whole vehicle, by `box_model` if there is one.
+    /// By their size, as `params` have it, in scans of a sensor `sensor_height_m` above the road. Objects without a box get
+    /// the one that our own detectors would report: that of the whole vehicle, by `box_model` if there is one.
     pub fn by_size(
         params: &HierarchicalParams,
         box_model: Option<Arc<BoxModel>>,
@@ -197,7 +197,8 @@ impl ForeignVehicles {
         self.hull_fit.fit(positions_m.map(|[x_m, y_m, _]| [x_m, y_m]), z_range_m)
     }
 
-    /// The class that the model predicts for each object, and how surely; `None` without a model, or if the detector predicted all.
+    /// The class that the model predicts for each object, and how surely; `None` without a model, or if the detector
+    /// predicted all.
     fn classes_by_model(
         &mut self,
         objects: &[PreparedObject],

@@ -28,8 +28,8 @@ pub const GAPS_DM: std::ops::RangeInclusive<u16> = 2..=12;
 /// The tracks of the pair at each range.
 const PAIRS: [[u32; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
 
-/// The scans of the experiment as a data set. A drive is a pair at each range that comes closer and closer; the number of a scan is
-/// its gap in decimetres.
+/// The scans of the experiment as a data set. A drive is a pair at each range that comes closer and closer; the number of a
+/// scan is its gap in decimetres.
 #[derive(Debug, Clone)]
 pub struct StagedPairs {
     listing: Listing,
@@ -60,8 +60,8 @@ struct StagedFrom<'a> {
 }
 
 impl StagedPairs {
-    /// `n_pairs` pairs of each kind and layout at each range, each put up once with every gap, before the sensor that is called
-    /// `sensor_name`. Everything is drawn from `seed`.
+    /// `n_pairs` pairs of each kind and layout at each range, each put up once with every gap, before the sensor that is
+    /// called `sensor_name`. Everything is drawn from `seed`.
     pub fn new(sensor_name: &str, sensor: SensorModel, n_pairs: u32, seed: u64) -> Self {
         let of_kind = |kind| PairLayout::ALL.into_iter().map(move |layout| (kind, layout));
         let gaps = |(kind, layout)| {

@@ -35,8 +35,8 @@ pub struct GapPicture {
     pub plans: [Plan; 2],
 }
 
-/// The first of `n_pairs` pairs that the first of `entrants` makes one object of and the second two; `None` if there is none among
-/// those that are looked through.
+/// The first of `n_pairs` pairs that the first of `entrants` makes one object of and the second two; `None` if there is none
+/// among those that are looked through.
 ///
 /// # Errors
 ///

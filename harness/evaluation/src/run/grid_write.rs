@@ -1,5 +1,6 @@
-//! What detectors are timed beside: points written into one coarse grid in the plainest way, the least that any grid method has
-//! to do. It is none of the rivals, and no parameter changes it, so that a ratio of times is another only where a detector is.
+//! What detectors are timed beside: points written into one coarse grid in the plainest way, the least that any grid method
+//! has to do. It is none of the rivals, and no parameter changes it, so that a ratio of times is another only where a
+//! detector is.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

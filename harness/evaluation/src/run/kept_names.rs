@@ -10,7 +10,8 @@ const MOST_NAMES: usize = 10_000;
 /// What the names beyond are called.
 const ONE_OF_MANY: &str = "other";
 
-/// The same name. Detectors, stages and products have names that are part of the program; those of others are kept here, each once.
+/// The same name. Detectors, stages and products have names that are part of the program; those of others are kept here,
+/// each once.
 pub fn kept(name: &str) -> &'static str {
     let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(known) = kept.get(name) {

@@ -25,10 +25,10 @@ pub struct Condition {
 /// Turns of the sensor from one scan to the next.
 const TURNS_PER_SCAN: u32 = 30;
 
-/// Every condition, in the order of the table. Nothing is tuned on them: detectors learn which sensor it is and how high
-/// it is mounted, and nothing else. The trees of `hierarchical`, its rivals and the vehicle model of clusters were trained on other
-/// drives under some of them, rain of 20 mm/h and hills of 10 % among these. No model was trained with the new sensors, and they have
-/// no shipped density curve: it is learned from five of their scans.
+/// Every condition, in the order of the table. Nothing is tuned on them: detectors learn which sensor it is and how high it
+/// is mounted, and nothing else. The trees of `hierarchical`, its rivals and the vehicle model of clusters were trained on
+/// other drives under some of them, rain of 20 mm/h and hills of 10 % among these. No model was trained with the new
+/// sensors, and they have no shipped density curve: it is learned from five of their scans.
 pub const CONDITIONS: &[Condition] = &[
     Condition { group: "standard", name: "hdl-64e-s2, 1.73 m", trained: true, change: |_| {} },
     Condition { group: "road", name: "level", trained: false, change: |it| it.conditions = even(0.0) },

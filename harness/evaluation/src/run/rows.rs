@@ -136,8 +136,8 @@ fn scan_row(
     }
 }
 
-/// Annotations with what found them, then the detections that found none. A tall annotation stands in one row with the detection
-/// that found it all the same.
+/// Annotations with what found them, then the detections that found none. A tall annotation stands in one row with the
+/// detection that found it all the same.
 fn match_rows(
     dataset: &DatasetDescription,
     criterion: CriterionKind,

@@ -35,8 +35,8 @@ pub trait RunningDetector: Send {
     /// The name in tables and files.
     fn name(&self) -> &'static str;
 
-    /// Finds the objects of `scan`, which was taken `time_s` seconds after the first of its drive, and writes them to `output`,
-    /// whose previous content is overwritten. It must not look at the annotations.
+    /// Finds the objects of `scan`, which was taken `time_s` seconds after the first of its drive, and writes them to
+    /// `output`, whose previous content is overwritten. It must not look at the annotations.
     ///
     /// # Errors
     ///
@@ -51,8 +51,8 @@ pub trait RunningDetector: Send {
     /// What the stages of the latest detection left behind, as [`Detector::stage_products`].
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
 
-    /// What was found in the scan `id`, which it was asked for last, as the file that it was read from has it; nothing where there is no
-    /// such file.
+    /// What was found in the scan `id`, which it was asked for last, as the file that it was read from has it; nothing where
+    /// there is no such file.
     fn official_objects(&self, _id: &ScanId) -> &[OfficialObject] {
         &[]
     }
@@ -67,8 +67,8 @@ pub trait RunningDetector: Send {
         None
     }
 
-    /// The label of every point of `scan`, the latest that it was asked for: class and instance, if it predicts labels in SemanticKITTI's
-    /// format. In a scan in which it found nothing, all points are unlabelled.
+    /// The label of every point of `scan`, the latest that it was asked for: class and instance, if it predicts labels in
+    /// SemanticKITTI's format. In a scan in which it found nothing, all points are unlabelled.
     fn point_labels(&self, _scan: &LabeledScan) -> Option<Vec<u32>> {
         None
     }

@@ -71,8 +71,8 @@ pub struct DetectorScan {
 /// How long a detector took for a scan.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DetectionTimes {
-    /// The first repetition: what a detection takes that sees the scan for the first time. `None` of a detector that failed, or
-    /// whose detections were read.
+    /// The first repetition: what a detection takes that sees the scan for the first time. `None` of a detector that failed,
+    /// or whose detections were read.
     pub first: Option<Duration>,
     /// The shortest of all repetitions.
     pub least: Option<Duration>,
@@ -80,7 +80,8 @@ pub struct DetectionTimes {
     pub cpu: Option<Duration>,
     /// The shortest way to the detector and back; `None` of built-in ones.
     pub overhead: Option<Duration>,
-    /// The shortest of all repetitions of the [reference](GridWrite), in turns with the detectors; `None` if it was not timed.
+    /// The shortest of all repetitions of the [reference](GridWrite), in turns with the detectors; `None` if it was not
+    /// timed.
     pub reference: Option<Duration>,
 }
 
@@ -122,8 +123,8 @@ pub enum RunError {
 impl SideBySide<'_> {
     /// Runs `detectors` on every scan and hands each scan's results to `on_scan`, in the order of the scans.
     ///
-    /// The detectors, and the reference, take turns scan by scan and repetition by repetition, in alternating order, so that a
-    /// disturbance of the machine meets all of them.
+    /// The detectors, and the reference, take turns scan by scan and repetition by repetition, in alternating order, so that
+    /// a disturbance of the machine meets all of them.
     ///
     /// # Errors
     ///

@@ -90,7 +90,8 @@ mod tests {
         let coin = |it: usize| [(it % 2) as f64, 1.0];
         let [low, high] = interval_of((0..100).map(|it| 10 * it), coin).unwrap();
         assert!((low - 0.40).abs() < 0.011 && (high - 0.60).abs() < 0.011, "{low} to {high}");
-        // Ten to a second, and all of them alike, are ten coins: 50 % ± 2.26 standard errors of 16.7 points, in steps of ten.
+        // Ten to a second, and all of them alike, are ten coins: 50 % ± 2.26 standard errors of 16.7 points, in steps of
+        // ten.
         let block = |it: usize| [(it / 10 % 2) as f64, 1.0];
         let [low, high] = interval_of(0..100, block).unwrap();
         assert!((low - 0.1).abs() < 0.011 && (high - 0.9).abs() < 0.011, "{low} to {high}");

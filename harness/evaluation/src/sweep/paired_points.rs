@@ -24,15 +24,15 @@ impl<'a> PairedPoints<'a> {
         Self { tally, resamples: draw.collect() }
     }
 
-    /// The 95 % interval of the rate of the first of two scores of one detector, task and extent minus that of the second; `None` if a
-    /// data set has a single block.
+    /// The 95 % interval of the rate of the first of two scores of one detector, task and extent minus that of the second;
+    /// `None` if a data set has a single block.
     pub fn difference(&self, scores: [&SweepScore; 2]) -> Option<[f64; 2]> {
         let [first, second] = scores.map(|it| self.of_blocks(it));
         difference_interval(&[first?, second?])
     }
 
-    /// The rate of the points that have these `scores` where each block of scans is judged at the point that all other blocks choose;
-    /// `None` with fewer than two blocks. No scan has a say in what it is judged at.
+    /// The rate of the points that have these `scores` where each block of scans is judged at the point that all other
+    /// blocks choose; `None` with fewer than two blocks. No scan has a say in what it is judged at.
     pub fn held_out(&self, scores: &[&SweepScore]) -> Option<f64> {
         let blocks = |score: &&SweepScore| -> Option<Vec<[f64; 2]>> {
             Some(self.of_blocks(score)?.into_iter().flat_map(|it| it.1).collect())
@@ -72,7 +72,8 @@ impl<'a> PairedPoints<'a> {
     }
 }
 
-/// The ratio of sums over blocks of which each is taken from the point that is best on all others; of equal points from the first.
+/// The ratio of sums over blocks of which each is taken from the point that is best on all others; of equal points from the
+/// first.
 fn held_out(points: &[Vec<[f64; 2]>]) -> Option<f64> {
     let n_blocks = points.first()?.len();
     if n_blocks < 2 {

@@ -10,8 +10,8 @@ use reports::vocabulary::extent::Extent;
 use crate::sweep::sweep_tally::SweepTally;
 
 impl SweepTally<'_> {
-    /// The numbers of each data set and, if there are several, of all together; `scores` is the summary of the same sweep. `on_point` is
-    /// called after each point.
+    /// The numbers of each data set and, if there are several, of all together; `scores` is the summary of the same sweep.
+    /// `on_point` is called after each point.
     pub fn protocol_numbers(&self, scores: &SweepScores, on_point: impl Fn()) -> SweptNumbers {
         let key = |it: &SweepSubject| (it.point_idx, it.extent.name().to_owned(), it.detector.clone());
         let subjects: BTreeMap<_, &SweepSubject> =

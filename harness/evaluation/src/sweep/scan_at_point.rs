@@ -71,9 +71,9 @@ pub struct DetectorAtPoint {
     pub cells: Option<CellTally>,
 }
 
-/// Lets all detectors look at a scan with the parameters of the points `point_idxs`; `on_point` is given what they made of it
-/// at one point after the other, until it returns an error. Detectors that are programs are those of `programs`, started where
-/// there is none.
+/// Lets all detectors look at a scan with the parameters of the points `point_idxs`; `on_point` is given what they made of
+/// it at one point after the other, until it returns an error. Detectors that are programs are those of `programs`, started
+/// where there is none.
 ///
 /// # Errors
 ///

@@ -46,8 +46,8 @@ struct DetectorAtPoint {
 }
 
 impl SweepTally<'_> {
-    /// The numbers of each data set and, if there are several, of all together. There are no times if they were taken on unlike
-    /// processors.
+    /// The numbers of each data set and, if there are several, of all together. There are no times if they were taken on
+    /// unlike processors.
     pub fn summary(&self) -> SweepScores {
         let draw = |(entry, sums): (&DatasetEntry, &DatasetSums)| {
             BlockResamples::draw(&entry.id, sums.of_seconds.keys().cloned())

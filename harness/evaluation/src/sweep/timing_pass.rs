@@ -16,7 +16,8 @@ use crate::sweep::timed_scan::TimedScan;
 pub const DETECTIONS_PER_SCAN: usize = 3;
 
 impl SweepPass<'_> {
-    /// Times `n_scans` scans of each data set, spread over it, that are in its part, but for the `done`, and leaves it in the journal.
+    /// Times `n_scans` scans of each data set, spread over it, that are in its part, but for the `done`, and leaves it in
+    /// the journal.
     ///
     /// Of every other scan the points come in the opposite order, so that a disturbance of the machine meets all of them.
     ///

@@ -37,7 +37,8 @@ pub enum Target {
 /// Seed of the draws of examples and values.
 const SEED: u64 = 0;
 
-/// A forest that predicts `targets` from `examples`, of which there is one for each target. The same bytes whatever the number of threads.
+/// A forest that predicts `targets` from `examples`, of which there is one for each target. The same bytes whatever the
+/// number of threads.
 ///
 /// # Errors
 ///

@@ -36,7 +36,8 @@ const MOST_OFF_DEG: f32 = 12.0;
 /// The detectors whose clusters are learned from: a cluster over cells and one over points end differently.
 pub const LEARNED_FROM: [&str; 2] = ["hierarchical", "kd-tree"];
 
-/// Forests that [`train_boxes`] trains: of all vehicles, of each half of them, and the one that learns from boxes of the other half.
+/// Forests that [`train_boxes`] trains: of all vehicles, of each half of them, and the one that learns from boxes of the
+/// other half.
 pub const N_BOX_FORESTS: usize = 3 * 7 + 1;
 /// A box that overlaps so much with the annotated one in space is right, as KITTI has it for cars.
 pub const RIGHT_IOU: f64 = 0.7;
@@ -64,8 +65,8 @@ pub type NewDetectors<'a> = &'a (dyn Fn() -> Vec<Box<dyn Detector>> + Sync);
 /// The trees learn from boxes of what is seen.
 pub const SEEN: BoxParams = BoxParams { outline: true, whole: false };
 
-/// The clusters in the scans of `pass` that match an annotated vehicle with a box, scan by scan. `new_detectors` makes the detectors
-/// of each thread; the ground is found with `params`.
+/// The clusters in the scans of `pass` that match an annotated vehicle with a box, scan by scan. `new_detectors` makes the
+/// detectors of each thread; the ground is found with `params`.
 ///
 /// # Errors
 ///
@@ -137,15 +138,16 @@ pub enum BoxTrainingError {
     Boosting(#[from] ForustError),
 }
 
-/// Trains all forests, and says how many of `examples` they learned from: those whose box of what is seen is turned by at most 12
-/// degrees against the annotated one. The forest that predicts whether a box is right learns from all, each with the box that forests
-/// of other drives give it.
+/// Trains all forests, and says how many of `examples` they learned from: those whose box of what is seen is turned by at
+/// most 12 degrees against the annotated one. The forest that predicts whether a box is right learns from all, each with the
+/// box that forests of other drives give it.
 ///
 /// `on_forest` is called after each of [`N_BOX_FORESTS`].
 ///
 /// # Errors
 ///
-/// [`BoxTrainingError`] if none is left, if all are of one drive, or if all are turned alike, face the same way or are right.
+/// [`BoxTrainingError`] if none is left, if all are of one drive, or if all are turned alike, face the same way or are
+/// right.
 pub fn train_boxes(
     examples: &[VehicleExample],
     on_forest: &dyn Fn(),

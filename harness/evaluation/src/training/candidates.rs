@@ -52,8 +52,8 @@ pub struct CandidateSource<'a> {
 /// What every thread looks at its scans with.
 type State = (Box<dyn Detector>, Pipeline, ObjectRaster);
 
-/// What `kept` makes of the candidates of the scans of `pass`, in their order: what the detector of `source` finds in them, and regions cut
-/// out of it.
+/// What `kept` makes of the candidates of the scans of `pass`, in their order: what the detector of `source` finds in them,
+/// and regions cut out of it.
 ///
 /// `kept` is called for every scan, from several threads.
 ///

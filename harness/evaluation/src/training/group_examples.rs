@@ -91,8 +91,8 @@ struct Looker {
     box_fit: ConvexHullBox,
 }
 
-/// The groups of the scans of `pass` that a detector over the grouping that `new_grouping` makes would look at, scan by scan; side profiles are
-/// compared with those of `library`.
+/// The groups of the scans of `pass` that a detector over the grouping that `new_grouping` makes would look at, scan by
+/// scan; side profiles are compared with those of `library`.
 ///
 /// # Errors
 ///

@@ -10,8 +10,8 @@ use crate::training::boosting::{BoostingParams, Target, boost};
 use crate::training::group_examples::ScanGroups;
 use crate::training::refinement_training::{N_FORESTS, train_refinement};
 
-/// Chosen on held-out drives of the training streets. Trees that each learn from half of the examples and values do as well, and
-/// take less time.
+/// Chosen on held-out drives of the training streets. Trees that each learn from half of the examples and values do as well,
+/// and take less time.
 const OBJECTS: BoostingParams =
     BoostingParams { n_trees: 80, depth: 6, learning_rate: 0.18, least_leaf_weight: 50.0, drawn_share: 0.5 };
 /// More trees are better on held-out drives, and rank the cars of recorded scans worse.
@@ -24,8 +24,9 @@ pub const LEAST_IOU_OF_VEHICLES: f32 = 0.25;
 /// Forests that [`train_on_groups`] trains.
 pub const N_GROUPING_FORESTS: usize = N_FORESTS + 1;
 
-/// Trains all forests with `scans`, whose side profiles were compared with those of `library`. The expected IoU of a group, which says
-/// whether the forest of vehicles learns from it, comes from forests that have not seen its drive, after so many `rounds`.
+/// Trains all forests with `scans`, whose side profiles were compared with those of `library`. The expected IoU of a group,
+/// which says whether the forest of vehicles learns from it, comes from forests that have not seen its drive, after so many
+/// `rounds`.
 ///
 /// `on_forest` is called after each of [`N_GROUPING_FORESTS`].
 ///
@@ -55,8 +56,8 @@ pub fn train_on_groups(
     Ok(GroupingModel { objects, vehicles, library })
 }
 
-/// The tolerance for each sensor at which most annotated objects are a component, of those that have scans among `scans`; of equals the
-/// smallest. The groups are components within components, at `tolerances_m` by level.
+/// The tolerance for each sensor at which most annotated objects are a component, of those that have scans among `scans`; of
+/// equals the smallest. The groups are components within components, at `tolerances_m` by level.
 pub fn best_tolerances<'a>(
     scans: impl Iterator<Item = (&'a str, &'a ScanGroups)>,
     tolerances_m: &[f32],

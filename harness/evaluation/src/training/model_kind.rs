@@ -35,8 +35,8 @@ impl ModelKind {
         0.1078
     }
 
-    /// Bound of the share of objects inside the margin: as printed, or chosen by held-out simulated drives. At the paper's 0.0377 there is
-    /// next to no margin between objects as mixed as these.
+    /// Bound of the share of objects inside the margin: as printed, or chosen by held-out simulated drives. At the paper's
+    /// 0.0377 there is next to no margin between objects as mixed as these.
     pub fn nu(self) -> f64 {
         match self {
             Self::Paper => 0.0377,
@@ -44,8 +44,8 @@ impl ModelKind {
         }
     }
 
-    /// How far from its end training stops: decision values are near to where they should be. At the paper's ν that is out of
-    /// reach, so its model is trained as far as the library of the paper goes by default (VM section 5, reference 15).
+    /// How far from its end training stops: decision values are near to where they should be. At the paper's ν that is out
+    /// of reach, so its model is trained as far as the library of the paper goes by default (VM section 5, reference 15).
     pub fn tolerance(self) -> Tolerance {
         match self {
             Self::Pca => Tolerance::OfMargin(0.1),

@@ -17,12 +17,12 @@ const N_FOLDS: usize = 3;
 /// Forests that [`train_refinement`] trains: each round, and each round of each part by the others.
 pub const N_FORESTS: usize = (1 + N_REFINEMENTS) * (1 + N_FOLDS);
 
-/// Trains the forests of all rounds with `scans`. Returns them, and the expected IoU of each group of the scans, after so many `rounds`, by forests that have not
-/// seen its drive.
+/// Trains the forests of all rounds with `scans`. Returns them, and the expected IoU of each group of the scans, after so
+/// many `rounds`, by forests that have not seen its drive.
 ///
-/// A forest is better on the scans that it learned from than on others. So the round after it learns from what forests
-/// say that have not seen these drives: the drives are parted in three, by their names, since one street may be there under several
-/// conditions and sensors. With fewer drives than that, the scans are.
+/// A forest is better on the scans that it learned from than on others. So the round after it learns from what forests say
+/// that have not seen these drives: the drives are parted in three, by their names, since one street may be there under
+/// several conditions and sensors. With fewer drives than that, the scans are.
 ///
 /// `on_forest` is called after each of [`N_FORESTS`].
 ///
@@ -142,8 +142,8 @@ mod tests {
     use detector::classify::refinement_forests::RefinementBuffers;
     use detector::group::node_values::N_NODE_VALUES;
 
-    /// A whole of two parts, which is the object or of which each part is one: nothing that a group has by itself shows which. But
-    /// the first part is longer if both are objects.
+    /// A whole of two parts, which is the object or of which each part is one: nothing that a group has by itself shows
+    /// which. But the first part is longer if both are objects.
     fn scan(sequence: &str, are_parts: bool, noise: f32) -> ScanGroups {
         let group = |node_idx, value: f32, iou| {
             let mut node_values = [0.0; N_NODE_VALUES];

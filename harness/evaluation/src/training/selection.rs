@@ -13,8 +13,8 @@ const MOST_CUT_REGIONS: f64 = 0.25;
 /// Fragments of vehicles are at most this share of it.
 const MOST_FRAGMENTS: f64 = 0.15;
 
-/// Up to `most_vehicles` vehicles of `candidates`, drawn from `seed`, and up to `others_per_vehicle` times as many others, in the order
-/// they have there.
+/// Up to `most_vehicles` vehicles of `candidates`, drawn from `seed`, and up to `others_per_vehicle` times as many others,
+/// in the order they have there.
 ///
 /// Paper: VM section 6.
 pub fn select<'a>(

@@ -68,8 +68,8 @@ impl PartName {
 #[derive(Debug, Args)]
 #[command(after_help = OBJECTS_EXAMPLES)]
 pub struct DataObjectsArgs {
-    /// Simulated objects (objects-around, objects-hdl-64e-s2, objects-hdl-32e, objects-vlp-16, objects-os1-128, objects-air or
-    /// objects-approach), a folder with a folder for each class, or a data set
+    /// Simulated objects (objects-around, objects-hdl-64e-s2, objects-hdl-32e, objects-vlp-16, objects-os1-128, objects-air
+    /// or objects-approach), a folder with a folder for each class, or a data set
     #[arg(value_name = "OBJECTS")]
     pub objects: String,
     /// Which of them.

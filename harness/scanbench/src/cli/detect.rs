@@ -36,7 +36,8 @@ pub struct DetectArgs {
     pub repeat: u32,
     /// File for the cluster of each point: `.csv` or `.u32`; `-` prints the CSV
     ///
-    /// Rows are in the order of the points. 0 is no cluster; clusters are numbered from 1. In `.u32`, numbers have four bytes, little endian.
+    /// Rows are in the order of the points. 0 is no cluster; clusters are numbered from 1. In `.u32`, numbers have four
+    /// bytes, little endian.
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,
     /// CSV file for the boxes; `-` prints it

@@ -14,7 +14,8 @@ use super::timing::TimingArgs;
 #[derive(Debug, Args)]
 #[command(after_help = REPRODUCE_EXAMPLES)]
 pub struct ReproduceArgs {
-    /// Which paper: hg (objects over a hierarchical grid), vm (vehicles by their model), or all, with bg (partial clouds of objects)
+    /// Which paper: hg (objects over a hierarchical grid), vm (vehicles by their model), or all, with bg (partial clouds of
+    /// objects)
     #[arg(value_enum, ignore_case = true, default_value = "all", help_heading = clap::builder::Resettable::Reset)]
     pub paper: PaperName,
     /// The scans.

@@ -16,8 +16,9 @@ use super::help_text::{DETECTORS, OUTPUT};
 pub struct ForeignArgs {
     /// Judge what another program found; may be repeated
     ///
-    /// PATH has a file for each scan or drive, or is a file: KITTI's .txt, nuScenes' .json, Argoverse 2's .feather, SemanticKITTI's .label, .mcap (also
-    /// `a.mcap:/topic`), or what `detect` writes. docs/formats.md describes them. Without -d, the default detectors run as well.
+    /// PATH has a file for each scan or drive, or is a file: KITTI's .txt, nuScenes' .json, Argoverse 2's .feather,
+    /// SemanticKITTI's .label, .mcap (also `a.mcap:/topic`), or what `detect` writes. docs/formats.md describes them.
+    /// Without -d, the default detectors run as well.
     #[arg(long, value_name = "NAME=PATH")]
     pub detections: Vec<NamedResults>,
     /// If --detections lack scans

@@ -46,8 +46,9 @@ pub struct DatasetArgs {
 pub struct BlocksArgs {
     /// CSV file with the columns scan and block: which scans belong together where intervals are estimated
     ///
-    /// A scan is called as in tables, such as `training/000310`; its number will do if no other scan has it. Scans of a drive, of a
-    /// place or of a day belong together if others of the kind would be different. Without the file it is drives or seconds.
+    /// A scan is called as in tables, such as `training/000310`; its number will do if no other scan has it. Scans of a
+    /// drive, of a place or of a day belong together if others of the kind would be different. Without the file it is drives
+    /// or seconds.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub blocks: Option<PathBuf>,
 }
@@ -82,8 +83,8 @@ pub struct SourceArgs {
     pub sensor_height: Option<f32>,
     /// File with the transform from the frame of recorded files to the sensor's: x forward, y left, z up
     ///
-    /// A matrix of 4 × 4 or 3 × 4 numbers row by row, or x y z and a quaternion x y z w, or x y z roll pitch yaw as ROS has them;
-    /// in metres and radians. Points and boxes are moved by it.
+    /// A matrix of 4 × 4 or 3 × 4 numbers row by row, or x y z and a quaternion x y z w, or x y z roll pitch yaw as ROS has
+    /// them; in metres and radians. Points and boxes are moved by it.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub transform: Option<PathBuf>,
     /// Where ids are looked up.

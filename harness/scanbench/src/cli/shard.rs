@@ -11,8 +11,9 @@ use super::help_text::DATA;
 pub struct ShardArgs {
     /// Make only part I of N, counted from 1, some of the scans or objects; `merge` puts all parts together
     ///
-    /// -o names the folder of the shards, the same for all of them: each gets a directory in it, such as `shard-3-of-8`. Scans that
-    /// intervals are drawn from together stay together. To continue an interrupted shard, give the same command again.
+    /// -o names the folder of the shards, the same for all of them: each gets a directory in it, such as `shard-3-of-8`.
+    /// Scans that intervals are drawn from together stay together. To continue an interrupted shard, give the same command
+    /// again.
     #[arg(long, value_name = "I/N", requires = "output", hide_short_help = true)]
     pub shard: Option<Shard>,
 }

@@ -44,7 +44,8 @@ pub struct StreamArgs {
     /// Record only every Nth scan; all are evaluated [default: 1, or more where it would be more than 2000 scans]
     #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rerun_every: Option<u32>,
-    /// Record at most N points of a scan, or `all` [default: one in each cube of 10 cm, or of 25 cm in recordings of more than 20 scans]; detectors get all
+    /// Record at most N points of a scan, or `all` [default: one in each cube of 10 cm, or of 25 cm in recordings of more
+    /// than 20 scans]; detectors get all
     #[arg(long, hide_short_help = true, value_name = "N")]
     pub rerun_points: Option<RecordedPoints>,
     /// Tab that the recording opens with
@@ -52,7 +53,8 @@ pub struct StreamArgs {
     pub blueprint: TabName,
 }
 
-/// Scans of a recording, unless more are asked for. Its index is in memory until its end and grows by a tenth of a megabyte with each.
+/// Scans of a recording, unless more are asked for. Its index is in memory until its end and grows by a tenth of a megabyte
+/// with each.
 const MOST_RECORDED: usize = 2000;
 
 impl StreamArgs {

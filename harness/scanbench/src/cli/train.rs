@@ -43,12 +43,14 @@ pub struct TreeTrainingArgs {
     /// Sensors to simulate, one after the other
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "sensor", help_heading = TRAINING)]
     pub sensors: Vec<String>,
-    /// Take the side profiles of vehicles from this model [default: groupings: from the shipped one; rivals: found in the scans]
+    /// Take the side profiles of vehicles from this model [default: groupings: from the shipped one; rivals: found in the
+    /// scans]
     #[arg(long, value_name = "FILE", help_heading = TRAINING)]
     pub prototypes: Option<PathBuf>,
     /// Set one parameter of what finds the groups; may be repeated
     ///
-    /// The models keep it: a run with another value is refused. The last parts of a name are enough if only one parameter ends in them.
+    /// The models keep it: a run with another value is refused. The last parts of a name are enough if only one parameter
+    /// ends in them.
     #[arg(short = 'P', long = "param", value_name = "NAME=VALUE", help_heading = TRAINING)]
     pub parameters: Vec<OverrideOption>,
     /// What is judged by.
@@ -96,8 +98,8 @@ pub struct SvmTrainingArgs {
     pub prototypes: u32,
     /// Width of the Gaussian kernel, for standardised features [default: 0.1078, as printed]
     ///
-    /// Of several widths and shares the pair with the greatest precision-recall area is taken, on average over five parts of the
-    /// training drives, each judged by a classifier that learned from the other parts.
+    /// Of several widths and shares the pair with the greatest precision-recall area is taken, on average over five parts of
+    /// the training drives, each judged by a classifier that learned from the other parts.
     #[arg(long, value_name = "X,...", value_delimiter = ',', help_heading = TRAINING)]
     pub gamma: Vec<f32>,
     /// Share of training examples allowed inside the margin [default: for paper 0.0377, as printed; for pca 0.2]

@@ -32,8 +32,8 @@ const METHOD: &str = "hierarchical";
 
 const ABLATION_CSV: &str = "ablation.csv";
 
-/// Runs the hierarchical detector whole and without each of its parts on the same scans, writes the run directory and prints the
-/// table; or makes a shard of that.
+/// Runs the hierarchical detector whole and without each of its parts on the same scans, writes the run directory and prints
+/// the table; or makes a shard of that.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let output = WorkOutput::claim(Study::Ablation, arguments.shard.shard, &arguments.output)?;
     let mut ablation = open_ablation(arguments, output.started)?;

@@ -92,8 +92,8 @@ impl Accepted {
         })
     }
 
-    /// What comes of it beside what was accepted before in the baseline `directory`; `None` if there is nothing that it can be compared
-    /// with. It lies in `path`.
+    /// What comes of it beside what was accepted before in the baseline `directory`; `None` if there is nothing that it can
+    /// be compared with. It lies in `path`.
     fn judged_by(&self, directory: &Path, path: &Path) -> Result<Option<Judged>, Failure> {
         let target = directory.join(ACCEPTED_RUN);
         match self {

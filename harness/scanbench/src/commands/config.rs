@@ -18,8 +18,8 @@ use crate::commands::standard_streams::{print_detail, print_diagnostic};
 /// The file that defines detectors and parameters, in the working directory or one above it.
 pub const CONFIGURATION_FILE: &str = "scanbench.toml";
 
-/// The detectors with these names, and the parameters that ship, overridden by the file and then by the options of `arguments`, whose
-/// short names are those of parameters of these detectors.
+/// The detectors with these names, and the parameters that ship, overridden by the file and then by the options of
+/// `arguments`, whose short names are those of parameters of these detectors.
 pub fn chosen_detectors(
     arguments: &ConfigArgs,
     names: &[String],
@@ -48,8 +48,8 @@ pub fn runnable_detectors(
     }
 }
 
-/// The same with detectors that left results: those that `left` names, and those of the file. Those of `left` that `names` does
-/// not have come last.
+/// The same with detectors that left results: those that `left` names, and those of the file. Those of `left` that `names`
+/// does not have come last.
 pub fn chosen_with_results(
     arguments: &ConfigArgs,
     names: &[String],

@@ -1,7 +1,7 @@
 //! How the program ends when something is wrong.
 //!
-//! Every error that a verb can meet is turned into a [`Failure`] by `?`. There is no way for errors of any kind: a new one does not
-//! compile until it is said here what kind of ending it is.
+//! Every error that a verb can meet is turned into a [`Failure`] by `?`. There is no way for errors of any kind: a new one
+//! does not compile until it is said here what kind of ending it is.
 
 use std::error::Error;
 use std::fmt;

@@ -31,8 +31,8 @@ use crate::commands::standard_streams::{print_detail, print_diagnostic};
 const ENOUGH_POINTS: usize = 300_000;
 /// Heights that are this far from what they are said to be are suspect, in metres.
 const SUSPECT_HEIGHT_M: f64 = 0.5;
-/// A height is taken from the scans if it differs by more than this, in metres; in the format of a benchmark, whose height is
-/// known, only if it is suspect.
+/// A height is taken from the scans if it differs by more than this, in metres; in the format of a benchmark, whose height
+/// is known, only if it is suspect.
 const OTHER_HEIGHT_M: f64 = 0.25;
 /// A steeper tilt is of the sensor and not of the street: it is levelled if nobody said how the sensor is mounted, and
 /// suspect otherwise, in degrees. In front of crossings and on crowned roads, sensors that stand upright see up to 2.2
@@ -116,7 +116,8 @@ pub fn suspicions_of(opened: &OpenedDataset) -> (Vec<FrameSuspicion>, Option<Lab
     (look.suspicions, Some(look.labels))
 }
 
-/// Whether most labels are as a detector proposed them. What is wrong with the list of proposals does not keep anybody from running.
+/// Whether most labels are as a detector proposed them. What is wrong with the list of proposals does not keep anybody from
+/// running.
 fn suspicion_of_proposals(opened: &OpenedDataset) -> Option<FrameSuspicion> {
     let list = ProposalList::in_folder(opened.dataset.description().root.as_deref()?).ok().flatten()?;
     proposed_suspicion(&first_scans(opened), &list).map(FrameSuspicion::Labels)
@@ -141,7 +142,8 @@ fn take_simulated_density(
     })
 }
 
-/// Takes the density of `sensor` in the data set `id` from `clouds` if it has no curve, and if they are enough. Returns whether it did.
+/// Takes the density of `sensor` in the data set `id` from `clouds` if it has no curve, and if they are enough. Returns
+/// whether it did.
 fn take_density(config: &mut RunConfig, [id, sensor]: [&str; 2], clouds: &[&PointCloud]) -> bool {
     if config.for_dataset(id, sensor).is_some() {
         return false;
@@ -185,8 +187,8 @@ fn next_scans(opened: &OpenedDataset, scans: &[LabeledScan]) -> Vec<(usize, Labe
     scans.iter().enumerate().filter_map(next).collect()
 }
 
-/// The beams in the frame of the scans, which is the sensor's. If no known sensor has these, it may be that the points were turned
-/// after they were taken, and the sensor stood upright.
+/// The beams in the frame of the scans, which is the sensor's. If no known sensor has these, it may be that the points were
+/// turned after they were taken, and the sensor stood upright.
 fn seen_beams(clouds: &[&PointCloud], ground: Option<&(UpAxis, SeenGround)>) -> Option<SeenBeams> {
     let seen = SeenBeams::of(clouds.iter().copied(), &Isometry3::identity())?;
     let upright = || SeenBeams::of(clouds.iter().copied(), &ground?.1.levelling());

@@ -1,7 +1,7 @@
 //! Ctrl-C, and requests to terminate.
 //!
-//! The first signal sets a flag, by which the work in hand ends in good order. Whatever does not look at the flag, or not soon
-//! enough, is ended a moment later, or by the second signal; what is unfinished on the disk is removed then.
+//! The first signal sets a flag, by which the work in hand ends in good order. Whatever does not look at the flag, or not
+//! soon enough, is ended a moment later, or by the second signal; what is unfinished on the disk is removed then.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU64, Ordering};

@@ -24,8 +24,8 @@ impl CsvRow for BlockRow {
     const COLUMNS: &'static [&'static str] = &["scan", "block"];
 }
 
-/// `datasets`, with the blocks that `file` names, if there is one. Scans of a block come one after the other, so that shards can be cut
-/// between blocks.
+/// `datasets`, with the blocks that `file` names, if there is one. Scans of a block come one after the other, so that shards
+/// can be cut between blocks.
 pub fn with_named_blocks(
     datasets: Vec<OpenedDataset>,
     file: Option<&Path>,
@@ -57,7 +57,8 @@ pub fn with_named_blocks(
     }])
 }
 
-/// The block of each of `scan_ids`; those not among `scan_indices` may have none. Scans that there are not may be in the file, too.
+/// The block of each of `scan_ids`; those not among `scan_indices` may have none. Scans that there are not may be in the
+/// file, too.
 fn blocks_of(
     rows: &[BlockRow],
     scan_ids: &[ScanId],

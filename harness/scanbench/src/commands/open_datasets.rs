@@ -84,7 +84,8 @@ impl OpenedDataset {
         Ok(())
     }
 
-    /// What `look` sees in the scans, with a bar over them. It ends once `interrupted` is set. Warns of points that were left out.
+    /// What `look` sees in the scans, with a bar over them. It ends once `interrupted` is set. Warns of points that were
+    /// left out.
     pub fn look<T>(
         &self,
         interrupted: &AtomicBool,
@@ -160,8 +161,8 @@ pub fn open_catalogue(path: Option<&Path>) -> Result<Catalogue, Failure> {
     })
 }
 
-/// Opens all data sets before anything is run, so that a misspelled last one costs nothing. `of_config` is what the configuration says about names of
-/// classes.
+/// Opens all data sets before anything is run, so that a misspelled last one costs nothing. `of_config` is what the
+/// configuration says about names of classes.
 pub fn open_datasets(arguments: &DatasetArgs, of_config: &ClassTable) -> Result<Vec<OpenedDataset>, Failure> {
     open_datasets_past_damage(arguments, DamagePolicy::Refuse, of_config)
 }

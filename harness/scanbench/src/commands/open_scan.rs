@@ -33,7 +33,8 @@ pub struct OpenedScan {
     pub of_data_set: Vec<PointCloud>,
 }
 
-/// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` is what the configuration says about names of classes.
+/// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` is what the configuration says
+/// about names of classes.
 pub fn open_scan(
     input: &str,
     id: Option<&str>,

@@ -24,8 +24,8 @@ pub struct OpenedResults {
 }
 
 impl OpenedResults {
-    /// Opens the results of all `entrants` that left some, for all `datasets`: of each those in the folder of its name, if there is one, or else
-    /// those at the path itself.
+    /// Opens the results of all `entrants` that left some, for all `datasets`: of each those in the folder of its name, if
+    /// there is one, or else those at the path itself.
     pub fn open(
         entrants: &[Entrant],
         datasets: &[OpenedDataset],

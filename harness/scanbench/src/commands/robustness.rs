@@ -42,8 +42,8 @@ const METHOD: &str = "hierarchical";
 /// What the seed of the experiment draws.
 const DRAWN: &str = "streets";
 
-/// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run directory
-/// and prints the table; or makes a shard of that.
+/// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run
+/// directory and prints the table; or makes a shard of that.
 pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let output = WorkOutput::claim(Study::Robustness, arguments.shard.shard, &arguments.output)?;
     let mut study = open_robustness(arguments, output.started)?;

@@ -20,8 +20,8 @@ pub fn claim_named(arguments: &OutputArgs) -> Result<Option<ClaimedTarget>, Fail
     }
 }
 
-/// The directory that was `named`, or else `unnamed` in `runs/`, to which `latest` may point. It gets a number if one of that name
-/// exists, or if somebody else is writing it.
+/// The directory that was `named`, or else `unnamed` in `runs/`, to which `latest` may point. It gets a number if one of
+/// that name exists, or if somebody else is writing it.
 pub fn claim_unnamed(
     named: Option<ClaimedTarget>,
     unnamed: &str,

@@ -13,8 +13,8 @@ use crate::commands::failure::Failure;
 use crate::commands::paper_files::write_table;
 use crate::commands::standard_streams::terminal;
 
-/// Makes the numbers of rows under protocols and writes them into `directory` in all their forms. Returns what is printed: the short
-/// table of each protocol. Nothing where the run was evaluated under none.
+/// Makes the numbers of rows under protocols and writes them into `directory` in all their forms. Returns what is printed:
+/// the short table of each protocol. Nothing where the run was evaluated under none.
 pub fn write_protocols(
     directory: &RunDirectory,
     manifest: &Manifest,

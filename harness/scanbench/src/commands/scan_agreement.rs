@@ -7,8 +7,8 @@ use evaluation::run::sink::JudgedScan;
 use reports::rows::agreement_row::AgreementRow;
 use reports::vocabulary::task::Task;
 
-/// How far detectors agree on a scan: for each task each detector with each other one, in their order; one that is alone with
-/// itself.
+/// How far detectors agree on a scan: for each task each detector with each other one, in their order; one that is alone
+/// with itself.
 pub fn agreement_of(judged: &JudgedScan<'_>) -> Vec<AgreementRow> {
     let n_detectors = judged.results.results.len();
     let all = Task::ALL.into_iter().flat_map(|task| (0..n_detectors).map(move |idx| (task, idx)));

@@ -164,8 +164,8 @@ impl Server {
     }
 }
 
-/// What was found, as an answer has it. It is an error if detections share points or have none: an answer with clusters cannot
-/// express that.
+/// What was found, as an answer has it. It is an error if detections share points or have none: an answer with clusters
+/// cannot express that.
 fn result_of(output: &DetectorOutput, n_points: usize) -> Result<(ResultLine, Vec<u8>), String> {
     let detections = &output.detections;
     let mut ids = vec![0_u32; n_points];

@@ -124,8 +124,8 @@ impl<'a> WatchedRun<'a> {
     }
 }
 
-/// Reports that nothing is to be found in the scans of a data set: a warning if there are no labels, and an error if there are
-/// some but none counts.
+/// Reports that nothing is to be found in the scans of a data set: a warning if there are no labels, and an error if there
+/// are some but none counts.
 pub fn report_nothing_to_find(
     id: &str,
     has_labels: bool,

@@ -1,6 +1,7 @@
 //! Detectors that are programs of their own: served ones, and ones that misbehave in every way that the protocol names.
 //!
-//! The misbehaving program is this test program itself: asked for the one test [`as_a_detector`], it behaves as its arguments say.
+//! The misbehaving program is this test program itself: asked for the one test [`as_a_detector`], it behaves as its
+//! arguments say.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::BTreeSet;

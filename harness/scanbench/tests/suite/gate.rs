@@ -372,8 +372,8 @@ fn two_detectors_are_compared_on_the_same_resamples() {
     assert!(itself.contains("No result of a scan changed."), "{itself}");
 }
 
-/// A loss of fifteen points of F-rate and more, and tolerances that are about something else: whatever it is, the gate does not
-/// pass, and does not call it a mere change either.
+/// A loss of fifteen points of F-rate and more, and tolerances that are about something else: whatever it is, the gate does
+/// not pass, and does not call it a mere change either.
 #[test]
 fn tolerances_that_name_nothing_never_let_a_loss_pass() {
     let workplace = accepted();

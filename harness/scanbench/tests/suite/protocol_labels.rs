@@ -69,8 +69,8 @@ fn without_labels_of_points_there_is_nothing_to_score() {
     assert_eq!(workplace.top_names(), Vec::<String>::new());
 }
 
-/// What the makers' programs say of the shared scans where whatever stands higher than 1.5 m below the sensor is found in columns of 2 m, and
-/// all below is classified as ground; versions as in `docs/protocols.md`.
+/// What the makers' programs say of the shared scans where whatever stands higher than 1.5 m below the sensor is found in
+/// columns of 2 m, and all below is classified as ground; versions as in `docs/protocols.md`.
 #[test]
 #[ignore = "needs data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn real_scans_have_the_numbers_of_the_makers() {

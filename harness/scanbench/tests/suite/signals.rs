@@ -51,8 +51,8 @@ fn interrupted(
     (ended, sent.elapsed())
 }
 
-/// One signal of a kind, and two of the other, of which the `turn` says which: it ends in time with the signal's code, and only
-/// `left` is there.
+/// One signal of a kind, and two of the other, of which the `turn` says which: it ends in time with the signal's code, and
+/// only `left` is there.
 #[track_caller]
 fn check(workplace: &Workplace, arguments: &str, turn: usize, left: &[&str]) {
     let mut random = ChaCha8Rng::seed_from_u64(7);
@@ -121,7 +121,8 @@ fn training_ends_soon() {
     ]);
 }
 
-/// A data set `dense` of one scan of two million points within reach of each other, among which a kd-tree searches for minutes.
+/// A data set `dense` of one scan of two million points within reach of each other, among which a kd-tree searches for
+/// minutes.
 fn with_dense_scan() -> Workplace {
     const N_POINTS: usize = 2_000_000;
     let workplace = Workplace::new();

@@ -21,8 +21,8 @@ impl InstanceNumbers {
         self.in_scan.clear();
     }
 
-    /// The number of an object of the scan: that of its class and track in earlier scans, else one that no other object has. An object without a
-    /// track is another one in each scan, and so is the second of one track in a scan.
+    /// The number of an object of the scan: that of its class and track in earlier scans, else one that no other object has.
+    /// An object without a track is another one in each scan, and so is the second of one track in a scan.
     ///
     /// # Errors
     ///

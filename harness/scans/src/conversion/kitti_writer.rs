@@ -1,6 +1,7 @@
 //! Scans in the layouts of KITTI's tracking and object benchmarks.
 //!
-//! Objects without a box get the one around their points. Where not all is labelled, a file beside every scan says so point by point (see [`point_region_file`]).
+//! Objects without a box get the one around their points. Where not all is labelled, a file beside every scan says so point
+//! by point (see [`point_region_file`]).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Scans as an MCAP recording: `foxglove.PointCloud`, `foxglove.SceneUpdate` and `foxglove.FrameTransform` in protobuf, in chunks with
-//! indexes.
+//! Scans as an MCAP recording: `foxglove.PointCloud`, `foxglove.SceneUpdate` and `foxglove.FrameTransform` in protobuf, in
+//! chunks with indexes.
 //!
 //! What these messages cannot say is in further fields of the points (see [`own_fields`]) and in a metadata record (see
 //! [`own_metadata`]), so that reading a recording gives what was written.

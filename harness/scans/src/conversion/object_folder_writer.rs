@@ -11,8 +11,8 @@ use crate::dataset::scan_folder::scan_file::scan_extension;
 use crate::object_cloud::object_cloud_set::ObjectCloudSet;
 use crate::object_cloud::object_sheet::{OBJECT_SHEET, ObjectSheet, SeenObject};
 
-/// Writes all of `objects` to the folder `target`, which must not exist: `CLASS/ID.npy`, rows of x, y, z in metres and the intensity, and
-/// `objects.json`, which says whether they are simulated and how each was seen.
+/// Writes all of `objects` to the folder `target`, which must not exist: `CLASS/ID.npy`, rows of x, y, z in metres and the
+/// intensity, and `objects.json`, which says whether they are simulated and how each was seen.
 pub fn write_object_folder(objects: &dyn ObjectCloudSet, target: &Path) -> Result<(), ConversionError> {
     let folder = WholeFolder::create(target)?;
     let mut seen = BTreeMap::new();

@@ -1,8 +1,9 @@
 //! Scans as drives of SemanticKITTI: `.bin` and `.label` files, and the poses and times that are known.
 //!
-//! Every annotation becomes an instance, numbered anew in each drive by its class and track; boxes are not written. Poles without a track that hang
-//! together as a reader of the format expects keep instance 0, as in the real labels. Points of no annotation become *other ground*, points that
-//! are not judged *unlabelled*. Scans are numbered anew in each drive, as poses and times go by number.
+//! Every annotation becomes an instance, numbered anew in each drive by its class and track; boxes are not written. Poles
+//! without a track that hang together as a reader of the format expects keep instance 0, as in the real labels. Points of no
+//! annotation become *other ground*, points that are not judged *unlabelled*. Scans are numbered anew in each drive, as
+//! poses and times go by number.
 
 use std::collections::BTreeMap;
 use std::path::Path;

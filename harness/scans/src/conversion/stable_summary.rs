@@ -1,5 +1,5 @@
-//! The same bytes for the same recording: the library lists schemas and channels at the end of a file in the order of a hash map, which
-//! differs each time. Here they are sorted by their numbers before they reach the file.
+//! The same bytes for the same recording: the library lists schemas and channels at the end of a file in the order of a hash
+//! map, which differs each time. Here they are sorted by their numbers before they reach the file.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -67,7 +67,8 @@ impl<W: Write> Write for StableSummary<W> {
     }
 }
 
-/// Sorts schemas and channels in the summary at the end of a recording, of which `end` begins at byte `begin`; `None` if it is none.
+/// Sorts schemas and channels in the summary at the end of a recording, of which `end` begins at byte `begin`; `None` if it
+/// is none.
 fn sort_summary(end: &mut [u8], begin: u64) -> Option<()> {
     let footer = end.len().checked_sub(N_FOOTER_BYTES + N_MARK_BYTES)?;
     let summary_start = u64::from_le_bytes(*end.get(footer + N_HEAD_BYTES..)?.first_chunk()?);

@@ -47,7 +47,8 @@ impl WholeFolder {
 
     /// Writes the file `name`, with its folders.
     ///
-    /// It is an error if a file of that name exists: two names may be one where file names do not distinguish upper and lower case.
+    /// It is an error if a file of that name exists: two names may be one where file names do not distinguish upper and
+    /// lower case.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<(), ConversionError> {
         use std::io::Write as _;
         let path = self.partial.path().join(name);

@@ -34,7 +34,8 @@ pub struct BetterFit {
     pub share_better: f64,
 }
 
-/// The mean over `vehicles`, changed by `correction` if there is one, of how well points lie along sides, from 0 to 1; 0 of nothing.
+/// The mean over `vehicles`, changed by `correction` if there is one, of how well points lie along sides, from 0 to 1; 0 of
+/// nothing.
 pub fn mean_fit(vehicles: &[SeenVehicle], correction: Option<Correction>) -> f64 {
     let fits = vehicles.iter().map(|it| fit_of(it, correction));
     fits.sum::<f64>() / vehicles.len().max(1) as f64

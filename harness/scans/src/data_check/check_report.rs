@@ -66,7 +66,8 @@ impl CheckReport {
         report
     }
 
-    /// Adds what may be wrong with labels and names as a whole, see [`Dataset::oddities`](crate::dataset::Dataset::oddities).
+    /// Adds what may be wrong with labels and names as a whole, see
+    /// [`Dataset::oddities`](crate::dataset::Dataset::oddities).
     pub fn add_oddities(&mut self, oddities: impl IntoIterator<Item = String>) {
         self.warnings.extend(oddities.into_iter().map(|it| shown(&it).into_owned()));
     }

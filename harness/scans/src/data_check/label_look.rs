@@ -20,7 +20,8 @@ const ENOUGH: usize = 10;
 const BELIEVED_GAIN: [f64; 2] = [1.15, 2.0];
 /// And if it makes this share of the vehicles better.
 const BELIEVED_SHARE: f64 = 0.7;
-/// The labels of the next scan are believed if they fit so much better than those of this one, and so well beside the best change.
+/// The labels of the next scan are believed if they fit so much better than those of this one, and so well beside the best
+/// change.
 const BELIEVED_OTHER_SCAN: [f64; 2] = [1.25, 0.8];
 /// Bottoms of boxes may be so far from the ground, in metres.
 const FROM_GROUND_M: f64 = 0.3;
@@ -44,7 +45,8 @@ pub struct LabelLook {
 }
 
 impl LabelLook {
-    /// The labels of `scans`. `next` reads the scans that follow some of them: the index of each in `scans`, and the next one.
+    /// The labels of `scans`. `next` reads the scans that follow some of them: the index of each in `scans`, and the next
+    /// one.
     pub fn of(scans: &[LabeledScan], next: impl FnOnce() -> Vec<(usize, LabeledScan)>) -> Self {
         let vehicles = seen(scans, |it| it);
         let position = position_suspicion(scans, &vehicles, next);
@@ -64,8 +66,8 @@ impl LabelLook {
         self.vehicles.seen.len() >= FEWEST
     }
 
-    /// Where the points of the most frequent class lie in the frames of its boxes: from above, and from the side. `None` if there
-    /// are too few.
+    /// Where the points of the most frequent class lie in the frames of its boxes: from above, and from the side. `None` if
+    /// there are too few.
     pub fn points(&self) -> Option<[BoxPoints; 2]> {
         if !self.is_enough() {
             return None;
@@ -163,7 +165,8 @@ fn best_elsewhere(scans: &[LabeledScan]) -> Option<(Correction, f64, usize)> {
     Correction::ELSEWHERE.map(fit).into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// How well the labels of each next scan fit the scan before it, and the other way round: the better of both, and the number of vehicles.
+/// How well the labels of each next scan fit the scan before it, and the other way round: the better of both, and the number
+/// of vehicles.
 fn best_other_scan(scans: &[LabeledScan], next: &[(usize, LabeledScan)]) -> Option<(Correction, f64, usize)> {
     let fit = |is_next: bool| {
         let mut vehicles = SeenVehicles::default();

@@ -78,8 +78,8 @@ impl UpAxis {
         }
     }
 
-    /// A turn that puts the axis up, as a file of `--transform` has it: rows of rotation and shift. Where the format of cameras or of
-    /// computer graphics is likely, forward is theirs; otherwise as little as possible is turned.
+    /// A turn that puts the axis up, as a file of `--transform` has it: rows of rotation and shift. Where the format of
+    /// cameras or of computer graphics is likely, forward is theirs; otherwise as little as possible is turned.
     pub fn sensor_from_file(self) -> &'static str {
         match self {
             Self::Z => "1 0 0 0  0 1 0 0  0 0 1 0",
@@ -104,7 +104,8 @@ impl UpAxis {
 }
 
 impl SeenGround {
-    /// The ground below the sensor in `clouds`, all of one frame, if `axis` points up, more or less; `None` if there is none.
+    /// The ground below the sensor in `clouds`, all of one frame, if `axis` points up, more or less; `None` if there is
+    /// none.
     pub fn of<'a>(clouds: impl IntoIterator<Item = &'a PointCloud>, axis: UpAxis) -> Option<Self> {
         let to_upright = UnitQuaternion::rotation_between(&axis.direction(), &Vector3::z())
             .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
@@ -116,8 +117,8 @@ impl SeenGround {
         Some(Self { up: up.into(), height_m, share, n_squares: n_on })
     }
 
-    /// The axis that points up in `clouds`, with the ground that it sees: z unless another one sees much more of it. `None` if no
-    /// axis sees any.
+    /// The axis that points up in `clouds`, with the ground that it sees: z unless another one sees much more of it. `None`
+    /// if no axis sees any.
     pub fn with_axis(clouds: &[&PointCloud]) -> Option<(UpAxis, Self)> {
         let seen = |axis| Some((axis, Self::of(clouds.iter().copied(), axis)?));
         let upright = seen(UpAxis::Z);

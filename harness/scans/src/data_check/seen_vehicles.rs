@@ -43,7 +43,8 @@ pub struct SeenVehicles {
 }
 
 impl SeenVehicles {
-    /// The vehicles of `annotations` with the points of `cloud`. A box is `moved` first, as the search for what is wrong with it asks.
+    /// The vehicles of `annotations` with the points of `cloud`. A box is `moved` first, as the search for what is wrong
+    /// with it asks.
     pub fn add(
         &mut self,
         cloud: &PointCloud,

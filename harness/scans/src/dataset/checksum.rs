@@ -1,9 +1,11 @@
 //! Checksums that show whether data changed, and are cheap enough for every run.
 //!
-//! That of a data set is taken when it is opened; that of each scan as it is read is [`checksum_as_read`]. The former is the SHA-256 of sorted lines, each ended by a newline:
+//! That of a data set is taken when it is opened; that of each scan as it is read is [`checksum_as_read`]. The former is the
+//! SHA-256 of sorted lines, each ended by a newline:
 //!
-//! - `scan NAME SIZE` for every scan file and every file with a label a point, SIZE in bytes. Scans are by far the most of the data; hashing their contents
-//!   would take longer than opening the data set. What changes and keeps its size shows in the checksums of the scans that are read.
+//! - `scan NAME SIZE` for every scan file and every file with a label a point, SIZE in bytes. Scans are by far the most of
+//!   the data; hashing their contents would take longer than opening the data set. What changes and keeps its size shows in
+//!   the checksums of the scans that are read.
 //! - `text NAME SHA256` for every label and calibration file, over its content.
 //! - `image NAME WIDTHxHEIGHT` for the image size, in pixels, that the labelled region of the scan or sequence NAME is
 //!   computed with.
@@ -71,10 +73,11 @@ impl ContentChecksum {
     }
 }
 
-/// CRC-32 of all of a scan that numbers are made of, as it was read: points, annotations, and what the labels say nothing about.
+/// CRC-32 of all of a scan that numbers are made of, as it was read: points, annotations, and what the labels say nothing
+/// about.
 ///
-/// [`DatasetChecksum`] is of the files of a data set before any of them is read, so it takes large ones by their size. This one also
-/// changes with labels that kept their size, with another transform, and with other names of classes.
+/// [`DatasetChecksum`] is of the files of a data set before any of them is read, so it takes large ones by their size. This
+/// one also changes with labels that kept their size, with another transform, and with other names of classes.
 pub fn checksum_as_read(scan: &LabeledScan) -> u32 {
     let LabeledScan { id: _, cloud, annotations, point_regions, labeled_area, points_left_out } = scan;
     let mut checksum = crc32fast::Hasher::new();

@@ -2,8 +2,8 @@
 
 use reports::vocabulary::class::AnnotationClass;
 
-/// The class that `name` stands for, in whatever spelling: ours, KITTI's, that of nuScenes or Argoverse 2, or a plain word; `None` if it stands for
-/// nothing known.
+/// The class that `name` stands for, in whatever spelling: ours, KITTI's, that of nuScenes or Argoverse 2, or a plain word;
+/// `None` if it stands for nothing known.
 pub fn class_named(name: &str) -> Option<AnnotationClass> {
     use AnnotationClass as Class;
     let name = plain_name(name);

@@ -188,7 +188,8 @@ impl UnknownClasses {
         self.by_name.is_empty()
     }
 
-    /// Nothing if all names are known, else the error that lists those that are not, with the lines that would map them. `id` is the data set.
+    /// Nothing if all names are known, else the error that lists those that are not, with the lines that would map them.
+    /// `id` is the data set.
     pub fn refuse(&self, id: &str) -> Result<(), DatasetError> {
         if self.is_empty() {
             return Ok(());

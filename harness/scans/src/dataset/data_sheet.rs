@@ -1,5 +1,5 @@
-//! What a converted data set says about itself beyond what its format can: the file `scanbench.json` beside the scans, or the
-//! same text in the metadata of a recording.
+//! What a converted data set says about itself beyond what its format can: the file `scanbench.json` beside the scans, or
+//! the same text in the metadata of a recording.
 
 use std::path::Path;
 

@@ -1,6 +1,7 @@
 //! Feather files: columns in Arrow's file format, plain or compressed by LZ4 or Zstandard.
 //!
-//! The descriptions are read by Arrow's own crate, the columns here: its reader takes the sizes that a file claims at their word.
+//! The descriptions are read by Arrow's own crate, the columns here: its reader takes the sizes that a file claims at their
+//! word.
 
 use std::collections::BTreeMap;
 use std::io::Read as _;
@@ -49,7 +50,8 @@ impl FeatherTable {
         Self::parse(&bytes_of(path)?, names, optional).map_err(|problem| DatasetError::damaged(path, problem))
     }
 
-    /// The columns called `names` in `bytes`, and those of `optional` that there are. Errors are the rest of a sentence about the file.
+    /// The columns called `names` in `bytes`, and those of `optional` that there are. Errors are the rest of a sentence
+    /// about the file.
     pub fn parse(bytes: &[u8], names: &[&str], optional: &[&str]) -> Result<Self, String> {
         let footer = footer_of(bytes)?;
         let fields: Vec<Field<'_>> =

@@ -1,8 +1,10 @@
-//! What results of other programs need to know about a scan: how the makers of its format name it, and in which frame they give boxes.
+//! What results of other programs need to know about a scan: how the makers of its format name it, and in which frame they
+//! give boxes.
 
 use nalgebra::{Isometry3, Matrix3x4, Matrix4};
 
-/// How a scan is named in results made elsewhere beside its id, and how the frame of their boxes lies to the sensor's. Metres.
+/// How a scan is named in results made elsewhere beside its id, and how the frame of their boxes lies to the sensor's.
+/// Metres.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForeignFrame {
     /// Nothing more than its id is known, and boxes are in the frame of the sensor.

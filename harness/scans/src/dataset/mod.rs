@@ -97,14 +97,14 @@ pub trait Dataset: Send + Sync {
         self.inner().map_or(Nearness::Times, Dataset::nearness)
     }
 
-    /// The drive, or the block that the user has named, that scan `scan_idx` is of when intervals are estimated; `None` where that is
-    /// its sequence.
+    /// The drive, or the block that the user has named, that scan `scan_idx` is of when intervals are estimated; `None`
+    /// where that is its sequence.
     fn scan_block(&self, scan_idx: usize) -> Option<&str> {
         self.inner()?.scan_block(scan_idx)
     }
 
-    /// Size of the file that scan `scan_idx` has for itself, in bytes: how much work it is, without reading it. `None` where scans share a
-    /// file, or have none.
+    /// Size of the file that scan `scan_idx` has for itself, in bytes: how much work it is, without reading it. `None` where
+    /// scans share a file, or have none.
     fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
         self.inner()?.scan_n_bytes(scan_idx)
     }
@@ -114,7 +114,8 @@ pub trait Dataset: Send + Sync {
         self.inner()?.left_out()
     }
 
-    /// What may be wrong with labels and names as a whole, a line each: labels of scans that are not there, names that were not taken over.
+    /// What may be wrong with labels and names as a whole, a line each: labels of scans that are not there, names that were
+    /// not taken over.
     ///
     /// Files may have to be read through for it.
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
@@ -126,7 +127,8 @@ pub trait Dataset: Send + Sync {
         self.inner().map_or(Ok(None), |it| it.world_from_sensor(scan_idx))
     }
 
-    /// The labels of the points of scan `scan_idx`, which is `scan`, as SemanticKITTI's format has them; `None` of other formats.
+    /// The labels of the points of scan `scan_idx`, which is `scan`, as SemanticKITTI's format has them; `None` of other
+    /// formats.
     fn point_labels(&self, scan_idx: usize, scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
         self.inner().map_or(Ok(None), |it| it.point_labels(scan_idx, scan))
     }

@@ -142,9 +142,9 @@ fn moved_box(bounding_box: &OrientedBox, sensor_from_file: &Isometry3<f64>) -> O
 /// Rotations may deviate from one by so much: matrices are written with few digits.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
-/// Reads a rigid transform from a text file: a matrix of 4 × 4 or 3 × 4 numbers row by row; or x y z and a quaternion x y z w; or x
-/// y z and roll, pitch and yaw in radians about fixed axes, as ROS has them. Metres; commas, brackets and what follows `#` do not
-/// matter.
+/// Reads a rigid transform from a text file: a matrix of 4 × 4 or 3 × 4 numbers row by row; or x y z and a quaternion x y z
+/// w; or x y z and roll, pitch and yaw in radians about fixed axes, as ROS has them. Metres; commas, brackets and what
+/// follows `#` do not matter.
 pub fn read_transform(path: &Path) -> Result<Isometry3<f64>, DatasetError> {
     let text = std::fs::read_to_string(path).map_err(DatasetError::io(path))?;
     numbers_of(&text).and_then(|numbers| transform_of(&numbers)).map_err(|problem| refused(path, &problem))

@@ -21,8 +21,8 @@ pub const TEN_DIGITS: Digits = Digits { n: 10, said: "a number of ten digits, su
 
 /// The numbers of the files `NNNNNN.extension` in `folder`.
 ///
-/// Files with other extensions and hidden files are not looked at. A file of this extension that is named otherwise is refused, since
-/// its index among the others cannot be known.
+/// Files with other extensions and hidden files are not looked at. A file of this extension that is named otherwise is
+/// refused, since its index among the others cannot be known.
 pub fn numbered_files(folder: &Path, extension: &str, digits: Digits) -> Result<BTreeSet<u32>, DatasetError> {
     let files = entries_of(folder)?.into_iter().filter(|it| has_extension(it, extension));
     files

@@ -1,4 +1,5 @@
-//! What the makers of a data set evaluate: labels and results as their files have them, before our classes and single precision.
+//! What the makers of a data set evaluate: labels and results as their files have them, before our classes and single
+//! precision.
 
 use nalgebra::{Isometry3, Vector3};
 

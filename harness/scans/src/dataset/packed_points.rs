@@ -83,8 +83,8 @@ pub const RING: &str = "ring";
 /// The field in which scanbench has seconds after the time of the scan.
 pub const TIME_OFFSET: &str = "time_offset_s";
 
-/// Fields of times after that of the scan, as scanbench, drivers of Velodyne and drivers of Ouster write them, with their unit in
-/// seconds. The type counts as well: a time in another one has a unit that nobody knows.
+/// Fields of times after that of the scan, as scanbench, drivers of Velodyne and drivers of Ouster write them, with their
+/// unit in seconds. The type counts as well: a time in another one has a unit that nobody knows.
 const TIME_FIELDS: [(&str, NumberType, f64); 3] =
     [(TIME_OFFSET, NumberType::F32, 1.0), ("time", NumberType::F32, 1.0), ("t", NumberType::U32, 1e-9)];
 

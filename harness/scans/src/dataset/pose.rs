@@ -2,7 +2,8 @@
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-/// The pose at `position_m` that is turned by the quaternion x, y, z, w; one of length 0 is no turn. Numbers have to be finite.
+/// The pose at `position_m` that is turned by the quaternion x, y, z, w; one of length 0 is no turn. Numbers have to be
+/// finite.
 pub fn isometry(position_m: [f64; 3], quaternion: [f64; 4]) -> Result<Isometry3<f64>, String> {
     if !position_m.iter().chain(&quaternion).all(|it| it.is_finite()) {
         return Err("has a pose with values that are not numbers".to_owned());

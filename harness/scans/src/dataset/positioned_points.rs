@@ -32,8 +32,8 @@ impl PositionedPoints {
         Self { cloud: PointCloud::with_capacity(capacity), left_out: Vec::new() }
     }
 
-    /// The points of a file that has `N` bytes for each; `point_of` makes position, in metres, and intensity of them. `path` is named
-    /// in errors.
+    /// The points of a file that has `N` bytes for each; `point_of` makes position, in metres, and intensity of them. `path`
+    /// is named in errors.
     pub fn of_rows<const N: usize>(
         path: &Path,
         bytes: &[u8],
@@ -93,7 +93,8 @@ impl PositionedPoints {
         values_of_kept(of_all, &self.left_out)
     }
 
-    /// Takes numbers of lasers that the file has for all its points. Where one of them is no number of a laser, none is taken.
+    /// Takes numbers of lasers that the file has for all its points. Where one of them is no number of a laser, none is
+    /// taken.
     pub fn take_rings(&mut self, of_all: &[f64]) {
         let ring_of = |it: f64| (it.fract() == 0.0 && (0.0..=65535.0).contains(&it)).then_some(it as u16);
         let rings: Option<Vec<u16>> = self.values_of_kept(of_all).into_iter().map(ring_of).collect();
@@ -102,8 +103,8 @@ impl PositionedPoints {
         }
     }
 
-    /// Takes times that the file has for all its points, in seconds after that of the scan. Where one of them is no time within
-    /// [`MAX_TIME_OFFSET_S`], none is taken.
+    /// Takes times that the file has for all its points, in seconds after that of the scan. Where one of them is no time
+    /// within [`MAX_TIME_OFFSET_S`], none is taken.
     pub fn take_time_offsets_s(&mut self, of_all: &[f64]) {
         let offset_of = |it: f64| (it.abs() <= MAX_TIME_OFFSET_S).then_some(it as f32);
         let offsets_s: Option<Vec<f32>> = self.values_of_kept(of_all).into_iter().map(offset_of).collect();

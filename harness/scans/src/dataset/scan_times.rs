@@ -13,8 +13,8 @@ const SECONDS_PER_NUMBER: f64 = 0.1;
 /// When a scan was taken, as far as is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanTime {
-    /// In seconds since the first scan of its drive, in whole milliseconds; of a drive without time stamps a tenth of a second for
-    /// each scan number.
+    /// In seconds since the first scan of its drive, in whole milliseconds; of a drive without time stamps a tenth of a
+    /// second for each scan number.
     pub time_s: f64,
     /// The same; `None` where that is no time, or does not matter because the user has named blocks.
     pub known_s: Option<f64>,

@@ -1,7 +1,7 @@
 //! Names that come from files, as they are shown.
 //!
-//! A name that ends up in results (a data set, a drive, a sensor) is refused if it holds a control character. Whatever else a file says is shown
-//! with control characters escaped.
+//! A name that ends up in results (a data set, a drive, a sensor) is refused if it holds a control character. Whatever else
+//! a file says is shown with control characters escaped.
 
 use std::borrow::Cow;
 
@@ -16,7 +16,8 @@ pub fn shown(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(escape).collect())
 }
 
-/// Whether a terminal or a page shows `character` as it is: it is no control character, ends no line, and does not turn the direction of text.
+/// Whether a terminal or a page shows `character` as it is: it is no control character, ends no line, and does not turn the
+/// direction of text.
 pub fn is_printable(character: char) -> bool {
     let ends_a_line = matches!(character, '\u{2028}' | '\u{2029}');
     let turns_direction = matches!(character, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');

@@ -1,7 +1,7 @@
 //! Argoverse 2's tables of detections: boxes in the frame of the car, by log and time.
 //!
-//! Columns: `log_id`, `timestamp_ns`, `category`, `score`, `tx_m`, `ty_m`, `tz_m`, `length_m`, `width_m`, `height_m`, `qw`, `qx`, `qy`, `qz`. A table says of
-//! all sweeps of a log that it names what was found; no row is nothing.
+//! Columns: `log_id`, `timestamp_ns`, `category`, `score`, `tx_m`, `ty_m`, `tz_m`, `length_m`, `width_m`, `height_m`, `qw`,
+//! `qx`, `qy`, `qz`. A table says of all sweeps of a log that it names what was found; no row is nothing.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

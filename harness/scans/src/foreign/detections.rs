@@ -13,7 +13,8 @@ pub const MAX_SIDE_M: f32 = 1000.0;
 /// What another program found in one scan, in the frame of the scan.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ForeignDetections {
-    /// For every point of the cloud the number of its cluster: 0 is none, others begin at 1 and may have gaps. `None` if there are only boxes.
+    /// For every point of the cloud the number of its cluster: 0 is none, others begin at 1 and may have gaps. `None` if
+    /// there are only boxes.
     pub clusters: Option<Vec<u32>>,
     /// The class of cluster *k* at index *k* − 1, where classes of clusters are known; empty where they are not, or boxes
     /// say it.
@@ -45,12 +46,13 @@ impl ForeignDetections {
         Self { boxes, ..Self::default() }
     }
 
-    /// Makes sure that they can be those of a scan of `n_points`, as the protocol for detectors does. Errors say what is wrong.
+    /// Makes sure that they can be those of a scan of `n_points`, as the protocol for detectors does. Errors say what is
+    /// wrong.
     ///
     /// # Errors
     ///
-    /// If a number is NaN or infinite; a side is not above 0 and at most [`MAX_SIDE_M`]; a centre lies beyond [`MAX_COORDINATE_M`]; there is no
-    /// cluster for each point, or no box for a cluster beside others.
+    /// If a number is NaN or infinite; a side is not above 0 and at most [`MAX_SIDE_M`]; a centre lies beyond
+    /// [`MAX_COORDINATE_M`]; there is no cluster for each point, or no box for a cluster beside others.
     pub fn check(&self, n_points: usize) -> Result<(), String> {
         for (number, it) in (1..).zip(&self.boxes) {
             it.check().map_err(|problem| format!("box {number} {problem}"))?;

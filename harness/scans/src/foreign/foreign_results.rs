@@ -72,7 +72,8 @@ pub struct ForeignResults {
     n_empty_boxes: usize,
 }
 
-/// Opens the results at `path`, a file or folder whose format is recognised by its content; `recording.mcap:/topic` names a topic, too.
+/// Opens the results at `path`, a file or folder whose format is recognised by its content; `recording.mcap:/topic` names a
+/// topic, too.
 pub fn open_results(
     path: &Path,
     dataset: &dyn Dataset,
@@ -97,8 +98,8 @@ pub fn open_results(
     })
 }
 
-/// The folders directly in `path` that have what is asked for, as `--detections-out` writes them: one for each detector, and in it one
-/// for each data set.
+/// The folders directly in `path` that have what is asked for, as `--detections-out` writes them: one for each detector, and
+/// in it one for each data set.
 fn folders_with_results(path: &Path, dataset: &dyn Dataset, request: &ResultRequest<'_>) -> Vec<PathBuf> {
     let mut folders = entries_of(path).unwrap_or_default();
     folders.retain(|it| it.is_dir());
@@ -153,8 +154,8 @@ impl ForeignResults {
         self.format
     }
 
-    /// Changes when other results lie there. Like the checksum of a data set it has the content of all files; of recordings it has
-    /// the size. Where each scan has files of its own, it has only those of the scans that are asked for.
+    /// Changes when other results lie there. Like the checksum of a data set it has the content of all files; of recordings
+    /// it has the size. Where each scan has files of its own, it has only those of the scans that are asked for.
     pub fn checksum(&self) -> &str {
         &self.checksum
     }
@@ -178,7 +179,8 @@ impl ForeignResults {
         Ok(Some(found))
     }
 
-    /// What may be wrong, a line each: after opening what is there and what not, and after the last scan what its boxes are like.
+    /// What may be wrong, a line each: after opening what is there and what not, and after the last scan what its boxes are
+    /// like.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let path = &self.path;

@@ -1,7 +1,8 @@
 //! KITTI's text files: boxes in the rectified camera frame, with the score in the last column.
 //!
-//! Of the object benchmark a file for each scan (`000000.txt`), of the tracking benchmark one for each drive (`0001.txt`), whose lines begin with the
-//! number of the scan and the track. `DontCare` is passed over. A drive's file says of all its scans what was found; no line is nothing.
+//! Of the object benchmark a file for each scan (`000000.txt`), of the tracking benchmark one for each drive (`0001.txt`),
+//! whose lines begin with the number of the scan and the track. `DontCare` is passed over. A drive's file says of all its
+//! scans what was found; no line is nothing.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -5,7 +5,8 @@
 //!   "detection_name": "car", "detection_score": 0.9, "attribute_name": "…"}]}}
 //! ```
 //!
-//! Those of the tracking task (`tracking_name`, `tracking_score`) are read as well. The file is read box by box, and only asked scans are kept.
+//! Those of the tracking task (`tracking_name`, `tracking_score`) are read as well. The file is read box by box, and only
+//! asked scans are kept.
 
 use std::collections::BTreeMap;
 use std::fmt;

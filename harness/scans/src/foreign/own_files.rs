@@ -6,9 +6,9 @@
 //! NNNNNN.csv   id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,…: boxes
 //! ```
 //!
-//! A scan has clusters, boxes, or both; of two files in CSV one is called `NNNNNN.clusters.csv` or `NNNNNN.boxes.csv`. Of the columns of boxes `id`,
-//! `class` and `score` may be left out, and others may be there. The class is any name; `object` is none of the vehicles, and an empty one not known.
-//! Beside clusters the box in row *k* is that of cluster *k*.
+//! A scan has clusters, boxes, or both; of two files in CSV one is called `NNNNNN.clusters.csv` or `NNNNNN.boxes.csv`. Of
+//! the columns of boxes `id`, `class` and `score` may be left out, and others may be there. The class is any name; `object`
+//! is none of the vehicles, and an empty one not known. Beside clusters the box in row *k* is that of cluster *k*.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

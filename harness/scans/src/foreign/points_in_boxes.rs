@@ -2,7 +2,8 @@
 
 use detector::{OrientedBox, PointCloud};
 
-/// All boxes of a scan together hold no more points than this: what holds more is no detection of objects, and fills the memory.
+/// All boxes of a scan together hold no more points than this: what holds more is no detection of objects, and fills the
+/// memory.
 const MOST_POINTS: usize = 50_000_000;
 
 /// The points of a scan in the order of x, so that a box is compared with few.

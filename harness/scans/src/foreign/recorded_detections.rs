@@ -1,8 +1,9 @@
 //! Detections in an MCAP recording: `foxglove.SceneUpdate` or `vision_msgs/Detection3DArray`, a message for each scan.
 //!
-//! A message belongs to the scan whose time stamp is nearest, at most 50 ms off, and to no other one. Its boxes may be in another frame than the cloud, if the recording of
-//! the results says how that lies. The score is that of the likeliest hypothesis, or the metadata `score`, `confidence` or `probability` of a scene entity;
-//! an empty class is one that nobody says.
+//! A message belongs to the scan whose time stamp is nearest, at most 50 ms off, and to no other one. Its boxes may be in
+//! another frame than the cloud, if the recording of the results says how that lies. The score is that of the likeliest
+//! hypothesis, or the metadata `score`, `confidence` or `probability` of a scene entity; an empty class is one that nobody
+//! says.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -181,7 +182,8 @@ impl ResultReader for RecordedDetections {
     }
 }
 
-/// Scans with the stamps of their messages: the nearest two first, then the nearest of the others, as long as any are near enough.
+/// Scans with the stamps of their messages: the nearest two first, then the nearest of the others, as long as any are near
+/// enough.
 fn nearest_pairs(
     asked: &BTreeMap<usize, ScanFrame>,
     by_stamp: &BTreeMap<u64, MessagePosition>,

@@ -1,8 +1,8 @@
 //! SemanticKITTI's `.label` files: for each point of the scan's file the instance in the upper half of a number, the class
 //! in the lower.
 //!
-//! An instance is a cluster, and its class that of most of its points. Points of instance 0 are of none. The files lie as in submissions,
-//! `sequences/00/predictions/000000.label`, or as [`ResultFiles`] finds them.
+//! An instance is a cluster, and its class that of most of its points. Points of instance 0 are of none. The files lie as in
+//! submissions, `sequences/00/predictions/000000.label`, or as [`ResultFiles`] finds them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -24,8 +24,8 @@ use crate::dataset::shown_name::shown;
 
 /// Heights of the lowest point of an object above the ground that are taken as they are, in metres.
 ///
-/// Nothing of an object lies deep in the ground, and nothing stands on it whose lowest point is high above it: other heights are not
-/// counted from the ground, but from a sensor or the sea.
+/// Nothing of an object lies deep in the ground, and nothing stands on it whose lowest point is high above it: other heights
+/// are not counted from the ground, but from a sensor or the sea.
 const LOWEST_POINTS_M: std::ops::RangeInclusive<f64> = -0.5..=6.0;
 
 /// An open folder of objects: the names of the files are in memory.
@@ -116,8 +116,8 @@ impl ObjectCloudSet for ClassFolders {
     }
 }
 
-/// `cloud` with heights above the ground. Those of the file, which begin at `origin_z_m`, are taken if they can be that; else the
-/// lowest point is taken to lie on the ground.
+/// `cloud` with heights above the ground. Those of the file, which begin at `origin_z_m`, are taken if they can be that;
+/// else the lowest point is taken to lie on the ground.
 fn above_ground(mut cloud: PointCloud, origin_z_m: f64) -> PointCloud {
     let lowest_m = cloud.z_m().iter().copied().fold(f32::INFINITY, f32::min);
     let is_above_ground = LOWEST_POINTS_M.contains(&(f64::from(lowest_m) + origin_z_m));

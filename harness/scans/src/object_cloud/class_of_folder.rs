@@ -20,10 +20,11 @@ const OTHER_NAMES: [&str; 12] = [
     "furniture",
 ];
 
-/// The class of the objects in a folder called `name`, in whatever spelling, in the singular or the plural; `None` if it stands for nothing known.
+/// The class of the objects in a folder called `name`, in whatever spelling, in the singular or the plural; `None` if it
+/// stands for nothing known.
 ///
-/// It may be a class of ours, or whatever annotations are called in any data set: what is neither tree, car, pole nor pedestrian is
-/// [`PartialClass::Other`].
+/// It may be a class of ours, or whatever annotations are called in any data set: what is neither tree, car, pole nor
+/// pedestrian is [`PartialClass::Other`].
 pub fn class_of_folder(name: &str) -> Option<PartialClass> {
     let plain = plain_name(name);
     let singulars = [Some(plain.as_str()), plain.strip_suffix('s'), plain.strip_suffix("es")];

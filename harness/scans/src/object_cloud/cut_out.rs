@@ -10,7 +10,8 @@ use crate::annotation::{Annotation, LabeledScan};
 pub struct CutOutParams {
     /// Objects with fewer points are left out.
     pub least_points: usize,
-    /// What lies in a box and is lower than this above its bottom is ground, in metres: boxes hold the ground that they stand on.
+    /// What lies in a box and is lower than this above its bottom is ground, in metres: boxes hold the ground that they
+    /// stand on.
     pub box_floor_m: f32,
     /// Ground is looked for this far around the points of an object that has no box, on the ground plan, in metres.
     pub ground_around_m: f32,

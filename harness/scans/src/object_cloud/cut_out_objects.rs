@@ -33,15 +33,17 @@ pub struct CutOutObjects {
     objects: Vec<GrowingCloud>,
 }
 
-/// Pieces of one class without a track that stand as near to each other in the world are one object, on the ground plan, in metres.
+/// Pieces of one class without a track that stand as near to each other in the world are one object, on the ground plan, in
+/// metres.
 const SAME_POSITION_M: f32 = 0.8;
 /// A track without boxes whose points are farther than this from where they were has moved, in metres: it begins anew.
 const MOVED_M: f32 = 3.0;
 
 /// Cuts the objects out of the scans `scan_idxs` of `dataset`, in the order in which they come up.
 ///
-/// With boxes, points lie in the frame of their box, and are registered by it. Without, they lie in the world that rests if the data set says
-/// where the sensor was, and are registered by that; otherwise in the frame of the sensor, each scan for itself.
+/// With boxes, points lie in the frame of their box, and are registered by it. Without, they lie in the world that rests if
+/// the data set says where the sensor was, and are registered by that; otherwise in the frame of the sensor, each scan for
+/// itself.
 pub fn cut_out_objects(
     dataset: &dyn Dataset,
     scan_idxs: &[usize],
@@ -233,7 +235,8 @@ mod tests {
     use detector::OrientedBox;
     use reports::vocabulary::class::AnnotationClass;
 
-    /// A drive along x, 2 m from scan to scan, 1.7 m above level ground: a car with a box that drives ahead of it, and a pole that stands.
+    /// A drive along x, 2 m from scan to scan, 1.7 m above level ground: a car with a box that drives ahead of it, and a
+    /// pole that stands.
     struct Drive {
         listing: Listing,
         has_poses: bool,

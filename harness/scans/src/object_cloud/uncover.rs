@@ -29,12 +29,13 @@ impl UncoverFrom {
     }
 }
 
-/// The part of `cloud`, one object, that is seen at `step` of [`UNCOVER_STEPS`]: at each step a level strip more, as high as a
-/// tenth of the largest extent of the object.
+/// The part of `cloud`, one object, that is seen at `step` of [`UNCOVER_STEPS`]: at each step a level strip more, as high as
+/// a tenth of the largest extent of the object.
 ///
-/// The extents are those of the box along the axes, and strips begin at its bottom or top. Where the height is the largest extent, as
-/// of trees, poles and people, `step` tenths of the height are seen. A car 4.5 m long and 1.5 m high is uncovered 0.45 m at a time, and
-/// nothing is hidden from step 4 on: the paper relates steps to the largest extent and uncovers from below or from above.
+/// The extents are those of the box along the axes, and strips begin at its bottom or top. Where the height is the largest
+/// extent, as of trees, poles and people, `step` tenths of the height are seen. A car 4.5 m long and 1.5 m high is uncovered
+/// 0.45 m at a time, and nothing is hidden from step 4 on: the paper relates steps to the largest extent and uncovers from
+/// below or from above.
 ///
 /// Points keep their order; those without a position are left out.
 ///

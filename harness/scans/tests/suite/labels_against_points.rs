@@ -82,7 +82,8 @@ impl Looked {
 
     /// What is suspect if each scan has the labels of the one before it.
     fn suspicions_if_late(&self) -> Vec<LabelSuspicion> {
-        // The points of the next scan with the labels of this one, and those of this one for the next, which are the right ones.
+        // The points of the next scan with the labels of this one, and those of this one for the next, which are the right
+        // ones.
         let late = |(idx, next): &(usize, LabeledScan)| LabeledScan {
             annotations: self.scans[*idx].annotations.clone(),
             ..next.clone()

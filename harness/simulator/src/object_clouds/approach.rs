@@ -1,8 +1,9 @@
 //! Objects that a vehicle with a tilted 2-D scanner drives toward.
 //!
-//! The scanner looks ahead, and its plane is turned up or down about the axis to its left. A plane that rises by the angle t meets a wall at
-//! the distance d at the height h + d·tan t: turned down, it uncovers an object from below, and never what is higher than the scanner; turned up,
-//! from above, and never what is lower. Each scan is put to where the poses say; these drift, and the scanner stands still while it turns.
+//! The scanner looks ahead, and its plane is turned up or down about the axis to its left. A plane that rises by the angle t
+//! meets a wall at the distance d at the height h + d·tan t: turned down, it uncovers an object from below, and never what
+//! is higher than the scanner; turned up, from above, and never what is lower. Each scan is put to where the poses say;
+//! these drift, and the scanner stands still while it turns.
 
 use detector::PointCloud;
 use parry3d::math::Pose;
@@ -105,8 +106,8 @@ fn slope(tilt_deg: f32) -> f32 {
     (sine / cosine) as f32
 }
 
-/// The points of `object`, number `number`, as `drive` gathers them, in the order of its scans; a moment for each step of the way on
-/// which it has been seen.
+/// The points of `object`, number `number`, as `drive` gathers them, in the order of its scans; a moment for each step of
+/// the way on which it has been seen.
 pub fn approached(
     object: &LoneObject,
     number: ObjectNumber,
@@ -141,7 +142,8 @@ impl Drive {
         self.speed_m_per_s / scanner.turning.turns_per_second
     }
 
-    /// The share of the height of `object` that the plane passes on the way, as seen from what stands in the way of the vehicle.
+    /// The share of the height of `object` that the plane passes on the way, as seen from what stands in the way of the
+    /// vehicle.
     fn uncovered_share(&self, object: &LoneObject, params: &ApproachParams) -> f32 {
         let near_m = object.reach_backward_m(params.vehicle_height_m);
         let passed_m = [self.from_m, self.to_m].map(|before_m| {

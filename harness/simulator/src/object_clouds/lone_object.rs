@@ -108,8 +108,9 @@ impl LoneObject {
         })
     }
 
-    /// Appends to `cloud` its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of the road are not among
-    /// them, nor those in the air between an edge and what lies behind it. `pulses` gives the random stream of each beam.
+    /// Appends to `cloud` its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of
+    /// the road are not among them, nor those in the air between an edge and what lies behind it. `pulses` gives the random
+    /// stream of each beam.
     pub fn append_points(
         &self,
         look: &Look<'_>,
@@ -139,8 +140,8 @@ impl LoneObject {
     }
 }
 
-/// The pose of a level `sensor` at `distance_m` in the direction `bearing_rad`. It does not look straight at the object, since a thin trunk would
-/// stand between the same two pulses from everywhere.
+/// The pose of a level `sensor` at `distance_m` in the direction `bearing_rad`. It does not look straight at the object,
+/// since a thin trunk would stand between the same two pulses from everywhere.
 pub fn level_pose(bearing_rad: f64, distance_m: f32, sensor: &SensorModel, rng: &mut ChaCha8Rng) -> Pose {
     let heading_rad = bearing_rad + rng.random_range(0.0..TAU);
     let (sine, cosine) = sine_and_cosine(bearing_rad);
@@ -148,8 +149,8 @@ pub fn level_pose(bearing_rad: f64, distance_m: f32, sensor: &SensorModel, rng: 
     sensor_pose(plan_m, sensor.height_above_road_m, heading_rad, 0.0)
 }
 
-/// The pose of a sensor `height_m` above the road at `plan_m`, which looks along `heading_rad`, counter-clockwise from x, and is turned up by
-/// `tilt_rad`.
+/// The pose of a sensor `height_m` above the road at `plan_m`, which looks along `heading_rad`, counter-clockwise from x,
+/// and is turned up by `tilt_rad`.
 pub fn sensor_pose(plan_m: [f32; 2], height_m: f32, heading_rad: f64, tilt_rad: f64) -> Pose {
     let (sine, cosine) = portable_math::sin_cos(heading_rad);
     let (rise, level) = portable_math::sin_cos(tilt_rad);

@@ -1,7 +1,8 @@
-//! Clouds of single objects: scanned from all round, in a single scan, from the air, or by a tilted scanner on a vehicle that approaches.
+//! Clouds of single objects: scanned from all round, in a single scan, from the air, or by a tilted scanner on a vehicle
+//! that approaches.
 //!
-//! An object is drawn from a seed, its class and its number, and nothing else: every way of looking at it shows the same one. The same seed
-//! gives the same bytes, as everywhere in the simulator.
+//! An object is drawn from a seed, its class and its number, and nothing else: every way of looking at it shows the same
+//! one. The same seed gives the same bytes, as everywhere in the simulator.
 
 // What there is to look at.
 pub mod tree_kind;

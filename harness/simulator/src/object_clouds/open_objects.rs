@@ -49,8 +49,8 @@ impl ObjectSource {
     }
 }
 
-/// Opens the objects called `name_or_path`: one of [`OBJECT_SETS`], a folder with a folder for each class, or else the annotated objects of all
-/// scans of a data set, as [`open_dataset`] opens it.
+/// Opens the objects called `name_or_path`: one of [`OBJECT_SETS`], a folder with a folder for each class, or else the
+/// annotated objects of all scans of a data set, as [`open_dataset`] opens it.
 pub fn open_objects(
     name_or_path: &str,
     options: &ObjectOptions,

@@ -11,7 +11,8 @@ use super::lone_object::{LoneObject, Look, level_pose};
 use crate::scan::beam_errors;
 use crate::sensor::SensorModel;
 
-/// How far the nearest part of an object is from the sensor, in metres; object n stands at the distance n modulo their number.
+/// How far the nearest part of an object is from the sensor, in metres; object n stands at the distance n modulo their
+/// number.
 pub const RANGES_M: [f32; 5] = [5.0, 8.0, 12.0, 18.0, 25.0];
 
 /// The points of `object`, number `number`, in a scan of `sensor` that is about `range_m` away from its outline.

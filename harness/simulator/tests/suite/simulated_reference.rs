@@ -1,4 +1,5 @@
-//! On simulated streets the detector of the papers finds what the reference finds, to the bit, and objects are completed alike.
+//! On simulated streets the detector of the papers finds what the reference finds, to the bit, and objects are completed
+//! alike.
 
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;

@@ -159,9 +159,9 @@ impl Stream {
     /// Logs points and annotations of a scan.
     ///
     /// Whatever is logged afterwards belongs to it, until the next call or [`Self::log_step`]. Call it from the thread that
-    /// logs the detectors, and outside every stopwatch: what was logged before is written now or later, so that nothing of the
-    /// recording runs beside a detector. (A viewer is sent to beside it, and shares the processor with it if it runs on the
-    /// same machine.)
+    /// logs the detectors, and outside every stopwatch: what was logged before is written now or later, so that nothing of
+    /// the recording runs beside a detector. (A viewer is sent to beside it, and shares the processor with it if it runs on
+    /// the same machine.)
     ///
     /// # Errors
     ///

@@ -73,8 +73,8 @@ impl<'a> ClassScan<'a> {
         self.scan.detections().iter().enumerate().filter(move |(_, it)| it.object.class == class)
     }
 
-    /// The pairs that overlap enough for `question`, in the order of annotations, then detections. Among the detections are those of other
-    /// classes that are too low.
+    /// The pairs that overlap enough for `question`, in the order of annotations, then detections. Among the detections are
+    /// those of other classes that are too low.
     pub fn candidates(&self, question: &Question) -> impl Iterator<Item = Candidate> {
         let (plane, level, min_overlap) =
             (question.plane, question.difficulty as usize, question.min_overlap());

@@ -13,8 +13,8 @@ pub struct Components {
 }
 
 impl Components {
-    /// Puts candidates that hang together next to one another, and returns each component. They come and stay in the order of annotations,
-    /// then detections.
+    /// Puts candidates that hang together next to one another, and returns each component. They come and stay in the order
+    /// of annotations, then detections.
     pub fn split<'a>(&'a mut self, candidates: &'a mut [Candidate]) -> impl Iterator<Item = &'a [Candidate]> {
         self.earlier.clear();
         self.earlier.extend(0..candidates.last().map_or(0, |it| it.annotation + 1));

@@ -27,7 +27,8 @@ pub fn is_sound(id: &str) -> bool {
 /// Whose matching and whose mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Reading {
-    /// That of the development kit, which depends on the order of files, and of which annotations fed back need not reach the maximum.
+    /// That of the development kit, which depends on the order of files, and of which annotations fed back need not reach
+    /// the maximum.
     Official,
     /// Ours, which does not, and of which they do.
     Sound,

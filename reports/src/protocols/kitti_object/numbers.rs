@@ -66,8 +66,8 @@ impl KittiMatches {
 
     /// The values where scan *i* is there `times[i]` times.
     ///
-    /// One is undefined without any annotation that counts, though the development kit says 0; so is a similarity of headings if a
-    /// detection does not say its heading, and what the kit would make of zero by zero.
+    /// One is undefined without any annotation that counts, though the development kit says 0; so is a similarity of
+    /// headings if a detection does not say its heading, and what the kit would make of zero by zero.
     pub fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
         let [values] = self.of_draws(&single_draw(times));
         values

@@ -1,8 +1,8 @@
 //! Precision at 41 recalls as the development kit has it.
 //!
-//! The least scores that it is looked up at are those of detections that are right when all are kept: from the surest down, each is taken
-//! that comes nearest to the next of the recalls 0, 1/40, …, 1. So with fewer than 41 annotations there are fewer, and precision is 0 at
-//! the rest: annotations fed back do not reach the maximum.
+//! The least scores that it is looked up at are those of detections that are right when all are kept: from the surest down,
+//! each is taken that comes nearest to the next of the recalls 0, 1/40, …, 1. So with fewer than 41 annotations there are
+//! fewer, and precision is 0 at the rest: annotations fed back do not reach the maximum.
 
 use super::recall_curve::{N_RECALLS, RecallCurve, best_from_here};
 use super::score_events::{Counted, ScoredMatches};

@@ -1,8 +1,8 @@
 //! Matching as the development kit does it: annotation by annotation, in the order of the files, anew for each least score.
 //!
-//! Twice over: first with all detections, where an annotation takes the surest that overlaps it enough; the scores of what is found so
-//! become the least scores that precision is looked up at. Then for each of these, where an annotation takes the one that overlaps it most.
-//! What hangs together is matched by itself.
+//! Twice over: first with all detections, where an annotation takes the surest that overlaps it enough; the scores of what
+//! is found so become the least scores that precision is looked up at. Then for each of these, where an annotation takes the
+//! one that overlaps it most. What hangs together is matched by itself.
 
 use super::class_scan::{Candidate, ClassScan};
 use super::components::Components;
@@ -93,7 +93,8 @@ impl Component<'_> {
         }
     }
 
-    /// Adds the scores of what is found when every annotation takes the surest detection that is free; the first of those alike.
+    /// Adds the scores of what is found when every annotation takes the surest detection that is free; the first of those
+    /// alike.
     fn add_hits(&mut self, scan: u32, events: &mut Vec<ScoreEvent>) {
         self.free_all();
         for of_annotation in self.pairs.chunk_by(|a, b| a.annotation == b.annotation) {
@@ -126,7 +127,8 @@ impl Component<'_> {
         }
     }
 
-    /// What is right among detections of at least `min_score`. Those that are false are counted as if nothing were found, elsewhere.
+    /// What is right among detections of at least `min_score`. Those that are false are counted as if nothing were found,
+    /// elsewhere.
     fn found(&mut self, min_score: f64, can_be_false: &impl Fn(usize) -> bool) -> Found {
         self.free_all();
         let mut found = Found::default();

@@ -26,7 +26,8 @@ pub fn annotation_role(annotation: &KittiAnnotation, class: KittiClass, difficul
     if Some(annotation.object.class) == class.neighbor() { Role::Ignored } else { Role::Absent }
 }
 
-/// What a detection is to questions about a class. One that is too low in the image is ignored whatever its class is, as the makers' program has it.
+/// What a detection is to questions about a class. One that is too low in the image is ignored whatever its class is, as the
+/// makers' program has it.
 pub fn detection_role(detection: &KittiDetection, class: KittiClass, difficulty: Difficulty) -> Role {
     if detection.object.height_px().abs() < difficulty.limits().min_height_px {
         Role::Ignored

@@ -9,7 +9,8 @@ pub struct ScoreEvent {
     pub score: f64,
     /// Index of the scan.
     pub scan: u32,
-    /// By how much the detections that are right grow. Of the makers' matching it may be negative, since what joins may take an annotation away.
+    /// By how much the detections that are right grow. Of the makers' matching it may be negative, since what joins may take
+    /// an annotation away.
     pub tp: i32,
     /// By how much those that are false grow.
     pub fp: i32,
@@ -109,7 +110,8 @@ impl ScoredMatches {
         n_in_draws(&self.hits, times)
     }
 
-    /// Shows `visit` what is counted down to each score at which more changes than that detections are false, the best first.
+    /// Shows `visit` what is counted down to each score at which more changes than that detections are false, the best
+    /// first.
     #[inline(always)]
     pub fn go_through<const N: usize>(&self, times: &[Times<N>], mut visit: impl FnMut(&Counted<N>)) {
         let zeros = [0.0; N];

@@ -8,7 +8,8 @@ use crate::protocols::drawn_scans::Times;
 
 const N_STEPS: u64 = N_RECALLS as u64 - 1;
 
-/// The curve of each draw: the largest value that is reached at each recall or beyond, 0 where none is; `None` without any annotation.
+/// The curve of each draw: the largest value that is reached at each recall or beyond, 0 where none is; `None` without any
+/// annotation.
 pub fn sound_curves<const N: usize>(matches: &ScoredMatches, times: &[Times<N>]) -> [Option<RecallCurve>; N] {
     let n_annotations = matches.n_annotations(times);
     let mut best = BestValues::new(&n_annotations);
@@ -85,8 +86,8 @@ impl<const N: usize> BestValues<N> {
     }
 }
 
-/// How many of `n_annotations` are a recall of so many steps; infinitely many beyond the last. In whole numbers: a recall of 0.3 is not to
-/// fall short of 30 %.
+/// How many of `n_annotations` are a recall of so many steps; infinitely many beyond the last. In whole numbers: a recall of
+/// 0.3 is not to fall short of 30 %.
 fn n_to_reach(step: usize, n_annotations: f64) -> f64 {
     if step < N_RECALLS {
         (step as u64 * n_annotations as u64).div_ceil(N_STEPS) as f64

@@ -1,8 +1,8 @@
 //! Matching that does not depend on the order of files: once, the surest detection first.
 //!
-//! A detection takes the free annotation that it overlaps most, one that counts before one that is ignored. Among detections of like scores
-//! the pair with the largest overlap comes first, so that annotations fed back find themselves. Regions without labels excuse in every
-//! plane.
+//! A detection takes the free annotation that it overlaps most, one that counts before one that is ignored. Among detections
+//! of like scores the pair with the largest overlap comes first, so that annotations fed back find themselves. Regions
+//! without labels excuse in every plane.
 //!
 //! Everingham et al. 2010 (detections in the order of their scores), Lin et al. 2014 (what is ignored).
 

@@ -1,4 +1,5 @@
-//! A verdict as `JUnit` XML, which every CI server shows: one test case a gated number, and one a scan whose results changed.
+//! A verdict as `JUnit` XML, which every CI server shows: one test case a gated number, and one a scan whose results
+//! changed.
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 

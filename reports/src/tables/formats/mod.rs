@@ -1,5 +1,5 @@
-//! Formats that tables, verdicts and reports are written in: one trait, a file for each format or kind of them, and one list of
-//! each kind.
+//! Formats that tables, verdicts and reports are written in: one trait, a file for each format or kind of them, and one list
+//! of each kind.
 
 pub mod format;
 pub mod terminal;

@@ -1,4 +1,5 @@
-//! A verdict on partial clouds as `JUnit` XML: one test case for each number, and one for each object whose predicted class changed.
+//! A verdict on partial clouds as `JUnit` XML: one test case for each number, and one for each object whose predicted class
+//! changed.
 
 use quick_junit::{Report, TestCase, TestCaseStatus, TestSuite};
 

@@ -41,8 +41,8 @@ pub struct AblationScore {
 }
 
 impl AblationScore {
-    /// The scores in `table` of all variants, which are the detectors of the run that `report` is of: data set by data set and
-    /// then overall, and within these variant by variant.
+    /// The scores in `table` of all variants, which are the detectors of the run that `report` is of: data set by data set
+    /// and then overall, and within these variant by variant.
     pub fn all(table: &TaskTable, report: &RunReport) -> Vec<Self> {
         let measured = table.rows.iter().filter_map(|it| match it {
             TableRow::Measured(row) => Some(row),

@@ -60,7 +60,8 @@ impl Tabular for AblationTable {
 }
 
 impl AblationTable {
-    /// The scores of the variants of `method`, which are the detectors of the run that `report` is of, in the task of `table`.
+    /// The scores of the variants of `method`, which are the detectors of the run that `report` is of, in the task of
+    /// `table`.
     pub fn new(method: &str, table: &TaskTable, report: &RunReport) -> Self {
         Self {
             method: method.to_owned(),

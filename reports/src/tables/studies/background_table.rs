@@ -30,8 +30,8 @@ pub struct BackgroundTable {
 }
 
 impl BackgroundTable {
-    /// The F-rate of the classifier on all vehicles and as many objects of a background: with r and f the shares of vehicles and of
-    /// background that are classified as vehicles, 2 r / (1 + r + f).
+    /// The F-rate of the classifier on all vehicles and as many objects of a background: with r and f the shares of vehicles
+    /// and of background that are classified as vehicles, 2 r / (1 + r + f).
     fn f_rate_of_equal_numbers(&self, background: Classified) -> Option<f64> {
         let (found, taken) = (self.vehicles.share()?, background.share()?);
         Some(2.0 * found / (1.0 + found + taken))

@@ -1,4 +1,5 @@
-//! `boxes.csv`, one row for every matched vehicle and fit, `box_errors.csv`, one for every median, and `box_points.csv`, one for every cell.
+//! `boxes.csv`, one row for every matched vehicle and fit, `box_errors.csv`, one for every median, and `box_points.csv`, one
+//! for every cell.
 
 use serde::{Deserialize, Serialize};
 
@@ -55,8 +56,9 @@ pub struct MatchedVehicle<'a> {
 }
 
 impl FittedBoxRow {
-    /// The row of `fit`, which is off by so much: centre, length (fitted less annotated) and width in metres, yaw in degrees; its
-    /// intersections over union from above and in space; whether its front is on the right side, and whether the detector is sure of that.
+    /// The row of `fit`, which is off by so much: centre, length (fitted less annotated) and width in metres, yaw in
+    /// degrees; its intersections over union from above and in space; whether its front is on the right side, and whether
+    /// the detector is sure of that.
     pub fn new(
         vehicle: MatchedVehicle<'_>,
         fit: &str,
@@ -102,7 +104,8 @@ row! {
 }
 
 impl BoxPointsRow {
-    /// The rows of `points`: where each cell begins, along the length to the front and across to the left of the centre, and its share.
+    /// The rows of `points`: where each cell begins, along the length to the front and across to the left of the centre, and
+    /// its share.
     pub fn of<'a>(
         data: &'a str,
         is_simulated: bool,

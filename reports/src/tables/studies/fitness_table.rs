@@ -53,8 +53,8 @@ fn of_datasets(verdicts: &[FitnessVerdict]) -> impl Iterator<Item = &FitnessVerd
     verdicts.iter().filter(|it| !Extent::is_name_of_several(&it.dataset))
 }
 
-/// What it comes to, a sentence for each task: what the best variant of the formula loses against the best cell size, beside what
-/// the configured size does.
+/// What it comes to, a sentence for each task: what the best variant of the formula loses against the best cell size, beside
+/// what the configured size does.
 pub fn fitness_sentences(verdicts: &[FitnessVerdict]) -> Vec<String> {
     let tasks: BTreeSet<(Task, &str)> = verdicts.iter().map(|it| (it.task, it.rate.as_str())).collect();
     let sentence = |(task, rate): (Task, &str)| {

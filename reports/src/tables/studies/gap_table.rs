@@ -1,5 +1,5 @@
-//! How many pairs are separated, by gap: a table, and `gaps.csv` with one row for every detector, kind of pair, layout, range
-//! and gap.
+//! How many pairs are separated, by gap: a table, and `gaps.csv` with one row for every detector, kind of pair, layout,
+//! range and gap.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,5 +1,5 @@
-//! What detectors find under one condition after another: a table, and `robustness.csv` with one row for every condition, task
-//! and detector.
+//! What detectors find under one condition after another: a table, and `robustness.csv` with one row for every condition,
+//! task and detector.
 
 use serde::{Deserialize, Serialize};
 
@@ -45,8 +45,8 @@ impl ConditionScores {
     }
 }
 
-/// What was found under each of `conditions`, from the tables of both tasks of a run over their data sets. What a table has not
-/// is left out.
+/// What was found under each of `conditions`, from the tables of both tasks of a run over their data sets. What a table has
+/// not is left out.
 pub fn condition_scores(conditions: &[NamedCondition], tables: &[TaskTable]) -> Vec<ConditionScores> {
     let [Some(first), Some(second)] = Task::ALL.map(|task| tables.iter().find(|it| it.task == task)) else {
         return Vec::new();

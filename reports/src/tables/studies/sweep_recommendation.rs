@@ -4,20 +4,20 @@ use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::sweep_curve::{CurvePoint, SweepCurve};
 use crate::numbers::sweep_score::{SweepScore, SweepScores};
 
-/// The 95 % interval of the rate of the first score minus that of the second, both of the same draws of the same scans; `None` where
-/// there is none.
+/// The 95 % interval of the rate of the first score minus that of the second, both of the same draws of the same scans;
+/// `None` where there is none.
 pub type Paired<'a> = &'a dyn Fn([&SweepScore; 2]) -> Option<[f64; 2]>;
 
-/// The rate of the scores of one curve where each block of scans is judged at the value that the others choose; `None` where there is
-/// none.
+/// The rate of the scores of one curve where each block of scans is judged at the value that the others choose; `None` where
+/// there is none.
 pub type HeldOut<'a> = &'a dyn Fn(&[&SweepScore]) -> Option<f64>;
 
 /// What is said of every sweep that has a best value.
 const OPTIMISTIC: &str = "The best value of a sweep looks better on the scans that chose it than it is: run it on other scans before you \
                           rely on its rate.";
 
-/// A text for every detector and task: the best value over all data sets of one origin with its rate, and the values that cannot be distinguished
-/// from it. Then what holds for all of them.
+/// A text for every detector and task: the best value over all data sets of one origin with its rate, and the values that
+/// cannot be distinguished from it. Then what holds for all of them.
 pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>, held_out: HeldOut<'_>) -> Vec<String> {
     let curves = sweep.curves();
     let is_widest = |it: &&SweepCurve<'_>| {

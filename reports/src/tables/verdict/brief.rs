@@ -104,8 +104,8 @@ struct Change {
     text: String,
 }
 
-/// All numbers that changed. Times change in every run: only those beyond their tolerance are listed. What has no number is reported
-/// elsewhere.
+/// All numbers that changed. Times change in every run: only those beyond their tolerance are listed. What has no number is
+/// reported elsewhere.
 fn changes(verdict: &Verdict) -> Vec<Change> {
     let of_number = |gated: &GatedMetric| {
         let it = gated.difference.as_ref().ok()?;

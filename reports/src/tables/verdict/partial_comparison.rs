@@ -23,7 +23,8 @@ pub struct PartialComparison {
     pub title: String,
     /// Curve by curve, metric by metric, step by step.
     pub differences: Vec<PartialDifference>,
-    /// How often the predicted class of an object changed; `None` where two methods are compared, whose classes are expected to differ.
+    /// How often the predicted class of an object changed; `None` where two methods are compared, whose classes are expected
+    /// to differ.
     pub n_changed_predictions: Option<usize>,
 }
 

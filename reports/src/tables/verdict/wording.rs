@@ -85,8 +85,8 @@ pub(crate) fn metric_text(metric: &Metric) -> String {
 /// The title of the column of [`least_effect_text`].
 pub(crate) const DETECTABLE: &str = "detectable";
 
-/// What comparisons have to say of their numbers: `difference` says what is subtracted from what; intervals are drawn from blocks
-/// of this kind.
+/// What comparisons have to say of their numbers: `difference` says what is subtracted from what; intervals are drawn from
+/// blocks of this kind.
 pub(crate) fn about_differences(difference: &str, kind: BlockKind) -> String {
     format!(
         "difference: {difference}. 95 %: its interval, by {} Both sides use the same resamples. {DETECTABLE}: smallest \

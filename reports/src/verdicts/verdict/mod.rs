@@ -137,8 +137,8 @@ impl Verdict {
         self.metrics.iter().chain(&self.speeds)
     }
 
-    /// How many numbers are worse than tolerated, whether or not that may be chance. Times are others in every run: only where it
-    /// is none.
+    /// How many numbers are worse than tolerated, whether or not that may be chance. Times are others in every run: only
+    /// where it is none.
     pub fn n_worse(&self) -> usize {
         let is_worse = |it: &&GatedMetric| match it.finding {
             Finding::Regression => true,
@@ -148,8 +148,8 @@ impl Verdict {
         self.numbers().filter(is_worse).count() + self.claims.iter().filter(|it| it.is_worse()).count()
     }
 
-    /// How many numbers changed, so that they may look surely worse by chance; none if nothing can be sure. What is the same on every
-    /// scan is no matter of chance.
+    /// How many numbers changed, so that they may look surely worse by chance; none if nothing can be sure. What is the same
+    /// on every scan is no matter of chance.
     pub fn n_at_risk(&self) -> usize {
         if self.blocks.decide_nothing() {
             return 0;
@@ -158,8 +158,8 @@ impl Verdict {
         self.numbers().filter(|it| it.difference.as_ref().is_ok_and(|it| varies(it.interval))).count()
     }
 
-    /// How many of these would be called worse by chance on average, were each in truth just as much worse as tolerated: the most
-    /// that can be expected.
+    /// How many of these would be called worse by chance on average, were each in truth just as much worse as tolerated: the
+    /// most that can be expected.
     pub fn most_false_alarms(&self) -> f64 {
         FALSE_ALARM_RISK * self.n_at_risk() as f64
     }
@@ -191,8 +191,8 @@ impl Verdict {
 ///
 /// # Errors
 ///
-/// [`JudgeError`] if the runs cannot be compared, or with all that is wrong with `tolerances`: what their file has, rules that name
-/// what neither run has, rules that decide about nothing.
+/// [`JudgeError`] if the runs cannot be compared, or with all that is wrong with `tolerances`: what their file has, rules
+/// that name what neither run has, rules that decide about nothing.
 pub fn judge(
     baseline: &RunArchive,
     run: &RunArchive,

@@ -583,8 +583,8 @@ fn built_in_tolerances_leave_out_what_cannot_be_known() {
     assert_eq!(judge(&unknown, &unknown, &tolerances).unwrap().conclusion(), Conclusion::Same);
 }
 
-/// Unknown entries of the file, names missing in the runs, and rules without effect are reported together. A rule that is wrong in
-/// one way is not reported to have no effect as well.
+/// Unknown entries of the file, names missing in the runs, and rules without effect are reported together. A rule that is
+/// wrong in one way is not reported to have no effect as well.
 #[test]
 fn problems_of_the_file_and_of_the_runs_are_reported_together() {
     let tolerances = read_back(

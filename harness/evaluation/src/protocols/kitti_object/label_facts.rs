@@ -19,7 +19,8 @@ const SCORE_OF_NONE: f64 = 1.0;
 /// The rectangle of what the image does not show.
 const UNSEEN_PX: ImageRectangle = [-1.0; 4];
 
-/// What the evaluation has to know of a scan with these labels in which these objects were found, in the order of their files.
+/// What the evaluation has to know of a scan with these labels in which these objects were found, in the order of their
+/// files.
 pub fn facts_of_results(labels: &[KittiLabel], found: &[KittiObject]) -> Vec<KittiFact> {
     let detection =
         |it: &KittiObject| KittiDetection { object: box_of(it), score: it.score.unwrap_or(SCORE_OF_NONE) };
@@ -27,8 +28,9 @@ pub fn facts_of_results(labels: &[KittiLabel], found: &[KittiObject]) -> Vec<Kit
     facts_of(labels, &detections)
 }
 
-/// The same of what a detector found, in the frame of the sensor: vehicles are cars, the unlikely ones, too, since scores rank them; nothing
-/// else is of a class that is evaluated. The rectangle in the image is that around the corners of the box.
+/// The same of what a detector found, in the frame of the sensor: vehicles are cars, the unlikely ones, too, since scores
+/// rank them; nothing else is of a class that is evaluated. The rectangle in the image is that around the corners of the
+/// box.
 ///
 /// `None` if the frame is not that of a scan with a camera.
 pub fn facts_of_detections(

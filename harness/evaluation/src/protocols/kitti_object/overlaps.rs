@@ -125,7 +125,8 @@ mod tests {
 
     #[test]
     fn a_turn_goes_from_ahead_to_the_right() {
-        // Turned by an eighth, a car heads ahead and to the left for minus, to the right and back for plus: what lies at (1, -1) from it.
+        // Turned by an eighth, a car heads ahead and to the left for minus, to the right and back for plus: what lies at (1,
+        // -1) from it.
         let turned = KittiBox { rotation_y_rad: FRAC_PI_2 / 2.0, ..CAR };
         let at = |x_m: f64, z_m: f64| KittiBox {
             bottom_center_m: [2.0 + x_m, 1.7, 20.0 + z_m],

@@ -33,7 +33,8 @@ mod tests {
 
     #[test]
     fn points_are_counted_by_true_and_predicted_class() {
-        // Road, terrain, low and high vegetation, an outlier, an unlabelled point, a building; each classified as ground and as no ground.
+        // Road, terrain, low and high vegetation, an outlier, an unlabelled point, a building; each classified as ground and
+        // as no ground.
         let labels = [40, 72, 70, 70, 1, 0, 50].map(|it| [it, it]).concat();
         let z_m = [-1.7_f32, -1.5, -1.6, 0.5, -2.0, -1.7, 1.0].map(|it| [it, it]).concat();
         let predicted: Vec<bool> = (0..14).map(|it| it % 2 == 0).collect();

@@ -1,8 +1,9 @@
 //! How well each labelled instance was found, whatever its class.
 //!
-//! The association of an instance g is Σ |p ∩ g| · IoU(p, g) / |g| over all segments p that were found; their mean over instances is
-//! `S_assoc`. Sources: Nunes et al., *Unsupervised Class-Agnostic Instance Segmentation of 3D LiDAR Data for Autonomous Vehicles*, 2022;
-//! Aygün et al., *4D Panoptic LiDAR Segmentation*, 2021; the program of Sautier et al., *UNIT*, 2025.
+//! The association of an instance g is Σ |p ∩ g| · IoU(p, g) / |g| over all segments p that were found; their mean over
+//! instances is `S_assoc`. Sources: Nunes et al., *Unsupervised Class-Agnostic Instance Segmentation of 3D LiDAR Data for
+//! Autonomous Vehicles*, 2022; Aygün et al., *4D Panoptic LiDAR Segmentation*, 2021; the program of Sautier et al., *UNIT*,
+//! 2025.
 
 use reports::rows::label_score_row::InstanceScore;
 
@@ -11,7 +12,8 @@ use super::segment_overlaps::{SegmentOverlaps, SharedPoints, sum_in_order};
 
 /// The scores of all instances that `labels` have, by label. `found` has the segment of every point, 0 for none.
 ///
-/// Points of left-out classes are in no segment. Points of other classes, ground and walls among them, count where a segment holds them.
+/// Points of left-out classes are in no segment. Points of other classes, ground and walls among them, count where a segment
+/// holds them.
 pub fn instance_scores(labels: &[u32], found: &[u32]) -> Vec<InstanceScore> {
     let points = labels.iter().zip(found).filter(|(label, _)| !is_left_out(class_number(**label)));
     let overlaps = SegmentOverlaps::of(points.map(|(&label, &segment)| [instance_of(label), segment]));
@@ -47,7 +49,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Letters of `labels` are instances of cars, `-` is road, `~` is unlabelled; letters of `found` are segments, `-` is none.
+    /// Letters of `labels` are instances of cars, `-` is road, `~` is unlabelled; letters of `found` are segments, `-` is
+    /// none.
     fn scores(labels: &str, found: &str) -> Vec<InstanceScore> {
         assert_eq!(labels.len(), found.len());
         let label = |letter: char| match letter {

@@ -16,8 +16,8 @@ pub fn instance_number(label: u32) -> u16 {
     (label >> 16) as u16
 }
 
-/// Whether points of this class are left out of all that is said of instances: unlabelled ones, outliers, other structures and
-/// objects, and numbers that the format does not have.
+/// Whether points of this class are left out of all that is said of instances: unlabelled ones, outliers, other structures
+/// and objects, and numbers that the format does not have.
 ///
 /// Source: number 0 of `learning_map`.
 pub fn is_left_out(number: u16) -> bool {
@@ -49,7 +49,8 @@ pub fn is_surface(number: u16) -> bool {
     matches!(number, 40 | 44 | 48 | 49 | 60 | 72)
 }
 
-/// Vegetation below this is ground to Patchwork, in metres above the sensor: a quarter of the height of KITTI's sensor above the road.
+/// Vegetation below this is ground to Patchwork, in metres above the sensor: a quarter of the height of KITTI's sensor above
+/// the road.
 const LOW_VEGETATION_M: f64 = -1.73 * 3.0 / 4.0;
 
 /// Whether a point `z_m` metres above the sensor is ground by its label; `None` if it is left out.
@@ -64,7 +65,8 @@ pub fn is_ground(definition: GroundDefinition, number: u16, z_m: f32) -> Option<
     }
 }
 
-/// Whether the clusters of true labels that `continuous_clustering` makes leave out points of this class: ground and unlabelled points.
+/// Whether the clusters of true labels that `continuous_clustering` makes leave out points of this class: ground and
+/// unlabelled points.
 pub fn is_in_no_cluster(number: u16) -> bool {
     number == 0 || is_surface(number)
 }

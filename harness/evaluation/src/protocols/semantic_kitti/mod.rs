@@ -1,4 +1,5 @@
-//! Scores of SemanticKITTI's labels: for every point its class and instance, whatever its range and however few points an object has.
+//! Scores of SemanticKITTI's labels: for every point its class and instance, whatever its range and however few points an
+//! object has.
 
 pub mod label_numbers;
 pub mod found_segments;

@@ -20,8 +20,9 @@ const CELLS_IN_REACH: i32 = 2;
 
 /// For every point of `cloud` the object it belongs to, from 1 in the order of first points; 0 of none.
 ///
-/// Two points are of one object if they have the same label, class and instance, and a chain of such points less than 1 m apart leads
-/// from one to the other. Ground and unlabelled points are of none, nor are those of fewer than 10 points or more than 300,000.
+/// Two points are of one object if they have the same label, class and instance, and a chain of such points less than 1 m
+/// apart leads from one to the other. Ground and unlabelled points are of none, nor are those of fewer than 10 points or
+/// more than 300,000.
 ///
 /// Source: `generateEuclideanClusteringLabels` of `continuous_clustering`, with the values that the makers of TRAVEL gave.
 pub fn same_label_clusters(cloud: &PointCloud, labels: &[u32]) -> Vec<u32> {

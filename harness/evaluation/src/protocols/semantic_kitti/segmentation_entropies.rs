@@ -1,8 +1,8 @@
 //! How far objects are torn apart and run together, as TRAVEL and `continuous_clustering` measure it.
 //!
 //! Unlike the entropies of other tables these have a term for points of no segment and of no object, are of the objects that
-//! [`same_label_clusters`](super::same_label_clusters) makes, and are summed over a scan. Sources: Oh et al., *TRAVEL*, 2022, equations for
-//! OSE and USE; `evaluateClusters` of `continuous_clustering`.
+//! [`same_label_clusters`](super::same_label_clusters) makes, and are summed over a scan. Sources: Oh et al., *TRAVEL*,
+//! 2022, equations for OSE and USE; `evaluateClusters` of `continuous_clustering`.
 
 use reports::rows::label_score_row::SegmentationEntropies;
 

@@ -1,7 +1,7 @@
 //! Panoptic quality of things: segments with classes.
 //!
-//! Kirillov et al., *Panoptic Segmentation*, 2019, as `PanopticEval` of semantic-kitti-api counts it: a label is a segment, those of
-//! instance 0 too, and segments with few points are neither missed nor false.
+//! Kirillov et al., *Panoptic Segmentation*, 2019, as `PanopticEval` of semantic-kitti-api counts it: a label is a segment,
+//! those of instance 0 too, and segments with few points are neither missed nor false.
 
 use reports::rows::label_score_row::ThingCounts;
 use reports::vocabulary::thing_class::ThingClass;
@@ -18,8 +18,8 @@ const LEAST_IOU: f64 = 0.5;
 /// Stands for points of other classes. No thing has this label.
 const OTHER: u32 = 0;
 
-/// The counts of each of [`ThingClass::ALL`]. `labels` and `found` have for every point its label; points whose true class is left
-/// out are in no segment.
+/// The counts of each of [`ThingClass::ALL`]. `labels` and `found` have for every point its label; points whose true class
+/// is left out are in no segment.
 pub fn thing_counts(labels: &[u32], found: &[u32]) -> [ThingCounts; ThingClass::ALL.len()] {
     ThingClass::ALL.map(|class| {
         let of_class =

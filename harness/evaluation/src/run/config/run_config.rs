@@ -83,8 +83,8 @@ impl RunConfig {
         Ok(Self { file: Some(path.to_owned()), ..Self::resolve(&text, path)? })
     }
 
-    /// The shipped parameters, with vehicles classified by their size. No model is read, so that the models of the program may be
-    /// outdated.
+    /// The shipped parameters, with vehicles classified by their size. No model is read, so that the models of the program
+    /// may be outdated.
     ///
     /// # Errors
     ///

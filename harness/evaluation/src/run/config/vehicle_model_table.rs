@@ -207,7 +207,8 @@ impl VehicleModels {
         }
     }
 
-    /// What distinguishes these models from others of the same program: a checksum for each, in the order of [`TrainedModel::ALL`].
+    /// What distinguishes these models from others of the same program: a checksum for each, in the order of
+    /// [`TrainedModel::ALL`].
     pub fn identity(&self) -> [&str; 7] {
         let Self { groupings, components, nested_components, clusters, paper, pca, boxes } = self;
         [
@@ -245,8 +246,8 @@ impl<M: Clone> ModelSource<M> {
     }
 }
 
-/// The models of a complete TOML document; `None` if they are switched off. Those of directories with names are read at once,
-/// because what is wrong with them is wrong with the configuration.
+/// The models of a complete TOML document; `None` if they are switched off. Those of directories with names are read at
+/// once, because what is wrong with them is wrong with the configuration.
 pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, ValueProblem> {
     let table: VehicleModelTable = toml::from_str(text)
         .map_err(|error| ValueProblem::new(&ParamsError::Syntax(error), Some("vehicle_model"), text))?;

@@ -19,8 +19,8 @@ use crate::commands::shards::executor::execute;
 use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::standard_streams::print_result_in;
 
-/// Has methods classify objects of which a part has been seen, and writes rows, tables, figures, a page and a recording; or makes a
-/// shard of that.
+/// Has methods classify objects of which a part has been seen, and writes rows, tables, figures, a page and a recording; or
+/// makes a shard of that.
 pub fn partial(arguments: &PartialArgs) -> Result<(), Failure> {
     let output = WorkOutput::claim(Study::Partial, arguments.shard.shard, &arguments.output)?;
     let mut objects = SharedObjects::open(arguments, &output)?;

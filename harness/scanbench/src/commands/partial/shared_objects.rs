@@ -207,8 +207,8 @@ impl SharedWork for SharedObjects<'_> {
     }
 }
 
-/// That of the model that classifies the objects of all `sets`; `None` if that is learned anew. Of what was read, not of a file that may
-/// have changed since.
+/// That of the model that classifies the objects of all `sets`; `None` if that is learned anew. Of what was read, not of a
+/// file that may have changed since.
 fn checksum_of_model(sets: &[Compared]) -> Option<String> {
     sets.iter().find_map(|it| match &it.known {
         Known::Model(model) => Some(sha256(model.to_bytes())),

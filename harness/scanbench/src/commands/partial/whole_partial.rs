@@ -55,8 +55,8 @@ impl WholeResult for WholePartial {
     }
 }
 
-/// Set by set, and of each what one method said of all objects after what another did. Shards have the sets and the methods in the
-/// same order.
+/// Set by set, and of each what one method said of all objects after what another did. Shards have the sets and the methods
+/// in the same order.
 fn in_order_of_whole(rows: Vec<PartialRow>) -> Vec<PartialRow> {
     let mut groups: Vec<Vec<PartialRow>> = Vec::new();
     for row in rows {

@@ -51,8 +51,8 @@ pub struct RecordingPlan<'a> {
     pub figures: &'static [FigureView],
 }
 
-/// Begins the recording `file` of what `entrants` do on `datasets`, which is called `name`, and returns it with every how many scans are in
-/// it; `None` if none is wanted.
+/// Begins the recording `file` of what `entrants` do on `datasets`, which is called `name`, and returns it with every how
+/// many scans are in it; `None` if none is wanted.
 pub fn begin_recording(
     (arguments, figures): (&StreamArgs, &'static [FigureView]),
     (entrants, datasets): (&[Entrant], &[OpenedDataset]),

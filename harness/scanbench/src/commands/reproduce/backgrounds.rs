@@ -15,7 +15,8 @@ use super::METHOD;
 use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
 
-/// Has the classifier judge the clusters of the method in `datasets`, and regions that are cut out of them as its training set has them.
+/// Has the classifier judge the clusters of the method in `datasets`, and regions that are cut out of them as its training
+/// set has them.
 pub fn backgrounds(
     datasets: &[OpenedDataset],
     config: &RunConfig,

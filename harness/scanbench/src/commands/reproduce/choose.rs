@@ -20,7 +20,8 @@ use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
 
-/// Tries joint settings of all values of `detector` but the criterion, and prints the ten with the greatest mean rate, and the shipped one.
+/// Tries joint settings of all values of `detector` but the criterion, and prints the ten with the greatest mean rate, and
+/// the shipped one.
 pub fn choose(arguments: &ReproduceArgs, detector: ChosenFor) -> Result<(), Failure> {
     let mut config = RunConfig::load(None)?;
     let datasets = open_datasets(&arguments.data, &config.classes)?;

@@ -156,7 +156,8 @@ impl Observations {
         })
     }
 
-    /// VM Fig. 1 and 5: how many boxes are turned as annotated, on the hull and along principal axes; `None` without vehicles.
+    /// VM Fig. 1 and 5: how many boxes are turned as annotated, on the hull and along principal axes; `None` without
+    /// vehicles.
     pub fn turned_right(&self, within_deg: f64) -> Option<Seen> {
         let n = self.pairs.len();
         let is_right =

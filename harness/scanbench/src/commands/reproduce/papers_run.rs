@@ -53,7 +53,8 @@ const VARIANTS: [(&str, &str); 3] = [
 /// The rivals of the papers.
 const RIVALS: [&str; 2] = ["kd-tree", "pca"];
 
-/// kd-tree has the boxes of VM section 4, as the method has them: claims by boxes and by centres are about the papers' boxes.
+/// kd-tree has the boxes of VM section 4, as the method has them: claims by boxes and by centres are about the papers'
+/// boxes.
 const BOXES_OF_PAPERS: [&str; 2] = ["hierarchical.boxes.outline=false", "hierarchical.boxes.whole=false"];
 
 /// The values of the rivals that the papers leave open, chosen by `--choose` as those of the method are.
@@ -70,7 +71,8 @@ const CHOSEN_OF_RIVALS: [&str; 7] = [
 /// Scans that are recorded, unless more are asked for.
 const MOST_RECORDED: usize = 30;
 
-/// Runs the method, its variants and its rivals, judges the claims, and writes and prints what comes of them; or makes a shard of the run.
+/// Runs the method, its variants and its rivals, judges the claims, and writes and prints what comes of them; or makes a
+/// shard of the run.
 pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     refuse_what_is_for_whole_runs(arguments.shard.shard, &arguments.stream)?;
     let output = WorkOutput::claim(Study::Reproduce, arguments.shard.shard, &arguments.output)?;

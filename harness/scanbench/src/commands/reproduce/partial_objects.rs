@@ -26,8 +26,8 @@ pub struct PartialObjects {
 }
 
 impl PartialObjects {
-    /// Has the method as printed learn from `n_per_class` simulated objects of each class, whole ones as in the paper and their parts, and
-    /// judge as many others.
+    /// Has the method as printed learn from `n_per_class` simulated objects of each class, whole ones as in the paper and
+    /// their parts, and judge as many others.
     pub fn judge(n_per_class: u32, interrupted: &AtomicBool) -> Result<Self, Failure> {
         let open = |part: ObjectPart| open_simulated_objects(OBJECTS, part, n_per_class);
         let (training, judged): (SimulatedObjects, SimulatedObjects) =

@@ -193,7 +193,8 @@ impl SettingsStudy {
         Ok(Some(Self { sensitivity, methods, rivals, criterion_of_setting }))
     }
 
-    /// Under how many settings the method leads the rival of the task, and of how many: on each data set, or on all together.
+    /// Under how many settings the method leads the rival of the task, and of how many: on each data set, or on all
+    /// together.
     pub fn n_leading(&self, task: Task, on_each: bool) -> Option<[usize; 2]> {
         let rival_idx = RIVALS.iter().position(|it| it.1 == task)?;
         let all = 0..self.methods.n_datasets();

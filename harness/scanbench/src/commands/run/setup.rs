@@ -32,8 +32,8 @@ impl ChosenRun {
         Ok(Self { chosen, config })
     }
 
-    /// Opens the data sets, and looks at their first scans. Boxes that others made are in the frame of the files, which is not levelled
-    /// under them.
+    /// Opens the data sets, and looks at their first scans. Boxes that others made are in the frame of the files, which is
+    /// not levelled under them.
     pub fn open(self, arguments: &RunArgs) -> Result<OpenedRun, Failure> {
         let Self { chosen, mut config } = self;
         let damage = arguments.damage.policy();

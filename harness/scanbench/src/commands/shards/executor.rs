@@ -1,7 +1,7 @@
 //! Does work that can be shared out: all in one piece, or a shard.
 //!
-//! Finished work is kept at once, and all results are made of what was kept. Work in one piece is the only shard, merged with no
-//! other. Interrupted work continues when the same command is run again.
+//! Finished work is kept at once, and all results are made of what was kept. Work in one piece is the only shard, merged
+//! with no other. Interrupted work continues when the same command is run again.
 
 use std::path::{Path, PathBuf};
 

@@ -172,7 +172,8 @@ impl Output {
     }
 }
 
-/// Copies the rows of a file of `shard`, and hands each to `on_row`. What was copied is compared with the checksum of the shard.
+/// Copies the rows of a file of `shard`, and hands each to `on_row`. What was copied is compared with the checksum of the
+/// shard.
 fn copy_rows<Row: CsvRow>(
     shard: &ShardDirectory<'_>,
     output: &mut Output,

@@ -34,7 +34,8 @@ pub struct ShardJournal<'a> {
 }
 
 impl<'a> ShardJournal<'a> {
-    /// Writes what happens in `datasets`, also under `protocols` of others, and sets `end` to the number after that of the last scan.
+    /// Writes what happens in `datasets`, also under `protocols` of others, and sets `end` to the number after that of the
+    /// last scan.
     pub fn new(
         journal: &'a Journal,
         (datasets, protocols): (&'a [OpenedDataset], &[Protocol]),

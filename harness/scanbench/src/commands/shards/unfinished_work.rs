@@ -29,7 +29,8 @@ const JOURNAL: &str = "journal";
 /// Endings of the other files that are left there.
 const ENDINGS: [&str; 5] = ["csv", "json", "jsonl", "rrd", "mcap"];
 
-/// What decides the rows of a result: its `manifest`, without what may differ when it is continued, and `rules` that this lacks.
+/// What decides the rows of a result: its `manifest`, without what may differ when it is continued, and `rules` that this
+/// lacks.
 pub fn identity_of(manifest: &impl Serialize, rules: Value) -> JournalIdentity {
     let mut value = serde_json::to_value(manifest).expect("a manifest has text keys only");
     let identity = value.as_object_mut().expect("a manifest is an object");
@@ -125,7 +126,8 @@ impl UnfinishedWork {
         print_diagnostic(format_args!("Continuing with {done} from {}", self.folder.display()));
     }
 
-    /// Returns `failure`, after printing how the work can be continued. Work in a directory that nobody has named leaves nothing.
+    /// Returns `failure`, after printing how the work can be continued. Work in a directory that nobody has named leaves
+    /// nothing.
     pub fn ended_by(self, failure: Failure) -> Failure {
         if self.passing.is_none() {
             print_diagnostic(self.how_to_go_on());
@@ -222,8 +224,8 @@ impl Remains {
         self.passing.is_some()
     }
 
-    /// Removes the journal and files with the endings of results. Other files that somebody has put into the folder stay, and the folder
-    /// with them.
+    /// Removes the journal and files with the endings of results. Other files that somebody has put into the folder stay,
+    /// and the folder with them.
     pub fn clear(self) {
         let Self { folder, journal, passing } = self;
         set_last_words(String::new());

@@ -15,7 +15,8 @@ pub enum Pieces {
     Shards,
 }
 
-/// That of the whole in one piece which leaves it in `target`, with the list of shards, whose manifests `shards` are in order.
+/// That of the whole in one piece which leaves it in `target`, with the list of shards, whose manifests `shards` are in
+/// order.
 pub fn merged_manifest(shards: &[&Manifest], (target, pieces): (&Path, Pieces)) -> Manifest {
     let manifests = || shards.iter().copied();
     let mut whole = shards[0].clone();

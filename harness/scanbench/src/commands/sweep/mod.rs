@@ -19,8 +19,8 @@ use crate::commands::standard_streams::print_result_in;
 use crate::commands::sweep::setup::{Sweep, sweep_plan};
 use crate::commands::sweep::whole_sweep::WholeSweep;
 
-/// Runs detectors at every combination of parameter values on the same scans, writes tables and plots, and prints the best; or
-/// makes a shard of that.
+/// Runs detectors at every combination of parameter values on the same scans, writes tables and plots, and prints the best;
+/// or makes a shard of that.
 pub fn sweep(arguments: &SweepArgs) -> Result<(), Failure> {
     let plan = sweep_plan(arguments)?;
     // Now, and not after the work: it may be that nothing can be written there.

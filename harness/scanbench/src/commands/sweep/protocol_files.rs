@@ -16,7 +16,8 @@ use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::progress_over_results;
 use crate::commands::standard_streams::{print_diagnostic, terminal};
 
-/// Makes the numbers of a sweep under its protocols and writes them into `directory` in all their forms. Returns the table that is printed.
+/// Makes the numbers of a sweep under its protocols and writes them into `directory` in all their forms. Returns the table
+/// that is printed.
 pub fn write_swept_protocols(
     directory: &RunDirectory,
     (manifest, tally): (&Manifest, &SweepTally<'_>),

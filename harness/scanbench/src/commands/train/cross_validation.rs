@@ -42,9 +42,9 @@ pub struct FoldedCandidates<'a> {
 type Fold<const D: usize> = [Vec<DescribedObject<D>>; 2];
 
 impl FoldedCandidates<'_> {
-    /// The one of `pairs` with the greatest mean area below the precision-recall curve over five parts of the drives, or fewer of
-    /// fewer drives, each judged by a classifier that learned from the others, and a table of all in words. `describer_of` makes the
-    /// describer of objects from the candidates that are learned from.
+    /// The one of `pairs` with the greatest mean area below the precision-recall curve over five parts of the drives, or
+    /// fewer of fewer drives, each judged by a classifier that learned from the others, and a table of all in words.
+    /// `describer_of` makes the describer of objects from the candidates that are learned from.
     pub fn best<const D: usize, S: ObjectDescriber<D>>(
         &self,
         pairs: &[NuSvcParams],

@@ -1,7 +1,7 @@
 //! Sound files, changed at random from a fixed seed: readers give scans or an error, soon and with little memory.
 //!
-//! A few seconds in all; `SCANBENCH_MUTATION_SECONDS` sets how long each kind of data set is tried. With `--nocapture` every reader says how many
-//! cases there were of which kind of file, and how many it refused.
+//! A few seconds in all; `SCANBENCH_MUTATION_SECONDS` sets how long each kind of data set is tried. With `--nocapture` every
+//! reader says how many cases there were of which kind of file, and how many it refused.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

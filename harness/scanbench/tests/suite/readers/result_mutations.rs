@@ -1,4 +1,5 @@
-//! Sound results of other programs, changed at random: readers give detections that can be, or an error, soon and with little memory.
+//! Sound results of other programs, changed at random: readers give detections that can be, or an error, soon and with
+//! little memory.
 
 use std::path::Path;
 

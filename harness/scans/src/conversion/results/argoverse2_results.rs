@@ -1,7 +1,7 @@
 //! A table of detections of Argoverse 2: `detections.feather`, boxes in the frame of the car.
 //!
-//! Vehicles are `REGULAR_VEHICLE`: detectors do not distinguish them from trucks. Other objects have no class there and are left out.
-//! The score is that of the box. A detection without one has 1.
+//! Vehicles are `REGULAR_VEHICLE`: detectors do not distinguish them from trucks. Other objects have no class there and are
+//! left out. The score is that of the box. A detection without one has 1.
 
 use std::sync::Arc;
 

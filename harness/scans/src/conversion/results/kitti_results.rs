@@ -1,7 +1,8 @@
 //! KITTI's text files of results, in `data` as its evaluators look for them.
 //!
-//! Vehicles are `Car`, everything else is `Misc`, which the evaluators pass over. Boxes that the camera does not see have no rectangle in the image (-1), and
-//! the evaluators pass over these as well. The score is that of the box. A detection without one has 1.
+//! Vehicles are `Car`, everything else is `Misc`, which the evaluators pass over. Boxes that the camera does not see have no
+//! rectangle in the image (-1), and the evaluators pass over these as well. The score is that of the box. A detection
+//! without one has 1.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -1,10 +1,10 @@
 //! A submission of nuScenes: `results_nusc.json`, boxes in the frame of the world.
 //!
-//! Vehicles are `car`: detectors do not distinguish them from trucks. Other objects have no class there and are left out. Velocities
-//! are 0 and attributes empty.
+//! Vehicles are `car`: detectors do not distinguish them from trucks. Other objects have no class there and are left out.
+//! Velocities are 0 and attributes empty.
 //!
-//! The score is that of the box; a detection without one has 1. The format wants it between 0 and 1: where any is outside, all are taken as
-//! log odds and written as probabilities, in the same order.
+//! The score is that of the box; a detection without one has 1. The format wants it between 0 and 1: where any is outside,
+//! all are taken as log odds and written as probabilities, in the same order.
 
 use detector::{DetectedClass, Detections};
 use serde_json::{Map, Value, json};

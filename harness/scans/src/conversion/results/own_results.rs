@@ -1,4 +1,5 @@
-//! The files that `scanbench detect` writes, of every scan: `DRIVE/NNNNNN.u32` with the cluster of each point, `DRIVE/NNNNNN.csv` with the boxes.
+//! The files that `scanbench detect` writes, of every scan: `DRIVE/NNNNNN.u32` with the cluster of each point,
+//! `DRIVE/NNNNNN.csv` with the boxes.
 
 use detector::Detections;
 use reports::files::archive::ArchiveError;

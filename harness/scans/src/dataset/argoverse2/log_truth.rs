@@ -42,7 +42,8 @@ pub struct LogTruth {
 impl LogTruth {
     /// Reads those of the log in `folder`.
     ///
-    /// Annotations whose class nobody knows are noted in `classes` and left out. The origin becomes the point halfway between the two lidars; the axes stay those of the car.
+    /// Annotations whose class nobody knows are noted in `classes` and left out. The origin becomes the point halfway
+    /// between the two lidars; the axes stay those of the car.
     ///
     /// Poses and calibration may be missing.
     pub fn read(folder: &Path, classes: &mut ClassReader<'_>) -> Result<Self, DatasetError> {

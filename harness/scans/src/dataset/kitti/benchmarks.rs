@@ -10,8 +10,8 @@
 //!             image_02/SEQUENCE/NNNNNN.png   optional, only the size of the first is read
 //! ```
 //!
-//! The scans of the object benchmark were picked out of drives at random, and their numbers are no times. The development kit lists
-//! which raw scans they are, if it lies beside the split ([`RawMapping`]).
+//! The scans of the object benchmark were picked out of drives at random, and their numbers are no times. The development
+//! kit lists which raw scans they are, if it lies beside the split ([`RawMapping`]).
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -35,7 +35,8 @@ pub fn box_in_camera(bounding_box: &OrientedBox, velodyne_from_camera: &Matrix4<
     let bottom_center_m = Vector4::new(x, y, center_z - height_m / 2.0, 1.0);
     let camera_from_velodyne = velodyne_from_camera.try_inverse().unwrap_or_else(Matrix4::identity);
     let bottom_center_m = camera_from_velodyne * bottom_center_m;
-    // The turn whose direction, (cos, 0, -sin), is seen from above in the velodyne frame along the heading, and not against it.
+    // The turn whose direction, (cos, 0, -sin), is seen from above in the velodyne frame along the heading, and not against
+    // it.
     let (yaw_sin, yaw_cos) = f64::from(bounding_box.yaw_rad).sin_cos();
     let across = |column: usize| {
         velodyne_from_camera[(0, column)] * yaw_sin - velodyne_from_camera[(1, column)] * yaw_cos

@@ -3,8 +3,8 @@
 use detector::OrientedBox;
 use nalgebra::{Matrix3x4, Vector4};
 
-/// The rectangle of the image, in pixels, around what the camera sees of the corners of a box: left, top, right and bottom. `None` if the box lies beside
-/// the image, or not wholly before the camera.
+/// The rectangle of the image, in pixels, around what the camera sees of the corners of a box: left, top, right and bottom.
+/// `None` if the box lies beside the image, or not wholly before the camera.
 pub fn image_box(
     bounding_box: &OrientedBox,
     image_from_velodyne: &Matrix3x4<f64>,

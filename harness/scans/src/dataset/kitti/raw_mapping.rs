@@ -38,7 +38,8 @@ pub struct RawMapping {
 }
 
 impl RawMapping {
-    /// The mapping beside the split `training`; `None` if there is none, or it is another split: only that one has a mapping.
+    /// The mapping beside the split `training`; `None` if there is none, or it is another split: only that one has a
+    /// mapping.
     pub fn beside(split: &Path) -> Result<Option<Self>, DatasetError> {
         // `.` and `..` have no name of their own, and what is called so may be a link to another directory.
         let canonical = split.canonicalize().unwrap_or_else(|_| split.to_path_buf());

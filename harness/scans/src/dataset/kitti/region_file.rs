@@ -30,7 +30,8 @@ pub fn with_regions_of_file(
     Ok(scan)
 }
 
-/// The regions of the points of `scan`, of a file with one for each point of the scan's file; all is labelled where there is none.
+/// The regions of the points of `scan`, of a file with one for each point of the scan's file; all is labelled where there is
+/// none.
 fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion>, DatasetError> {
     if !path.exists() {
         return Ok(vec![PointRegion::Labeled; scan.cloud.len()]);

@@ -1,5 +1,5 @@
-//! The folder of a KITTI split (`training`) or of a benchmark like it, whose files are checked for existence and taken into the checksum as they
-//! are read.
+//! The folder of a KITTI split (`training`) or of a benchmark like it, whose files are checked for existence and taken into
+//! the checksum as they are read.
 
 use std::path::{Path, PathBuf};
 

@@ -11,7 +11,8 @@ use super::topics::MessageKind;
 /// A chain of frames longer than this goes in a circle.
 const MAX_DEPTH: usize = 64;
 
-/// The transforms in `bytes`, a message of this kind in the encoding of its channel. Errors are the rest of a sentence about the file.
+/// The transforms in `bytes`, a message of this kind in the encoding of its channel. Errors are the rest of a sentence about
+/// the file.
 pub fn transforms_of_message(
     kind: MessageKind,
     encoding: &str,

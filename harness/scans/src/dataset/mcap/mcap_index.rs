@@ -17,8 +17,8 @@ use crate::dataset::DatasetError;
 /// Records other than chunks are read whole; larger ones are no part of a sensible recording.
 const MAX_RECORD_BYTES: u64 = 256 << 20;
 
-/// Where there is no summary, chunks are looked into: all together may grow to so many bytes, or so many times the size of the file, whichever is
-/// more.
+/// Where there is no summary, chunks are looked into: all together may grow to so many bytes, or so many times the size of
+/// the file, whichever is more.
 const MAX_PLAIN_BYTES: u64 = 256 << 20;
 const MAX_GROWTH: u64 = 64;
 

@@ -37,7 +37,8 @@ pub struct RecordedCloud {
 }
 
 impl RecordedCloud {
-    /// The cloud in `bytes`, a message of this kind in the encoding of its channel. Errors are the rest of a sentence about the file.
+    /// The cloud in `bytes`, a message of this kind in the encoding of its channel. Errors are the rest of a sentence about
+    /// the file.
     pub fn read(kind: MessageKind, encoding: &str, bytes: &[u8]) -> Result<Self, String> {
         if kind == MessageKind::RosCloud {
             let (header, packed) = point_cloud_2(bytes)?;
@@ -92,8 +93,8 @@ impl RecordedCloud {
     }
 }
 
-/// Takes times of points that are moments of the clock of `stamp_ns`, in seconds or nanoseconds: what is near the stamp in one of
-/// these units cannot be so in the other.
+/// Takes times of points that are moments of the clock of `stamp_ns`, in seconds or nanoseconds: what is near the stamp in
+/// one of these units cannot be so in the other.
 fn take_moments(
     packed: &PackedPoints<'_>,
     stamp_ns: u64,

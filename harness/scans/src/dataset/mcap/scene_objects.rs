@@ -86,8 +86,8 @@ fn sensible_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<Or
     Ok(upright_box(sensor_from_box, size_m))
 }
 
-/// The objects in `bytes`, a message of this kind in the encoding of its channel, and the moment that it names, in nanoseconds; 0 if it
-/// names none. Errors are the rest of a sentence about the file.
+/// The objects in `bytes`, a message of this kind in the encoding of its channel, and the moment that it names, in
+/// nanoseconds; 0 if it names none. Errors are the rest of a sentence about the file.
 pub fn objects_of_message(
     kind: MessageKind,
     encoding: &str,

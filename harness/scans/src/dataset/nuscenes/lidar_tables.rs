@@ -99,10 +99,11 @@ struct Unplaced {
     file: PathBuf,
 }
 
-/// Reads the tables in `folder`: the keyframes of the lidar by scene, each in the order of its times; only those of `scenes` if
-/// any are named.
+/// Reads the tables in `folder`: the keyframes of the lidar by scene, each in the order of its times; only those of `scenes`
+/// if any are named.
 ///
-/// Annotations whose class nobody knows are noted in `classes` and left out. Everything else, such as images and the scans between keyframes, is passed over and not kept.
+/// Annotations whose class nobody knows are noted in `classes` and left out. Everything else, such as images and the scans
+/// between keyframes, is passed over and not kept.
 pub fn read_keyframes(
     folder: &Path,
     scenes: Option<&BTreeSet<String>>,

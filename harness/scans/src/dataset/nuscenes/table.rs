@@ -14,7 +14,8 @@ use crate::dataset::DatasetError;
 /// Bytes that are read at once.
 const N_BUFFERED: usize = 1 << 18;
 
-/// Hands every record of the table at `path` to `take`, in order; what `take` refuses is the rest of a sentence about the file.
+/// Hands every record of the table at `path` to `take`, in order; what `take` refuses is the rest of a sentence about the
+/// file.
 pub fn read_table<Record: DeserializeOwned>(
     path: &Path,
     take: impl FnMut(Record) -> Result<(), String>,

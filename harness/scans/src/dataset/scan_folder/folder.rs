@@ -5,7 +5,8 @@
 //! labels/NAME.json                           optional: boxes; where there is a folder of labels, every scan has its own
 //! ```
 //!
-//! The folder of labels may be called `labels`, `label` or `label_2`; [`label_file`](super::label_file) says what may be in it.
+//! The folder of labels may be called `labels`, `label` or `label_2`; [`label_file`](super::label_file) says what may be in
+//! it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;

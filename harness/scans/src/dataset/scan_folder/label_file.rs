@@ -75,8 +75,8 @@ impl LabelFile {
         }
     }
 
-    /// The boxes in the texts of [`Self::files`] as annotations without points, as seen from `origin_m`. Those whose class nobody knows are noted in
-    /// `classes` and left out.
+    /// The boxes in the texts of [`Self::files`] as annotations without points, as seen from `origin_m`. Those whose class
+    /// nobody knows are noted in `classes` and left out.
     pub fn parse(
         &self,
         texts: &[String],

@@ -47,8 +47,8 @@ struct LazCompression {
 
 /// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
 ///
-/// Where the header says that the points are farther than 10 km from zero, as on a map (single precision would round them), the origin becomes a point with whole
-/// coordinates: the middle of the extent on the ground plan, and its least height.
+/// Where the header says that the points are farther than 10 km from zero, as on a map (single precision would round them),
+/// the origin becomes a point with whole coordinates: the middle of the extent on the ground plan, and its least height.
 pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
     let header = parse_header(bytes)?;
     let origin_m = origin_of(&header)?;

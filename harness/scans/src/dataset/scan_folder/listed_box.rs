@@ -33,7 +33,8 @@ pub struct ListedBox {
 }
 
 impl ListedBox {
-    /// The box as an annotation of `class` without points, as seen from `origin_m`. Errors are the rest of a sentence about the object.
+    /// The box as an annotation of `class` without points, as seen from `origin_m`. Errors are the rest of a sentence about
+    /// the object.
     pub fn annotation(&self, class: AnnotationClass, origin_m: [f64; 3]) -> Result<Annotation, String> {
         for (name, side_m) in ["length", "width", "height"].into_iter().zip(self.length_width_height_m) {
             if !(side_m > 0.0 && side_m < LONGEST_SIDE_M) {

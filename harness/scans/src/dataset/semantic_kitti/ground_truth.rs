@@ -11,8 +11,8 @@ use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanI
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::positioned_points::PositionedPoints;
 
-/// The scan `id` with one annotation for each instance, then one for each pole or sign; `path` is the file of `labels`, one for each point of the
-/// file of `points`.
+/// The scan `id` with one annotation for each instance, then one for each pole or sign; `path` is the file of `labels`, one
+/// for each point of the file of `points`.
 ///
 /// Annotations have no boxes. Their tracks are the whole labels, which the same object keeps throughout its drive. Points of
 /// instance 0 belong to objects that were labelled without separating them: they become unscorable, like points whose
@@ -71,7 +71,8 @@ pub fn label_scan(
     }
 }
 
-/// What becomes of the points of a label: as the user says of its number, else as the format does. A number that neither knows is noted.
+/// What becomes of the points of a label: as the user says of its number, else as the format does. A number that neither
+/// knows is noted.
 pub fn class_of_number(
     number: u16,
     classes: &mut ClassReader<'_>,

@@ -39,8 +39,8 @@ pub fn is_capture(path: &Path) -> bool {
         )
 }
 
-/// The payloads of `length` bytes in the capture at `path` that go to `port`, from the first sender there is, in the order of the
-/// file. `take` is shown each and may refuse the file; its errors are the rest of a sentence about it.
+/// The payloads of `length` bytes in the capture at `path` that go to `port`, from the first sender there is, in the order
+/// of the file. `take` is shown each and may refuse the file; its errors are the rest of a sentence about it.
 ///
 /// Returns the rest of a sentence about the end of the file if it is cut off.
 pub fn walk_payloads(

@@ -7,8 +7,8 @@ pub fn steps_of(laser: usize, azimuth: usize) -> u16 {
     if (laser + azimuth / 100).is_multiple_of(11) { 0 } else { (2000 + 37 * laser + azimuth % 5000) as u16 }
 }
 
-/// Packets of so many columns in a row from this azimuth on, in hundredths of a degree: with the bytes at their ends, and so many
-/// blocks of a column.
+/// Packets of so many columns in a row from this azimuth on, in hundredths of a degree: with the bytes at their ends, and so
+/// many blocks of a column.
 pub fn packets(first: usize, n_columns: usize, step: usize, n_banks: usize, last: [u8; 2]) -> Vec<Vec<u8>> {
     let columns: Vec<usize> = (0..n_columns).map(|it| (first + it * step) % 36_000).collect();
     let packet = |columns: &[usize]| {
