@@ -39,7 +39,7 @@ pub fn times_doubts(manifest: &Manifest, report: &RunReport) -> Vec<String> {
     }
     let busy = least_share.map(|(share, about)| {
         let percent = fixed_decimals(100.0 * share, 0);
-        format!("Times are doubtful: the machine was busy. {about} was on a processor for {percent} % of its time.")
+        format!("Times are unreliable: the machine was busy. {about} was on a processor for {percent} % of its time.")
     });
     let outlier = longest.map(|(times, about)| {
         let times = fixed_decimals(times, 1);
