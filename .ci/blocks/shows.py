@@ -104,28 +104,32 @@ def printed_table(results: list[Result], task: str) -> Shown:
 
 
 def overall_rates(results: list[Result]) -> Shown:
-    """Rates with their intervals of all detectors of a run, both tasks."""
-    lines = []
-    for task, row in ((task, row) for task in TASKS for row in overall_rows(results[0], task)):
+    """Rates with their intervals of all detectors of a run: a row for each detector, both tasks."""
+    lines: dict[str, list[str]] = defaultdict(list)
+    of_tasks = {task: overall_rows(results[0], task) for task in TASKS}
+    for row in (row for found in of_tasks.values() for row in found):
         few_blocks = "§" * (row.get("few_blocks") == "true")
         within = f"{percent(row['f_rate_low'])} to {percent(row['f_rate_high'])}{few_blocks}"
-        fps = number(row["fps_mean"], 0 if float(row["fps_mean"] or 0) >= 10 else 1)
-        rates = [percent(row["f_rate"]), within, percent(row["precision"]), percent(row["recall"])]
-        lines.append([task, row["detector"], row["no"], *rates, fps])
-    return noted(table(["task", "detector", "NO", "F-rate", "95 % interval", "precision", "recall", "fps"], lines, 2))
+        lines[row["detector"]] += [percent(row["f_rate"]), within, percent(row["precision"]), percent(row["recall"])]
+    for row in of_tasks["objects"]:
+        lines[row["detector"]].append(number(row["fps_mean"], 0 if float(row["fps_mean"] or 0) >= 10 else 1))
+    heads = [it for task in TASKS for it in (f"{task}: F-rate", "95 % interval", "precision", "recall")]
+    note = f"Rates in %, of {of_tasks['objects'][0]['no']} annotated objects and {of_tasks['vehicles'][0]['no']} vehicles."
+    return noted(table(["detector", *heads, "fps"], [[name, *cells] for name, cells in lines.items()]) + f"\n\n{note}")
 
 
 def over_seeds(results: list[Result]) -> Shown:
     """F-rates, and the lead of the first detector, over runs that differ in their seeds: mean and standard deviation."""
-    lines = []
+    lines: dict[str, list[str]] = defaultdict(list)
     for task in TASKS:
         runs = [{it["detector"]: 100 * float(it["f_rate"]) for it in overall_rows(result, task)} for result in results]
         first, *_ = runs[0]
         for detector in runs[0]:
             rates, leads = [it[detector] for it in runs], [it[first] - it[detector] for it in runs]
             cells = [f"{mean(it):.1f} ± {stdev(it):.1f}" for it in (rates, leads)]
-            lines.append([task, detector, cells[0], f"{min(rates):.1f} to {max(rates):.1f}", cells[1] * (detector != first)])
-    return Shown(table(["task", "detector", "F-rate", "least and greatest", "lead of the first"], lines, 2))
+            lines[detector] += [cells[0], cells[1] * (detector != first)]
+    heads = [it for task in TASKS for it in (f"{task}: F-rate", "lead of the first")]
+    return Shown(table(["detector", *heads], [[name, *cells] for name, cells in lines.items()]))
 
 
 def differences(result: Result) -> dict[tuple[str, str], dict[str, str]]:
@@ -139,10 +143,12 @@ def differences(result: Result) -> dict[tuple[str, str], dict[str, str]]:
 
 
 def compared_detectors(results: list[Result]) -> Shown:
-    """Paired differences of detectors of one run, one pair a command after the first."""
-    found = [it for result in results[1:] for it in differences(result).items()]
-    lines = [[pair, task, it["difference"], it["95 %"], it["detectable"]] for (task, pair), it in found]
-    return noted(table(["difference of F-rates", "task", "points", "95 % interval", "smallest detectable difference (80 % power)"], lines, 2))
+    """Paired differences of detectors of one run in both tasks, one pair a command after the first."""
+    lines: dict[str, list[str]] = defaultdict(list)
+    for (_, pair), it in (it for result in results[1:] for it in differences(result).items()):
+        lines[pair] += [it["difference"], it["95 %"]]
+    heads = [it for task in TASKS for it in (f"{task}: points", "95 % interval")]
+    return noted(table(["difference of F-rates", *heads], [[pair, *cells] for pair, cells in lines.items()]))
 
 
 def compared_runs(results: list[Result], *names: str) -> Shown:
@@ -192,14 +198,15 @@ def ablation_rates(results: list[Result]) -> Shown:
     return Shown(table(["", "F-rate", "precision", "recall", "recall on KITTI"], lines) + f"\n\n{note}")
 
 
-def rates_by_dataset(results: list[Result], task: str) -> Shown:
-    """F-rates of a task, data set by data set and detector by detector; recall where false objects cannot be known."""
-    found = of_datasets([it for result in results for it in measured(result, task)])
+def rates_by_dataset(results: list[Result], *tasks: str) -> Shown:
+    """F-rates of tasks, data set by data set and detector by detector; recall where false objects cannot be known."""
     lines: dict[str, list[str]] = defaultdict(list)
-    for row in found:
-        rate = percent(row["f_rate"]) if row["f_rate"] else f"{percent(row['recall'])} recall"
-        lines[f"{origin_in_words(row)}, {row['no']} {task}"].append(rate)
-    return Shown(table(["", *dict.fromkeys(it["detector"] for it in found)], [[name, *it] for name, it in lines.items()]))
+    detectors: dict[str, None] = {}
+    for task, row in ((task, row) for task in tasks for result in results for row in of_datasets(measured(result, task))):
+        of = "" if row["f_rate"] else "recall of "
+        lines[f"{origin_in_words(row)}, {of}{row['no']} {task}"].append(percent(row["f_rate"] or row["recall"]))
+        detectors[row["detector"]] = None
+    return Shown(table(["", *detectors], [[name, *it] for name, it in lines.items()]))
 
 
 # Experiments
@@ -359,6 +366,26 @@ def fitness_by_dataset(results: list[Result], task: str) -> Shown:
     return Shown(table(heads, [it + [DASH] * (len(heads) - len(it)) for it in lines.values()], 2))
 
 
+def fitness_by_sensor(results: list[Result], task: str) -> Shown:
+    """The same over the data sets of each sensor, of each number the least and the greatest; F-rates only."""
+    found = of_datasets(rows(results[0], "cell_fitness.csv"))
+    found = [it for it in found if it["task"] == task and it["rate"] == "F-rate"]
+    columns = [
+        ("knuth", "best_cell_size_m", number), ("knuth", "best_rate", percent), ("knuth", "recommended_cell_size_m", number),
+        ("knuth", "loss", percent), ("as configured", "loss", percent),
+    ]  # fmt: skip
+    lines = []
+    for sensor in dict.fromkeys(it["sensor"] for it in found):
+        of_sensor = [it for it in found if it["sensor"] == sensor]
+        lines.append([sensor, str(sum(int(it["no"]) for it in of_sensor if it["reading"] == "knuth"))])
+        for reading, column, cell in columns:
+            values = [float(it[column]) for it in of_sensor if it["reading"] == reading and it[column]]
+            ends = list(dict.fromkeys(map(cell, (min(values), max(values))))) if values else [DASH]
+            lines[-1].append(" to ".join(ends))
+    heads = ["sensor", "NO", "best m", "rate %", "Knuth m", "lost", "as configured: lost"]
+    return Shown(table(heads, lines))
+
+
 # Realism
 
 ALIKE = 1.5
@@ -438,6 +465,6 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 SHOWN = [
     file, file_head, claims, printed_table, overall_rates, over_seeds, compared_detectors, compared_runs,
     ablation_rates, rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary,
-    fitness_by_dataset, realism_agreement, realism_worst, picture, viewer, report_page,
+    fitness_by_dataset, fitness_by_sensor, realism_agreement, realism_worst, picture, viewer, report_page,
 ]  # fmt: skip
 SHOWS = {it.__name__.replace("_", "-"): it for it in SHOWN}

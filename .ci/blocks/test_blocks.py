@@ -339,10 +339,31 @@ class Shown(unittest.TestCase):
         head = "source,dataset,detector,no,precision,recall,f_rate,f_rate_low,f_rate_high,fps_mean,few_blocks\n"
         row = head + "measured,overall,grid,9,0.5,0.5,0.5,0.4,0.6,12.3,true\n"
         text = self.text("overall-rates", table_objects_csv=row, table_vehicles_csv=row)
-        self.assertIn("| objects | grid | 9 | 50.0 | 40.0 to 60.0§ | 50.0 | 50.0 | 12 |", text)
+        rates = "50.0 | 40.0 to 60.0§ | 50.0 | 50.0"
+        self.assertIn(f"| grid | {rates} | {rates} | 12 |", text)
+        self.assertIn("of 9 annotated objects and 9 vehicles.", text)
         self.assertIn("§ from fewer than ten blocks", text)
         many = row.replace("true", "false")
         self.assertNotIn("§", self.text("overall-rates", table_objects_csv=many, table_vehicles_csv=many))
+
+    def test_where_nothing_can_be_false_a_rate_is_recall(self):
+        head = "source,dataset,origin,detector,no,recall,f_rate\n"
+        objects = head + "measured,kitti,recorded,grid,9,0.5,\nmeasured,kitti,recorded,tree,9,0.6,\n"
+        vehicles = head + "measured,kitti,recorded,grid,8,0.5,0.7\nmeasured,kitti,recorded,tree,8,0.6,0.8\n"
+        text = self.text("rates-by-dataset", "objects", "vehicles", table_objects_csv=objects, table_vehicles_csv=vehicles)
+        expected = ["| kitti, recall of 9 objects | 50.0 | 60.0 |", "| kitti, 8 vehicles | 70.0 | 80.0 |"]
+        self.assertEqual(text.splitlines()[2:], expected)
+
+    def test_data_sets_of_a_sensor_share_a_row(self):
+        head = "dataset,origin,sensor,task,no,rate,best_cell_size_m,best_rate,reading,recommended_cell_size_m,loss\n"
+        rows = [
+            f"{dataset},simulated,vlp-16,objects,{no},F-rate,0.4,{rate},{reading},{size},{loss}"
+            for dataset, no, rate in [("street", 3, 0.5), ("narrow", 4, 0.625)]
+            for reading, size, loss in [("knuth", 2 * rate, 0.25), ("printed", "", ""), ("as configured", 0.6, rate / 10)]
+        ]
+        text = self.text("fitness-by-sensor", "objects", cell_fitness_csv=head + "\n".join(rows))
+        expected = "| vlp-16 | 7 | 0.4 | 50.0 to 62.5 | 1.0 to 1.2 | 25.0 | 5.0 to 6.2 |"
+        self.assertEqual(text.splitlines()[2:], [expected])
 
     def test_alike_is_within_a_factor_either_way(self):
         head = "statistic,bin,bin_from_m,bin_to_m,left,ratio\n"
