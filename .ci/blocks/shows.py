@@ -300,19 +300,15 @@ def box_fits(results: list[Result]) -> Shown:
 
 
 def box_slices(results: list[Result]) -> Shown:
-    """The shares with the right yaw and with the right box, slice by slice."""
-    fits, what = ["hull box", "reported box"], ["yaw within 10 deg", "BEV IoU >= 0.7"]
+    """The share with the right box, slice by slice."""
+    fits, what = ["hull box", "reported box"], "BEV IoU >= 0.7"
     words = {"all": "all", "occlusion": "hidden: ", "range": "", "class": "", "points": "points: "}
     lines: dict[str, list[dict[str, str]]] = defaultdict(list)
     for row in rows(results[0], "box_errors.csv"):
-        if row["fit"] in fits and row["n_pairs"] != "0":
+        if row["fit"] in fits and row["error"] == what and row["n_pairs"] != "0":
             lines[words[row["by"]] + row["slice"]].append(row)
-    texts = []
-    for name, found in lines.items():
-        cells = [" / ".join(number(it["value"], 1) for it in found if it["error"] == error) for error in what]
-        # Whether the front is right is known of fewer.
-        texts.append([name, str(max(int(it["n_pairs"]) for it in found)), *cells])
-    return Shown(table(["", "vehicles", *(f"{it}, %: {' / '.join(fits)}" for it in what)], texts))
+    texts = [[name, found[0]["n_pairs"], *(number(it["value"], 1) for it in found)] for name, found in lines.items()]
+    return Shown(table([f"{what}, %", "vehicles", *fits], texts))
 
 
 # Cell fitness
