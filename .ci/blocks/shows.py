@@ -240,11 +240,11 @@ def claims(results: list[Result], paper: str) -> Shown:
         if it["settings"]:
             verdict += f"; {it['settings'][0]} of {it['settings'][1]} settings"
         here = "; ".join(filter(None, [first["numbers"], first["difference"]]))
-        lines.append([it["claim"]["says"], it["claim"]["place"], it["claim"]["printed"], here, verdict])
+        lines.append([it["claim"]["says"], it["claim"]["printed"], here, verdict])
     verdicts = Counter(re.split(r" \(|;", it[-1])[0] for it in lines)
     summary = ", ".join(f"{verdict}: {n}" for verdict, n in verdicts.most_common())
-    heads = ["claim", "section", "printed", "here", "verdict"]
-    return Shown(f"{len(lines)} claims ({summary}).\n\n{table(heads, lines, 5)}")
+    heads = ["claim", "printed", "here", "verdict"]
+    return Shown(f"{len(lines)} claims ({summary}).\n\n{table(heads, lines, 4)}")
 
 
 def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], list[tuple[tuple[str, ...], list[str]]]]:

@@ -307,7 +307,7 @@ class Shown(unittest.TestCase):
         found = {"claim": claim, "readings": readings, "settings": [1, 9], "verdict": "holds_under_some_readings"}
         of_another = {**found, "claim": {**claim, "paper": "VM"}}
         text = self.text("claims", "HG", reproduction_json=json.dumps({"claims": [found, of_another]}))
-        expected = "| It leads. | 5 | 83 | 1; -1 | holds under some readings (by centre); 1 of 9 settings |"
+        expected = "| It leads. | 83 | 1; -1 | holds under some readings (by centre); 1 of 9 settings |"
         first, *_, last = text.splitlines()
         self.assertEqual((first, last), ("1 claims (holds under some readings: 1).", expected))
 
