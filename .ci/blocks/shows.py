@@ -396,38 +396,23 @@ STATISTICS = {
 }
 
 
-def realism(results: list[Result], cell) -> Shown:
-    """A row for every command, and what `cell` says of the ratios of each statistic and the names of their bins."""
+def realism_agreement(results: list[Result]) -> Shown:
+    """A row for every command: share of bins that are alike, and the median ratio, of every statistic."""
     lines = []
     for result in results:
         found = rows(result, "realism.csv")
-        ratios: dict[str, list[tuple[float, str]]] = {it: [] for it in STATISTICS}
+        ratios: dict[str, list[float]] = {it: [] for it in STATISTICS}
         for row in found:
             is_near = row["statistic"] != "ring_density" or (float(row["bin_from_m"]) >= 5 and float(row["bin_to_m"]) <= 50)
             if row["statistic"] in STATISTICS and row["ratio"] and is_near:
-                ratios[row["statistic"]].append((float(row["ratio"]), row["bin"]))
-        lines.append([found[0]["left"], *(cell(it) if it else DASH for it in ratios.values())])
+                ratios[row["statistic"]].append(float(row["ratio"]))
+        lines.append([found[0]["left"], *(agreement(it) if it else DASH for it in ratios.values())])
     return Shown(table(["", *STATISTICS.values()], lines))
 
 
-def realism_agreement(results: list[Result]) -> Shown:
-    """Share of bins that are alike, and the median ratio, of every statistic."""
-
-    def agreement(found: list[tuple[float, str]]) -> str:
-        n_alike = sum(1 / ALIKE <= it <= ALIKE for it, _ in found)
-        return f"{share(n_alike, len(found))} %, {number(median_low([it for it, _ in found]), 2)}"
-
-    return realism(results, agreement)
-
-
-def realism_worst(results: list[Result]) -> Shown:
-    """The bin of every statistic whose ratio is farthest from 1, either way, and that ratio."""
-
-    def worst(found: list[tuple[float, str]]) -> str:
-        ratio, name = max(found, key=lambda it: max(it[0], 1 / it[0]) if it[0] > 0 else float("inf"))
-        return f"{name}: {number(ratio, 2)}"
-
-    return realism(results, worst)
+def agreement(ratios: list[float]) -> str:
+    n_alike = sum(1 / ALIKE <= it <= ALIKE for it in ratios)
+    return f"{share(n_alike, len(ratios))} %, {number(median_low(ratios), 2)}"
 
 
 # Pictures
@@ -461,6 +446,6 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 SHOWN = [
     file, file_head, claims, printed_table, overall_rates, over_seeds, compared_detectors, compared_runs,
     ablation_rates, rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary,
-    fitness_by_dataset, fitness_by_sensor, realism_agreement, realism_worst, picture, viewer, report_page,
+    fitness_by_dataset, fitness_by_sensor, realism_agreement, picture, viewer, report_page,
 ]  # fmt: skip
 SHOWS = {it.__name__.replace("_", "-"): it for it in SHOWN}
