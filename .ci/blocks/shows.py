@@ -177,7 +177,7 @@ def gain(difference: dict[str, str] | None) -> str:
 
 
 def ablation_rates(results: list[Result]) -> Shown:
-    """Rates on simulated data and the recall on recorded ones, of variants of a method and of the detectors of a run."""
+    """The F-rate on simulated data and the recall on recorded ones, of variants of a method and of the detectors of a run."""
     ablation, *runs = results
     counted = [(it["variant"], it) for it in rows(ablation, "ablation.csv")]
     others = [it for run in runs for it in measured(run, "objects") if it["detector"] != "hierarchical"]
@@ -190,12 +190,12 @@ def ablation_rates(results: list[Result]) -> Shown:
     lines = []
     for name, of_origin in sums.items():
         (no, tp, fo), (no_recorded, tp_recorded, _) = of_origin["simulated"], of_origin["recorded"]
-        rates = [2 * tp / (no + tp + fo), tp / (tp + fo), tp / no] if tp else [None, None, None]
+        rate = 2 * tp / (no + tp + fo) if tp else None
         recorded = tp_recorded / no_recorded if no_recorded else None
-        lines.append([name, *map(percent, [*rates, recorded])])
+        lines.append([name, percent(rate), percent(recorded)])
     first = next(iter(sums.values()))
     note = f"{first['simulated'][0]} simulated annotations, {first['recorded'][0]} recorded ones."
-    return Shown(table(["", "F-rate", "precision", "recall", "recall on KITTI"], lines) + f"\n\n{note}")
+    return Shown(table(["", "F-rate", "recall on KITTI"], lines) + f"\n\n{note}")
 
 
 def rates_by_dataset(results: list[Result], *tasks: str) -> Shown:
