@@ -86,10 +86,10 @@ def vehicles(numbers, detectors):
 def recall_and_vehicles(numbers, detectors, clusterings):
     """Where no object can be false, of objects the recall alone."""
     found = found_by(numbers, detectors, "vehicles")
-    lines = table("detector", "objects: recall", "vehicles: F-rate", "95 % interval")
+    lines = table("detector", "objects: recall", "vehicles: F-rate")
     for it in found:
         recall = percent(numbers, it, "objects", "recall") if it in clusterings else "–"
-        lines.append(row(it, recall, *f_rate(numbers, it, "vehicles")))
+        lines.append(row(it, recall, percent(numbers, it, "vehicles", "f_rate")))
     n_objects, n_vehicles = (value(numbers, detectors[0], task, "no") for task in ["objects", "vehicles"])
     return [*lines, "", f"Rates in %, of {n_objects:.0f} annotated objects and {n_vehicles:.0f} vehicles."]
 
