@@ -76,10 +76,8 @@ def objects(numbers, detectors, timed):
 
 def vehicles(numbers, detectors):
     found = found_by(numbers, detectors, "vehicles")
-    lines = table("detector", "F-rate", "95 % interval", "precision", "recall")
-    for it in found:
-        rates = [percent(numbers, it, "vehicles", metric) for metric in ["precision", "recall"]]
-        lines.append(row(it, *f_rate(numbers, it, "vehicles"), *rates))
+    lines = table("detector", "F-rate", "95 % interval")
+    lines += [row(it, *f_rate(numbers, it, "vehicles")) for it in found]
     return [*lines, "", annotations(numbers, detectors, "vehicles")]
 
 
