@@ -342,28 +342,22 @@ def fitness_summary(results: list[Result]) -> Shown:
 
 def fitness_by_dataset(results: list[Result], task: str) -> Shown:
     """The best cell size of each data set, beside what Knuth's rule and the configuration recommend."""
-    found = [it for it in rows(results[0], "cell_fitness.csv") if it["task"] == task]
-    # Only data sets of one sensor and one origin are summed.
-    if len({(it["sensor"], it["origin"]) for it in found}) != 1 or found[0]["origin"] != "simulated":
-        found = of_datasets(found)
     lines: dict[tuple[str, str], list[str]] = {}
-    for row in found:
-        # Data sets of one kind of street differ by their sensor.
-        name = origin_in_words(row).replace(f"-{row['sensor']}", "")
+    for row in (it for it in of_datasets(rows(results[0], "cell_fitness.csv")) if it["task"] == task):
         rate = percent(row["best_rate"]) + " recall" * (row["rate"] == "recall")
-        first = [name, row["sensor"], row["no"], number(row["best_cell_size_m"]), rate]
+        first = [origin_in_words(row), row["no"], number(row["best_cell_size_m"]), rate]
         cells = lines.setdefault((row["dataset"], row["rate"]), first)
         if row["reading"] == "knuth":
-            cells += [number(row["recommended_cell_size_m"]), percent(row["loss"]), number(row["rank_correlation"], 2)]
+            cells += [number(row["recommended_cell_size_m"]), percent(row["loss"])]
         elif row["reading"] == "as configured":
             cells.append(percent(row["loss"]))
-    heads = ["data set", "sensor", "NO", "best m", "rate %", "Knuth m", "lost", "rank", "as configured: lost"]
+    heads = ["data set", "NO", "best m", "rate %", "Knuth m", "lost", "as configured: lost"]
     # A sweep that leaves out the configured cell size says nothing about it.
-    return Shown(table(heads, [it + [DASH] * (len(heads) - len(it)) for it in lines.values()], 2))
+    return Shown(table(heads, [it + [DASH] * (len(heads) - len(it)) for it in lines.values()]))
 
 
 def fitness_by_sensor(results: list[Result], task: str) -> Shown:
-    """The same over the data sets of each sensor, of each number the least and the greatest; F-rates only."""
+    """The least and the greatest of these numbers over the data sets of each sensor; F-rates only."""
     found = of_datasets(rows(results[0], "cell_fitness.csv"))
     found = [it for it in found if it["task"] == task and it["rate"] == "F-rate"]
     columns = [
