@@ -354,6 +354,20 @@ class Shown(unittest.TestCase):
         expected = ["| kitti, recall of 9 objects | 50.0 | 60.0 |", "| kitti, 8 vehicles | 70.0 | 80.0 |"]
         self.assertEqual(text.splitlines()[2:], expected)
 
+    def test_a_pair_of_detectors_has_both_tasks_in_a_row(self):
+        head = "| task | detector | slice | metric | difference | 95 % |\n| :-- |\n"
+        row = "| {} | tree − grid | all | f_rate \\[%] | {} | {} |\n"
+        printed = head + row.format("objects", "+1.00", "+0.50 to +1.50") + row.format("vehicles", "−2.00", "−3.00 to −1.00")
+        results = [Result("scanbench run", Path(), ""), Result("scanbench compare a -d grid,tree", Path(), printed)]
+        text = shows.SHOWS["compared-detectors"](results).text
+        self.assertIn("| tree − grid | +1.00 | +0.50 to +1.50 | −2.00 | −3.00 to −1.00 |", text)
+
+    def test_slices_have_the_right_box_of_two_kinds(self):
+        rows = "by,slice,fit,error,n_pairs,value\n"
+        rows += "all,,hull box,BEV IoU >= 0.7,9,46.04\nall,,hull box,yaw within 10 deg,9,70\n"
+        rows += "all,,reported box,BEV IoU >= 0.7,9,85.4\nclass,bus,reported box,BEV IoU >= 0.7,0,\n"
+        self.assertEqual(self.text("box-slices", box_errors_csv=rows).splitlines()[2:], ["| all | 9 | 46.0 | 85.4 |"])
+
     def test_data_sets_of_a_sensor_share_a_row(self):
         head = "dataset,origin,sensor,task,no,rate,best_cell_size_m,best_rate,reading,recommended_cell_size_m,loss\n"
         rows = [
