@@ -104,28 +104,32 @@ def printed_table(results: list[Result], task: str) -> Shown:
 
 
 def overall_rates(results: list[Result]) -> Shown:
-    """Rates with their intervals of all detectors of a run, both tasks."""
-    lines = []
-    for task, row in ((task, row) for task in TASKS for row in overall_rows(results[0], task)):
+    """Rates with their intervals of all detectors of a run: a row for each detector, both tasks."""
+    lines: dict[str, list[str]] = defaultdict(list)
+    of_tasks = {task: overall_rows(results[0], task) for task in TASKS}
+    for row in (row for found in of_tasks.values() for row in found):
         few_blocks = "§" * (row.get("few_blocks") == "true")
         within = f"{percent(row['f_rate_low'])} to {percent(row['f_rate_high'])}{few_blocks}"
-        fps = number(row["fps_mean"], 0 if float(row["fps_mean"] or 0) >= 10 else 1)
-        rates = [percent(row["f_rate"]), within, percent(row["precision"]), percent(row["recall"])]
-        lines.append([task, row["detector"], row["no"], *rates, fps])
-    return noted(table(["task", "detector", "NO", "F-rate", "95 % interval", "precision", "recall", "fps"], lines, 2))
+        lines[row["detector"]] += [percent(row["f_rate"]), within, percent(row["precision"]), percent(row["recall"])]
+    for row in of_tasks["objects"]:
+        lines[row["detector"]].append(number(row["fps_mean"], 0 if float(row["fps_mean"] or 0) >= 10 else 1))
+    heads = [it for task in TASKS for it in (f"{task}: F-rate", "95 % interval", "precision", "recall")]
+    note = f"Rates in %, of {of_tasks['objects'][0]['no']} annotated objects and {of_tasks['vehicles'][0]['no']} vehicles."
+    return noted(table(["detector", *heads, "fps"], [[name, *cells] for name, cells in lines.items()]) + f"\n\n{note}")
 
 
 def over_seeds(results: list[Result]) -> Shown:
     """F-rates, and the lead of the first detector, over runs that differ in their seeds: mean and standard deviation."""
-    lines = []
+    lines: dict[str, list[str]] = defaultdict(list)
     for task in TASKS:
         runs = [{it["detector"]: 100 * float(it["f_rate"]) for it in overall_rows(result, task)} for result in results]
         first, *_ = runs[0]
         for detector in runs[0]:
             rates, leads = [it[detector] for it in runs], [it[first] - it[detector] for it in runs]
             cells = [f"{mean(it):.1f} ± {stdev(it):.1f}" for it in (rates, leads)]
-            lines.append([task, detector, cells[0], f"{min(rates):.1f} to {max(rates):.1f}", cells[1] * (detector != first)])
-    return Shown(table(["task", "detector", "F-rate", "least and greatest", "lead of the first"], lines, 2))
+            lines[detector] += [cells[0], cells[1] * (detector != first)]
+    heads = [it for task in TASKS for it in (f"{task}: F-rate", "lead of the first")]
+    return Shown(table(["detector", *heads], [[name, *cells] for name, cells in lines.items()]))
 
 
 def differences(result: Result) -> dict[tuple[str, str], dict[str, str]]:
@@ -139,10 +143,12 @@ def differences(result: Result) -> dict[tuple[str, str], dict[str, str]]:
 
 
 def compared_detectors(results: list[Result]) -> Shown:
-    """Paired differences of detectors of one run, one pair a command after the first."""
-    found = [it for result in results[1:] for it in differences(result).items()]
-    lines = [[pair, task, it["difference"], it["95 %"], it["detectable"]] for (task, pair), it in found]
-    return noted(table(["difference of F-rates", "task", "points", "95 % interval", "smallest detectable difference (80 % power)"], lines, 2))
+    """Paired differences of detectors of one run in both tasks, one pair a command after the first."""
+    lines: dict[str, list[str]] = defaultdict(list)
+    for (_, pair), it in (it for result in results[1:] for it in differences(result).items()):
+        lines[pair] += [it["difference"], it["95 %"]]
+    heads = [it for task in TASKS for it in (f"{task}: points", "95 % interval")]
+    return noted(table(["difference of F-rates", *heads], [[pair, *cells] for pair, cells in lines.items()]))
 
 
 def compared_runs(results: list[Result], *names: str) -> Shown:
@@ -171,7 +177,7 @@ def gain(difference: dict[str, str] | None) -> str:
 
 
 def ablation_rates(results: list[Result]) -> Shown:
-    """Rates on simulated data and the recall on recorded ones, of variants of a method and of the detectors of a run."""
+    """The F-rate on simulated data and the recall on recorded ones, of variants of a method and of the detectors of a run."""
     ablation, *runs = results
     counted = [(it["variant"], it) for it in rows(ablation, "ablation.csv")]
     others = [it for run in runs for it in measured(run, "objects") if it["detector"] != "hierarchical"]
@@ -184,22 +190,23 @@ def ablation_rates(results: list[Result]) -> Shown:
     lines = []
     for name, of_origin in sums.items():
         (no, tp, fo), (no_recorded, tp_recorded, _) = of_origin["simulated"], of_origin["recorded"]
-        rates = [2 * tp / (no + tp + fo), tp / (tp + fo), tp / no] if tp else [None, None, None]
+        rate = 2 * tp / (no + tp + fo) if tp else None
         recorded = tp_recorded / no_recorded if no_recorded else None
-        lines.append([name, *map(percent, [*rates, recorded])])
+        lines.append([name, percent(rate), percent(recorded)])
     first = next(iter(sums.values()))
     note = f"{first['simulated'][0]} simulated annotations, {first['recorded'][0]} recorded ones."
-    return Shown(table(["", "F-rate", "precision", "recall", "recall on KITTI"], lines) + f"\n\n{note}")
+    return Shown(table(["", "F-rate", "recall on KITTI"], lines) + f"\n\n{note}")
 
 
-def rates_by_dataset(results: list[Result], task: str) -> Shown:
-    """F-rates of a task, data set by data set and detector by detector; recall where false objects cannot be known."""
-    found = of_datasets([it for result in results for it in measured(result, task)])
+def rates_by_dataset(results: list[Result], *tasks: str) -> Shown:
+    """F-rates of tasks, data set by data set and detector by detector; recall where false objects cannot be known."""
     lines: dict[str, list[str]] = defaultdict(list)
-    for row in found:
-        rate = percent(row["f_rate"]) if row["f_rate"] else f"{percent(row['recall'])} recall"
-        lines[f"{origin_in_words(row)}, {row['no']} {task}"].append(rate)
-    return Shown(table(["", *dict.fromkeys(it["detector"] for it in found)], [[name, *it] for name, it in lines.items()]))
+    detectors: dict[str, None] = {}
+    for task, row in ((task, row) for task in tasks for result in results for row in of_datasets(measured(result, task))):
+        of = "" if row["f_rate"] else "recall of "
+        lines[f"{origin_in_words(row)}, {of}{row['no']} {task}"].append(percent(row["f_rate"] or row["recall"]))
+        detectors[row["detector"]] = None
+    return Shown(table(["", *detectors], [[name, *it] for name, it in lines.items()]))
 
 
 # Experiments
@@ -233,11 +240,11 @@ def claims(results: list[Result], paper: str) -> Shown:
         if it["settings"]:
             verdict += f"; {it['settings'][0]} of {it['settings'][1]} settings"
         here = "; ".join(filter(None, [first["numbers"], first["difference"]]))
-        lines.append([it["claim"]["says"], it["claim"]["place"], it["claim"]["printed"], here, verdict])
+        lines.append([it["claim"]["says"], it["claim"]["printed"], here, verdict])
     verdicts = Counter(re.split(r" \(|;", it[-1])[0] for it in lines)
     summary = ", ".join(f"{verdict}: {n}" for verdict, n in verdicts.most_common())
-    heads = ["claim", "section", "printed", "here", "verdict"]
-    return Shown(f"{len(lines)} claims ({summary}).\n\n{table(heads, lines, 5)}")
+    heads = ["claim", "printed", "here", "verdict"]
+    return Shown(f"{len(lines)} claims ({summary}).\n\n{table(heads, lines, 4)}")
 
 
 def gaps_by(found: list[dict[str, str]], keys: list[str]) -> tuple[list[str], list[tuple[tuple[str, ...], list[str]]]]:
@@ -293,19 +300,15 @@ def box_fits(results: list[Result]) -> Shown:
 
 
 def box_slices(results: list[Result]) -> Shown:
-    """The shares with the right yaw and with the right box, slice by slice."""
-    fits, what = ["hull box", "reported box"], ["yaw within 10 deg", "BEV IoU >= 0.7"]
+    """The share with the right box, slice by slice."""
+    fits, what = ["hull box", "reported box"], "BEV IoU >= 0.7"
     words = {"all": "all", "occlusion": "hidden: ", "range": "", "class": "", "points": "points: "}
     lines: dict[str, list[dict[str, str]]] = defaultdict(list)
     for row in rows(results[0], "box_errors.csv"):
-        if row["fit"] in fits and row["n_pairs"] != "0":
+        if row["fit"] in fits and row["error"] == what and row["n_pairs"] != "0":
             lines[words[row["by"]] + row["slice"]].append(row)
-    texts = []
-    for name, found in lines.items():
-        cells = [" / ".join(number(it["value"], 1) for it in found if it["error"] == error) for error in what]
-        # Whether the front is right is known of fewer.
-        texts.append([name, str(max(int(it["n_pairs"]) for it in found)), *cells])
-    return Shown(table(["", "vehicles", *(f"{it}, %: {' / '.join(fits)}" for it in what)], texts))
+    texts = [[name, found[0]["n_pairs"], *(number(it["value"], 1) for it in found)] for name, found in lines.items()]
+    return Shown(table([f"{what}, %", "vehicles", *fits], texts))
 
 
 # Cell fitness
@@ -339,24 +342,38 @@ def fitness_summary(results: list[Result]) -> Shown:
 
 def fitness_by_dataset(results: list[Result], task: str) -> Shown:
     """The best cell size of each data set, beside what Knuth's rule and the configuration recommend."""
-    found = [it for it in rows(results[0], "cell_fitness.csv") if it["task"] == task]
-    # Only data sets of one sensor and one origin are summed.
-    if len({(it["sensor"], it["origin"]) for it in found}) != 1 or found[0]["origin"] != "simulated":
-        found = of_datasets(found)
     lines: dict[tuple[str, str], list[str]] = {}
-    for row in found:
-        # Data sets of one kind of street differ by their sensor.
-        name = origin_in_words(row).replace(f"-{row['sensor']}", "")
+    for row in (it for it in of_datasets(rows(results[0], "cell_fitness.csv")) if it["task"] == task):
         rate = percent(row["best_rate"]) + " recall" * (row["rate"] == "recall")
-        first = [name, row["sensor"], row["no"], number(row["best_cell_size_m"]), rate]
+        first = [origin_in_words(row), row["no"], number(row["best_cell_size_m"]), rate]
         cells = lines.setdefault((row["dataset"], row["rate"]), first)
         if row["reading"] == "knuth":
-            cells += [number(row["recommended_cell_size_m"]), percent(row["loss"]), number(row["rank_correlation"], 2)]
+            cells += [number(row["recommended_cell_size_m"]), percent(row["loss"])]
         elif row["reading"] == "as configured":
             cells.append(percent(row["loss"]))
-    heads = ["data set", "sensor", "NO", "best m", "rate %", "Knuth m", "lost", "rank", "as configured: lost"]
+    heads = ["data set", "NO", "best m", "rate %", "Knuth m", "lost", "as configured: lost"]
     # A sweep that leaves out the configured cell size says nothing about it.
-    return Shown(table(heads, [it + [DASH] * (len(heads) - len(it)) for it in lines.values()], 2))
+    return Shown(table(heads, [it + [DASH] * (len(heads) - len(it)) for it in lines.values()]))
+
+
+def fitness_by_sensor(results: list[Result], task: str) -> Shown:
+    """The least and the greatest of these numbers over the data sets of each sensor; F-rates only."""
+    found = of_datasets(rows(results[0], "cell_fitness.csv"))
+    found = [it for it in found if it["task"] == task and it["rate"] == "F-rate"]
+    columns = [
+        ("knuth", "best_cell_size_m", number), ("knuth", "best_rate", percent), ("knuth", "recommended_cell_size_m", number),
+        ("knuth", "loss", percent), ("as configured", "loss", percent),
+    ]  # fmt: skip
+    lines = []
+    for sensor in dict.fromkeys(it["sensor"] for it in found):
+        of_sensor = [it for it in found if it["sensor"] == sensor]
+        lines.append([sensor, str(sum(int(it["no"]) for it in of_sensor if it["reading"] == "knuth"))])
+        for reading, column, cell in columns:
+            values = [float(it[column]) for it in of_sensor if it["reading"] == reading and it[column]]
+            ends = list(dict.fromkeys(map(cell, (min(values), max(values))))) if values else [DASH]
+            lines[-1].append(" to ".join(ends))
+    heads = ["sensor", "NO", "best m", "rate %", "Knuth m", "lost", "as configured: lost"]
+    return Shown(table(heads, lines))
 
 
 # Realism
@@ -373,38 +390,23 @@ STATISTICS = {
 }
 
 
-def realism(results: list[Result], cell) -> Shown:
-    """A row for every command, and what `cell` says of the ratios of each statistic and the names of their bins."""
+def realism_agreement(results: list[Result]) -> Shown:
+    """A row for every command: share of bins that are alike, and the median ratio, of every statistic."""
     lines = []
     for result in results:
         found = rows(result, "realism.csv")
-        ratios: dict[str, list[tuple[float, str]]] = {it: [] for it in STATISTICS}
+        ratios: dict[str, list[float]] = {it: [] for it in STATISTICS}
         for row in found:
             is_near = row["statistic"] != "ring_density" or (float(row["bin_from_m"]) >= 5 and float(row["bin_to_m"]) <= 50)
             if row["statistic"] in STATISTICS and row["ratio"] and is_near:
-                ratios[row["statistic"]].append((float(row["ratio"]), row["bin"]))
-        lines.append([found[0]["left"], *(cell(it) if it else DASH for it in ratios.values())])
+                ratios[row["statistic"]].append(float(row["ratio"]))
+        lines.append([found[0]["left"], *(agreement(it) if it else DASH for it in ratios.values())])
     return Shown(table(["", *STATISTICS.values()], lines))
 
 
-def realism_agreement(results: list[Result]) -> Shown:
-    """Share of bins that are alike, and the median ratio, of every statistic."""
-
-    def agreement(found: list[tuple[float, str]]) -> str:
-        n_alike = sum(1 / ALIKE <= it <= ALIKE for it, _ in found)
-        return f"{share(n_alike, len(found))} %, {number(median_low([it for it, _ in found]), 2)}"
-
-    return realism(results, agreement)
-
-
-def realism_worst(results: list[Result]) -> Shown:
-    """The bin of every statistic whose ratio is farthest from 1, either way, and that ratio."""
-
-    def worst(found: list[tuple[float, str]]) -> str:
-        ratio, name = max(found, key=lambda it: max(it[0], 1 / it[0]) if it[0] > 0 else float("inf"))
-        return f"{name}: {number(ratio, 2)}"
-
-    return realism(results, worst)
+def agreement(ratios: list[float]) -> str:
+    n_alike = sum(1 / ALIKE <= it <= ALIKE for it in ratios)
+    return f"{share(n_alike, len(ratios))} %, {number(median_low(ratios), 2)}"
 
 
 # Pictures
@@ -438,6 +440,6 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 SHOWN = [
     file, file_head, claims, printed_table, overall_rates, over_seeds, compared_detectors, compared_runs,
     ablation_rates, rates_by_dataset, gap_shares, gap_layouts, condition_changes, box_fits, box_slices, fitness_summary,
-    fitness_by_dataset, realism_agreement, realism_worst, picture, viewer, report_page,
+    fitness_by_dataset, fitness_by_sensor, realism_agreement, picture, viewer, report_page,
 ]  # fmt: skip
 SHOWS = {it.__name__.replace("_", "-"): it for it in SHOWN}

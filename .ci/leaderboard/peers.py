@@ -25,6 +25,8 @@ OURS = ["hierarchical", "kd-tree-trained", "kd-tree-tree", "kd-tree-same-walls",
 # The name of a run whose times are reported for those of the run without it.
 TIMED_APART = "-times"
 RUNS = {"streets": ["streets"], "kitti": ["{data}/data/kitti_tracking"]}
+# The tables of each run in docs/leaderboard.md; times of one machine are those of the streets.
+TABLES = {"streets": ["objects", "vehicles", "versions"], "kitti": ["recall"]}
 
 
 def scanbench(arguments, folder):
@@ -116,17 +118,12 @@ def write_tables(folder):
     for name in RUNS:
         directory, timed = folder / "runs" / name, folder / "runs" / (name + TIMED_APART)
         if (directory / "report.json").is_file():
-            tables = lines_of(directory)
-            if (timed / "report.json").is_file():
-                tables["times"] = lines_of(timed)["times"]
-            for table, lines in tables.items():
-                # Once is enough; and times of one machine are those of the streets.
-                if name != "streets" and table in ("detectors", "times"):
-                    continue
+            tables = lines_of(directory, timed if (timed / "report.json").is_file() else None)
+            for table in TABLES[name]:
                 block = re.compile(rf"(<!-- made by \.ci/slow peers: {name} {table} -->\n).*?(\n<!-- end of what \.ci/slow peers made -->)", re.DOTALL)
                 if not block.search(text):
                     raise SystemExit(f"{PAGE} has no place for the table {name} {table}")
-                text = block.sub(lambda match, lines=lines: match[1] + "\n" + "\n".join(lines) + "\n" + match[2], text)
+                text = block.sub(lambda match, lines=tables[table]: match[1] + "\n" + "\n".join(lines) + "\n" + match[2], text)
     PAGE.write_text(text)
 
 

@@ -3,28 +3,36 @@
 import json
 
 
-def lines_of(directory):
-    """Lines of Markdown by the name of the table."""
-    report = json.loads((directory / "report.json").read_text())
-    manifest = json.loads((directory / "manifest.json").read_text())
-    # Of several data sets their sum is reported, of one alone its own numbers.
-    rows = report.get("overall") or report["rows"]
-    numbers = {(it["detector"], it["task"], it["metric"]): it for it in rows if it["slice"] == "all"}
+def lines_of(directory, timed=None):
+    """Lines of Markdown by the name of the table. Times are those of the run directory `timed`, if there is one."""
+    numbers = numbers_of(directory)
+    manifest = manifest_of(directory)
     detectors = [it["name"] for it in manifest["detectors"]]
     # Those that differ from others by their vehicles alone.
     clusterings = [it for it in detectors if not it.endswith("-model")]
     return {
-        "objects": quality(numbers, by_rate(numbers, clusterings, "objects"), "objects"),
-        "vehicles": quality(numbers, by_rate(numbers, detectors, "vehicles"), "vehicles"),
-        "times": times(numbers, sorted(clusterings, key=lambda it: value(numbers, it, "objects", "latency_p50_ms"))),
-        "detectors": entries(manifest),
+        "objects": objects(numbers, by_rate(numbers, clusterings, "objects"), numbers_of(timed) if timed else numbers),
+        "vehicles": vehicles(numbers, by_rate(numbers, detectors, "vehicles")),
+        "recall": recall_and_vehicles(numbers, by_rate(numbers, detectors, "vehicles"), clusterings),
+        "versions": versions(manifest),
     }
 
 
+def numbers_of(directory):
+    """The numbers of a run by detector, task and metric."""
+    report = json.loads((directory / "report.json").read_text())
+    # Of several data sets their sum is reported, of one alone its own numbers.
+    rows = report.get("overall") or report["rows"]
+    return {(it["detector"], it["task"], it["metric"]): it for it in rows if it["slice"] == "all"}
+
+
+def manifest_of(directory):
+    return json.loads((directory / "manifest.json").read_text())
+
+
 def by_rate(numbers, detectors, task):
-    """The best F-rate first; where nothing can be false, the best recall, and of several the name that comes first."""
-    metric = "recall" if numbers.get((detectors[0], task, "f_rate"), {}).get("value") is None else "f_rate"
-    return sorted(detectors, key=lambda it: (-value(numbers, it, task, metric), it))
+    """The best F-rate first, and of several the name that comes first."""
+    return sorted(detectors, key=lambda it: (-value(numbers, it, task, "f_rate"), it))
 
 
 def value(numbers, detector, task, metric):
@@ -45,43 +53,64 @@ def number(it, digits=None):
     return f"{it:.{digits}f}"
 
 
-def interval(numbers, detector, task, metric):
-    low_high = numbers.get((detector, task, metric), {}).get("interval_95")
-    return " to ".join(number(100 * it) for it in low_high) if low_high else "–"
+def f_rate(numbers, detector, task):
+    """The F-rate, and its interval."""
+    low_high = numbers.get((detector, task, "f_rate"), {}).get("interval_95")
+    return [percent(numbers, detector, task, "f_rate"), " to ".join(number(100 * it) for it in low_high) if low_high else "–"]
 
 
-def quality(numbers, detectors, task):
-    lines = table("detector", "F-rate", "95 % interval", "precision", "recall", "over-segmentation", "under-segmentation")
+def objects(numbers, detectors, timed):
+    lines = table("detector", "F-rate", "95 % interval", "precision", "recall", "ms (median)", "CPU ms (mean)")
     for it in detectors:
-        rates = [percent(numbers, it, task, metric) for metric in ["precision", "recall", "over_segmentation", "under_segmentation"]]
-        lines.append(row(it, percent(numbers, it, task, "f_rate"), interval(numbers, it, task, "f_rate"), *rates))
-    no = value(numbers, detectors[0], task, "no")
-    return [*lines, "", f"Rates in %, of {no:.0f} annotations."]
+        rates = [percent(numbers, it, "objects", metric) for metric in ["precision", "recall"]]
+        ms = [number(value(timed, it, "objects", metric)) for metric in ["latency_p50_ms", "cpu_mean_ms"]]
+        lines.append(row(it, *f_rate(numbers, it, "objects"), *rates, *ms))
+    overheads = [ms for it in detectors if (ms := value(timed, it, "objects", "overhead_p50_ms")) == ms]
+    notes = [annotations(numbers, detectors, "objects")]
+    if overheads:
+        notes.append(f"Process overhead: {min(overheads):.2f} to {max(overheads):.2f} ms.")
+    failed = {it: n for it in detectors if (n := value(numbers, it, "objects", "failed_scans")) > 0}
+    notes += [f"Failed scans: {n:.0f} of {it}." for it, n in failed.items()]
+    return [*lines, "", " ".join(notes)]
 
 
-def times(numbers, detectors):
-    lines = table("detector", "ms (median)", "× hierarchical", "CPU ms (mean)", "× hierarchical", "process overhead, ms", "failed scans")
-    of = {name: {it: value(numbers, it, "objects", name) for it in detectors} for name in ["latency_p50_ms", "cpu_mean_ms", "overhead_p50_ms", "failed_scans"]}
-    for it in detectors:
-        cells = []
-        for metric in ["latency_p50_ms", "cpu_mean_ms"]:
-            ms = of[metric][it]
-            cells += [number(ms), number(ms / of[metric].get("hierarchical", float("nan")))]
-        lines.append(row(it, *cells, number(of["overhead_p50_ms"][it], 2), number(of["failed_scans"][it], 0)))
-    return lines
+def vehicles(numbers, detectors):
+    found = found_by(numbers, detectors, "vehicles")
+    lines = table("detector", "F-rate", "95 % interval")
+    lines += [row(it, *f_rate(numbers, it, "vehicles")) for it in found]
+    return [*lines, "", annotations(numbers, detectors, "vehicles")]
 
 
-def entries(manifest):
-    lines = ["| detector | version | threads | parameters |", "| :-- | :-- | --: | :-- |"]
-    for it in manifest["detectors"]:
-        foreign = it.get("foreign")
-        if foreign is None or it["name"].endswith("-model"):
-            continue
-        parameters = ", ".join(f"{name} {json.dumps(those).strip(chr(34))}" for name, those in it["parameters"].items())
-        lines.append(row(it["name"], foreign.get("version", "–"), foreign.get("threads", "–"), parameters))
+def recall_and_vehicles(numbers, detectors, clusterings):
+    """Where no object can be false, of objects the recall alone."""
+    found = found_by(numbers, detectors, "vehicles")
+    lines = table("detector", "objects: recall", "vehicles: F-rate")
+    for it in found:
+        recall = percent(numbers, it, "objects", "recall") if it in clusterings else "–"
+        lines.append(row(it, recall, percent(numbers, it, "vehicles", "f_rate")))
+    n_objects, n_vehicles = (value(numbers, detectors[0], task, "no") for task in ["objects", "vehicles"])
+    return [*lines, "", f"Rates in %, of {n_objects:.0f} annotated objects and {n_vehicles:.0f} vehicles."]
+
+
+def found_by(numbers, detectors, task):
+    """The detectors that find anything."""
+    return [it for it in detectors if value(numbers, it, task, "f_rate") > 0]
+
+
+def annotations(numbers, detectors, task):
+    return f"Rates in %, of {value(numbers, detectors[0], task, 'no'):.0f} annotations."
+
+
+def versions(manifest):
+    """What the detectors of others call, and what measured them."""
+    foreign = {it["name"]: it["foreign"] for it in manifest["detectors"] if it.get("foreign")}
+    texts = [f"{it['reported_name']} {it.get('version', '–')}" for it in foreign.values()]
     machine = manifest["machine"]
     commit = (manifest.get("git") or {}).get("commit", "")[:10]
-    return [*lines, "", f"{machine['cpu_model']}, {machine['n_cores']} cores; scanbench {manifest['scanbench_version']}, commit {commit}."]
+    return [
+        f"{', '.join(dict.fromkeys(texts))}.",
+        f"{machine['cpu_model']}, {machine['n_cores']} cores; scanbench {manifest['scanbench_version']}, commit {commit}.",
+    ]
 
 
 def table(*titles):
