@@ -1,10 +1,12 @@
-"""The pages of the repository as a book: build.py MDBOOK PROGRAM FOLDER
+"""The pages of the repository as a book: build.py MDBOOK PROGRAM SCHEMAS RUSTDOC FOLDER
 
 Every page and file that links lead to from README.md is copied to FOLDER/src, at its place in the repository. The order is
-that of docs/README.md. The program adds the reference of its command line, and the gallery its report pages. Fails if a
-link or an anchor of the book in FOLDER/book leads nowhere.
+that of docs/README.md. The program adds the reference of its command line, and the gallery its report pages. SCHEMAS has
+what the example `schemas` of the crate `reports` wrote, RUSTDOC the documentation of the code. Fails if a link or an anchor
+of the book in FOLDER/book leads nowhere, or if a file of the gallery's run does not fit its schema.
 """
 
+import json
 import os
 import re
 import shutil
@@ -13,6 +15,8 @@ import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
+
+import jsonschema
 
 ROOT = Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^(```|~~~).*?^\1[ \t]*$", re.MULTILINE | re.DOTALL)
@@ -111,6 +115,25 @@ def gallery(program, src):
     return text + "\n![The page of a run, in light and dark](docs/report.png)\n"
 
 
+def files_of_runs(schemas, src):
+    """Columns and schemas as two pages; the schemas themselves beside them."""
+    shutil.copytree(schemas, src / "schemas", ignore=shutil.ignore_patterns("*.md"))
+    text = "# JSON schemas\n\nJSON Schema 2020-12, generated from the types that write these files.\n\n"
+    text += "".join(f"- [{it.name}](schemas/{it.name})\n" for it in sorted((src / "schemas").iterdir()))
+    (src / "json-schemas.md").write_text(text, encoding="utf-8")
+    shutil.copyfile(schemas / "columns.md", src / "columns.md")
+
+
+def unfit(schemas, run):
+    """What in JSON files of the folder `run` does not fit its schema."""
+    for schema in sorted(schemas.glob("*.json")):
+        file = run / f"{schema.name.partition('.')[0]}.json"
+        if file.exists():
+            validator = jsonschema.Draft202012Validator(json.loads(schema.read_text(encoding="utf-8")))
+            for error in validator.iter_errors(json.loads(file.read_text(encoding="utf-8"))):
+                yield f"{file.name}: {error.json_path}: {error.message}"[:300]
+
+
 def summary(pages):
     """The order of docs/README.md, and then what it does not name, below the page of its folder or at the end."""
     lines = ["# Summary", "", "[scanbench](README.md)", "[Pages](docs/README.md)", ""]
@@ -130,10 +153,12 @@ def summary(pages):
         if heading := re.match(r"\*\*(.*?)\*\*", line):
             lines += ["", f"# {heading[1]}", ""]
             if heading[1] == "Use it":
-                lines += ["- [Command line](command-line.md)", "- [Gallery](gallery.md)"]
+                added = {"Command line": "command-line", "Gallery": "gallery"}
+                added |= {"Columns of CSV files": "columns", "JSON schemas": "json-schemas"}
+                lines += [f"- [{name}]({page}.md)" for name, page in added.items()]
         for _, link in LINK.findall(line):
             chapter(Path(os.path.normpath(Path("docs") / link.replace("index.md", "README.md"))), 0)
-    lines += ["", "# Read the code", ""]
+    lines += ["", "# Read the code", "", "- [Documentation of the code](rustdoc.md)"]
     for page in sorted(pages):
         chapter(page, 0)
     return "\n".join(lines) + "\n"
@@ -153,7 +178,8 @@ class Places(HTMLParser):
 
 def broken(book):
     """Links of the book that lead nowhere, and all of its pages."""
-    pages = {it: Places(it.read_text(encoding="utf-8")) for it in sorted(book.rglob("*.html"))}
+    files = [it for it in sorted(book.rglob("*.html")) if it.parent == book or it.relative_to(book).parts[0] != "rustdoc"]
+    pages = {it: Places(it.read_text(encoding="utf-8")) for it in files}
     found = []
     # The contents stand in every page once more, and 404.html is for servers.
     for page, places in pages.items():
@@ -170,8 +196,12 @@ def broken(book):
     return found, pages
 
 
-def main(mdbook, program, folder):
-    folder = Path(folder).resolve()
+def crates_of(rustdoc):
+    return sorted(it.parent for it in Path(rustdoc).glob("*/index.html") if it.parent.name not in ("src", "static.files"))
+
+
+def main(mdbook, program, schemas, rustdoc, folder):
+    schemas, folder = Path(schemas), Path(folder).resolve()
     shutil.rmtree(folder, ignore_errors=True)
     src = folder / "src"
     src.mkdir(parents=True)
@@ -181,11 +211,16 @@ def main(mdbook, program, folder):
         (src / page).write_text(text, encoding="utf-8")
     (src / "command-line.md").write_text(command_line(program, src), encoding="utf-8")
     (src / "gallery.md").write_text(gallery(program, src), encoding="utf-8")
+    files_of_runs(schemas, src)
+    crates = "".join(f"- [{it.name}](rustdoc/{it.name}/index.html)\n" for it in crates_of(rustdoc))
+    (src / "rustdoc.md").write_text(f"# Documentation of the code\n\n{crates}", encoding="utf-8")
     (src / "SUMMARY.md").write_text(summary(pages), encoding="utf-8")
     for name, text in {"book.toml": BOOK, "site.css": CSS, "site.js": JS}.items():
         (folder / name).write_text(text, encoding="utf-8")
     subprocess.run([mdbook, "build", folder], check=True)
+    shutil.copytree(rustdoc, folder / "book" / "rustdoc")
     found, built = broken(folder / "book")
+    found += [*unfit(schemas, folder / "run")]
     n_bytes = sum(it.stat().st_size for it in (folder / "book").rglob("*") if it.is_file())
     print("\n".join(found))
     print(f"{len(built)} pages, {n_bytes / 1e6:.1f} MB, {len(found)} problems: {folder}/book/index.html")

@@ -23,3 +23,7 @@ pub mod reproduction;
 pub mod tables;
 pub mod plots;
 pub mod pages;
+
+// What programs of others may rely on.
+#[cfg(feature = "schemas")]
+pub mod schemas;

@@ -14,6 +14,19 @@ use crate::files::whole_file::WholeFile;
 pub trait CsvRow: Serialize + DeserializeOwned {
     /// The columns, in order; units are in the names.
     const COLUMNS: &'static [&'static str];
+    /// The same by field, with what is known of each.
+    const FIELDS: &'static [CsvField] = &[];
+}
+
+/// What a field of a row is, for whoever reads the file.
+#[derive(Debug, Clone, Copy)]
+pub struct CsvField {
+    /// Its columns.
+    pub columns: &'static [&'static str],
+    /// The type in Rust of a value, or of all of them.
+    pub kind: &'static str,
+    /// What it is, where its name does not suffice; a line for each line.
+    pub doc: &'static [&'static str],
 }
 
 /// Declares a struct whose fields are the columns of a row, in order: its own, or that of the type named before, which is
@@ -23,15 +36,25 @@ macro_rules! row {
         row! { for $name: $(#[$of_struct])* $visible struct $name { $($fields)* } }
     };
     (for $row:ty: $(#[$of_struct:meta])* $visible:vis struct $name:ident {
-        $($(#[$of_field:meta])* $seen:vis $field:ident: $kind:ty $(= [$($column:literal),+ $(,)?])?,)*
+        $(
+            $(#[doc = $doc:literal])* $(#[serde $serde:tt])*
+            $seen:vis $field:ident: $kind:ty $(= [$($column:literal),+ $(,)?])?,
+        )*
     }) => {
         $(#[$of_struct])*
         $visible struct $name {
-            $($(#[$of_field])* $seen $field: $kind,)*
+            $($(#[doc = $doc])* $(#[serde $serde])* $seen $field: $kind,)*
         }
 
         impl $crate::files::csv_rows::CsvRow for $row {
             const COLUMNS: &'static [&'static str] = row!(columns [] $($field $([$($column,)+])?,)*);
+            const FIELDS: &'static [$crate::files::csv_rows::CsvField] = &[
+                $($crate::files::csv_rows::CsvField {
+                    columns: row!(columns [] $field $([$($column,)+])?,),
+                    kind: stringify!($kind),
+                    doc: &[$($doc),*],
+                },)*
+            ];
         }
     };
     (columns [$($before:expr,)*]) => { &[$($before),*] };

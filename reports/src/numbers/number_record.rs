@@ -7,6 +7,7 @@ use crate::vocabulary::metric::Direction;
 
 /// The fields of a number. Flattened into the record of a row, whose unknown fields are refused.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub(crate) struct NumberRecord {
     // Spelled out, because serde lets an absent field pass for null otherwise.
     #[serde(deserialize_with = "Option::deserialize")]

@@ -201,8 +201,9 @@ fn push_rows(json: &mut String, rows: &[MetricRow]) {
 }
 
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-struct ReportRecord {
+pub(crate) struct ReportRecord {
     #[serde(rename = "schema")]
     _schema: u32,
     scoring_version: u32,
@@ -226,6 +227,7 @@ impl TryFrom<ReportRecord> for RunReport {
 }
 
 #[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct RowRecord {
     dataset: String,

@@ -46,22 +46,36 @@ row! {
     for MatchRow:
     #[derive(Serialize, Deserialize)]
     struct MatchRecord {
+        /// Id of the data set.
         dataset: String,
+        /// The drive that the scan belongs to.
         sequence: String,
+        /// Number of the scan within the drive.
         scan: u32,
+        /// Name of the detector.
         detector: String,
+        /// `objects` or `vehicles`.
         task: Task,
+        /// By what they were matched: `points`, `bev-iou`, `iou-3d` or `centre`.
         criterion: CriterionKind,
+        /// What the row is about: `pair`, `annotation` or `detection`.
         kind: Kind,
+        /// `matched`, `missed`, `false`, `ignored` or `unknowable`.
         outcome: Outcome,
+        /// Why it was missed, false or ignored.
         reason: Option<String>,
+        /// Cost of the pair in the assignment: 1 − IoU, or for `centre` the distance in metres.
         cost: Option<Fixed<6>>,
+        /// Number of the annotation.
         annotation_id: Option<u64>,
         annotation_track: Option<u32>,
         annotation_class: Option<AnnotationClass>,
         annotation_occlusion: Option<Occlusion>,
+        /// Number of its points.
         annotation_n_points: Option<u64>,
+        /// How many of these lie outside the labelled region.
         annotation_n_points_outside: Option<u64>,
+        /// Its box in the sensor frame; without a box the centroid of its points.
         annotation_box: BoxColumns = [
             "annotation_center_x_m",
             "annotation_center_y_m",
@@ -71,10 +85,13 @@ row! {
             "annotation_height_m",
             "annotation_yaw_rad",
         ],
+        /// Index among the detections of the scan, from 0.
         detection_id: Option<u64>,
         detection_class: Option<DetectionClass>,
+        /// How sure the detector is; higher is surer.
         detection_score: Option<Fixed<6>>,
         detection_n_points: Option<u64>,
+        /// Its box in the sensor frame.
         detection_box: BoxColumns = [
             "detection_center_x_m",
             "detection_center_y_m",

@@ -139,35 +139,65 @@ row! {
     for ScanRow:
     #[derive(Serialize, Deserialize)]
     struct ScanRecord {
+        /// Id of the data set.
         dataset: String,
+        /// The drive that the scan belongs to.
         sequence: String,
+        /// Number of the scan within the drive.
         scan: u32,
+        /// When it was taken, in seconds since the first scan of the drive.
         time_s: Option<Fixed<3>>,
+        /// Name of the detector.
         detector: String,
+        /// `objects` or `vehicles`.
         task: Task,
+        /// `evaluated`, `failed` (the detector gave no answer) or `skipped` (not evaluated).
         status: Status,
+        /// Why it failed or was skipped.
         reason: Option<String>,
+        /// Number of points of the scan.
         n_points: Option<u64>,
+        /// CRC-32 of points and annotations as they were read.
         checksum: Option<String>,
+        /// Time of detection, of the first repetition.
         latency_ms: Option<Fixed<3>>,
+        /// The shortest of all repetitions.
         least_latency_ms: Option<Fixed<3>>,
+        /// Time of the reference that was measured in turns with it, the shortest of all repetitions.
         reference_ms: Option<Fixed<4>>,
+        /// Time on processors, on all threads and in all processes of the detector.
         cpu_ms: Option<Fixed<3>>,
+        /// The way to a detector that is a program of its own and back; part of `latency_ms`.
         overhead_ms: Option<Fixed<3>>,
+        /// Annotations that count.
         no: Option<u64>,
+        /// Those that were found.
         tp: Option<u64>,
+        /// Those that were missed.
         mo: Option<u64>,
+        /// False detections.
         fo: Option<u64>,
+        /// Annotations that are neither found nor missed.
         ignored_annotations: Option<u64>,
+        /// Detections that are neither right nor false.
         ignored_detections: Option<u64>,
+        /// Detections of which nobody knows whether they are false.
         unknowable_detections: Option<u64>,
+        /// Annotations of which several detections each hold a tenth of the points or more.
         split: Option<u64>,
+        /// Detections with more than half of the points of an annotation.
         holding: Option<u64>,
+        /// Of these, those with more than half of the points of several.
         joining: Option<u64>,
+        /// Detections with a point of an annotation.
         touching: Option<u64>,
+        /// Over-segmentation entropy.
         ose_nats: Option<Fixed<6>>,
+        /// Under-segmentation entropy.
         use_nats: Option<Fixed<6>>,
+        /// Clusters dropped because they have too few points.
         dropped_too_small: Option<u64>,
+        /// Clusters dropped because they have too many points or are too long.
         dropped_too_large: Option<u64>,
     }
 }

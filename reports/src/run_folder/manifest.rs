@@ -18,6 +18,7 @@ use crate::vocabulary::protocol::Protocol;
 /// Everything that decides the numbers of a run.
 #[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
     /// Layout of the files of the run, [`SCHEMA`](crate::files::archive::SCHEMA).
@@ -75,6 +76,7 @@ pub struct Manifest {
 /// Which annotations of any data set do not count, whatever the detector.
 #[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct IgnoreRule {
     /// Those with fewer points than this.
@@ -86,6 +88,7 @@ pub struct IgnoreRule {
 /// A data set of the run.
 #[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DatasetEntry {
     /// The name used in tables and files.
@@ -142,6 +145,7 @@ pub struct DatasetEntry {
 
 /// Sensor and mounting as the first scans show them. Of what is simulated only the density may be taken from them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SeenMounting {
     /// Beams, and the elevations of the lowest and the highest in degrees.
@@ -174,6 +178,7 @@ fn is_zero(number: &u64) -> bool {
 
 /// A scan that was left out because it is damaged.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SkippedScan {
     /// Which it is.
@@ -184,6 +189,7 @@ pub struct SkippedScan {
 
 /// A drive through a simulated street.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Simulation {
     /// Bumped whenever the same street gives other scans.
@@ -216,6 +222,7 @@ pub struct Simulation {
 /// Which objects of the street a data set annotates.
 #[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum AnnotatedClasses {
     /// Every free-standing object.
@@ -228,6 +235,7 @@ pub enum AnnotatedClasses {
 /// A detector of the run.
 #[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DetectorEntry {
     /// The name used in tables and files.
@@ -247,6 +255,7 @@ pub struct DetectorEntry {
 
 /// A detector that is not built in.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ForeignEntry {
     /// The program and its arguments.
@@ -282,6 +291,7 @@ pub struct ForeignEntry {
 
 /// The state of the source that the program was built from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GitState {
     /// Hash of the commit.
@@ -293,6 +303,7 @@ pub struct GitState {
 /// A computer.
 #[cfg_attr(test, derive(Default))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
     /// The processor's own name.

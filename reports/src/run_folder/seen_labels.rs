@@ -14,6 +14,7 @@ const FULLEST: u32 = 9;
 
 /// All boxes of the most frequent class of vehicles, laid over one another.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SeenLabels {
     /// The class.

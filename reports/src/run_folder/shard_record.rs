@@ -8,6 +8,7 @@ use crate::worst::recorded::RecordedObject;
 
 /// A part of a run or of a study that was made by itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ShardRecord {
     /// Which one, from 1.
@@ -38,6 +39,7 @@ pub struct ShardRecord {
 
 /// By what the work of scans is measured before they are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum WorkMeasure {
     /// The sizes of their files, which go with the number of points.
@@ -50,6 +52,7 @@ pub enum WorkMeasure {
 
 /// What a shard has of a data set, or of a set of objects.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ShardPart {
     /// Its first scan, as an index among those that were selected, from 0.
@@ -64,6 +67,7 @@ pub struct ShardPart {
 
 /// How many rows of `scans.csv` were made on a processor; of a sweep, how many scans were timed on it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ProcessorRows {
     /// The processor's own name.
@@ -74,6 +78,7 @@ pub struct ProcessorRows {
 
 /// A file of a shard.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ShardFile {
     /// Its name.
@@ -86,6 +91,7 @@ pub struct ShardFile {
 
 /// A recording of some scans of a shard.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ShardRecording {
     /// The name of the file.

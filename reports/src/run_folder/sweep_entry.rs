@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What was swept, and how often it was timed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SweepEntry {
     /// The swept parameters by their full names; the first is the axis of plots.
@@ -22,6 +23,7 @@ pub struct SweepEntry {
 
 /// A swept parameter.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SweptParameter {
     /// Its full name.

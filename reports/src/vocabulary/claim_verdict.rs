@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What comes of a claim; the later, the less is left of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ClaimVerdict {
     /// It holds in good faith.

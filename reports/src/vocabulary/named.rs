@@ -7,6 +7,7 @@ macro_rules! named {
     })+) => {$(
         $(#[$of_enum])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+        #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
         $visible enum $enum {
             $($(#[$of_variant])* #[serde(rename = $name)] $variant,)*
         }

@@ -20,6 +20,7 @@ use crate::vocabulary::metric::Metric;
 /// assert_eq!(Slice::from_name("range/0-15"), Some(near));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(into = "String", try_from = "String")]
 pub enum Slice {
     /// Everything.

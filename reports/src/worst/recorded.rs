@@ -9,6 +9,7 @@ use crate::worst::objects::ObjectName;
 
 /// The recordings of a run that was put together.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Recordings {
     schema: u32,
@@ -18,6 +19,7 @@ pub struct Recordings {
 
 /// An object whose scan is recorded.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RecordedObject {
     /// Which object.

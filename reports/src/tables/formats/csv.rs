@@ -18,7 +18,7 @@ pub struct Csv;
 
 row! {
     #[derive(Default, Serialize, Deserialize)]
-    struct TaskRow {
+    pub(crate) struct TaskRow {
         task: String,
         source: String,
         dataset: String,
@@ -115,7 +115,7 @@ impl TaskRow {
 
 row! {
     #[derive(Serialize, Deserialize)]
-    struct ProtocolRow {
+    pub(crate) struct ProtocolRow {
         protocol: Protocol,
         dataset: String,
         detector: String,

@@ -14,7 +14,8 @@ use crate::vocabulary::metric::SPEED_REFERENCE;
 use crate::vocabulary::task::Task;
 
 #[derive(Serialize)]
-struct VerdictRecord<'a> {
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+pub(crate) struct VerdictRecord<'a> {
     schema: u32,
     conclusion: &'static str,
     dataset: &'a str,
@@ -40,6 +41,7 @@ struct VerdictRecord<'a> {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct ClaimRecord<'a> {
     paper: &'a str,
     place: &'a str,
@@ -50,6 +52,7 @@ struct ClaimRecord<'a> {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct MetricRecord<'a> {
     /// Where it is not that of the verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -71,6 +74,7 @@ struct MetricRecord<'a> {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct SpeedRecord<'a> {
     /// Where it is not that of the verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -87,6 +91,7 @@ struct SpeedRecord<'a> {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct DriftRecord<'a> {
     dataset: &'a str,
     sequence: &'a str,
