@@ -140,15 +140,3 @@ fn without_links(doc: &str) -> String {
     }
     text + rest
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn types_and_documentation_are_said_in_words() {
-        assert_eq!(value_of("Option<Fixed<6>>"), "number, 6 decimals or empty");
-        assert_eq!(value_of("[Option<Exact>; 12]"), "number or empty");
-        assert_eq!(without_links("a [`B`](crate::b::B) or [`C`]"), "a `B` or `C`");
-    }
-}

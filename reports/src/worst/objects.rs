@@ -38,6 +38,7 @@ pub struct MistakeList {
 
 /// Which object of which scan.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ObjectName {
     /// Id of the data set.
