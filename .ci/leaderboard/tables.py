@@ -1,6 +1,7 @@
 """The tables of docs/leaderboard.md from a run directory."""
 
 import json
+import math
 
 
 def lines_of(directory):
@@ -8,66 +9,51 @@ def lines_of(directory):
     report = json.loads((directory / "report.json").read_text())
     manifest = json.loads((directory / "manifest.json").read_text())
     # Of several data sets their sum is reported, of one alone its own numbers.
-    rows = report.get("overall") or report["rows"]
-    numbers = {(it["detector"], it["task"], it["metric"]): it for it in rows if it["slice"] == "all"}
+    rows = [it for it in report.get("overall") or report["rows"] if it["slice"] == "all" and it["value"] is not None]
+    values = {(it["detector"], it["task"], it["metric"]): it["value"] for it in rows}
+    value = lambda *key: values.get(key, math.nan)
+    intervals = {(it["detector"], it["task"]): it.get("interval_95") or [] for it in rows if it["metric"] == "f_rate"}
     detectors = [it["name"] for it in manifest["detectors"]]
     # Those that differ from others by their vehicles alone.
     clusterings = [it for it in detectors if not it.endswith("-model")]
     return {
-        "objects": quality(numbers, by_rate(numbers, clusterings, "objects"), "objects"),
-        "vehicles": quality(numbers, by_rate(numbers, detectors, "vehicles"), "vehicles"),
-        "times": times(numbers, sorted(clusterings, key=lambda it: value(numbers, it, "objects", "latency_p50_ms"))),
+        "objects": quality(value, intervals, clusterings, "objects"),
+        "vehicles": quality(value, intervals, detectors, "vehicles"),
+        "times": times(value, clusterings),
         "detectors": entries(manifest),
     }
 
 
-def by_rate(numbers, detectors, task):
-    """The best F-rate first; where nothing can be false, the best recall, and of several the name that comes first."""
-    metric = "recall" if numbers.get((detectors[0], task, "f_rate"), {}).get("value") is None else "f_rate"
-    return sorted(detectors, key=lambda it: (-value(numbers, it, task, metric), it))
-
-
-def value(numbers, detector, task, metric):
-    number = numbers.get((detector, task, metric), {}).get("value")
-    return float("nan") if number is None else number
-
-
-def percent(numbers, detector, task, metric):
-    return number(100 * value(numbers, detector, task, metric))
-
-
 def number(it, digits=None):
     """Three digits that count, or as many after the point as given."""
-    if it != it:
+    if math.isnan(it):
         return "–"
     if digits is None:
         digits = 1 if it < 100 else 0
     return f"{it:.{digits}f}"
 
 
-def interval(numbers, detector, task, metric):
-    low_high = numbers.get((detector, task, metric), {}).get("interval_95")
-    return " to ".join(number(100 * it) for it in low_high) if low_high else "–"
-
-
-def quality(numbers, detectors, task):
+def quality(value, intervals, detectors, task):
+    """The best F-rate first; where nothing can be false, the best recall, and of several the name that comes first."""
+    by = "recall" if math.isnan(value(detectors[0], task, "f_rate")) else "f_rate"
     lines = table("detector", "F-rate", "95 % interval", "precision", "recall", "over-segmentation", "under-segmentation")
-    for it in detectors:
-        rates = [percent(numbers, it, task, metric) for metric in ["precision", "recall", "over_segmentation", "under_segmentation"]]
-        lines.append(row(it, percent(numbers, it, task, "f_rate"), interval(numbers, it, task, "f_rate"), *rates))
-    no = value(numbers, detectors[0], task, "no")
-    return [*lines, "", f"Rates in %, of {no:.0f} annotations."]
+    for it in sorted(detectors, key=lambda it: (-value(it, task, by), it)):
+        metrics = ["f_rate", "precision", "recall", "over_segmentation", "under_segmentation"]
+        rate, *others = [number(100 * value(it, task, metric)) for metric in metrics]
+        interval = " to ".join(number(100 * it) for it in intervals.get((it, task), [])) or "–"
+        lines.append(row(it, rate, interval, *others))
+    return [*lines, "", f"Rates in %, of {value(detectors[0], task, 'no'):.0f} annotations."]
 
 
-def times(numbers, detectors):
+def times(value, detectors):
     lines = table("detector", "ms (median)", "× hierarchical", "CPU ms (mean)", "× hierarchical", "process overhead, ms", "failed scans")
-    of = {name: {it: value(numbers, it, "objects", name) for it in detectors} for name in ["latency_p50_ms", "cpu_mean_ms", "overhead_p50_ms", "failed_scans"]}
-    for it in detectors:
+    for it in sorted(detectors, key=lambda it: value(it, "objects", "latency_p50_ms")):
         cells = []
         for metric in ["latency_p50_ms", "cpu_mean_ms"]:
-            ms = of[metric][it]
-            cells += [number(ms), number(ms / of[metric].get("hierarchical", float("nan")))]
-        lines.append(row(it, *cells, number(of["overhead_p50_ms"][it], 2), number(of["failed_scans"][it], 0)))
+            ms, of_ours = (value(name, "objects", metric) for name in (it, "hierarchical"))
+            cells += [number(ms), number(ms / of_ours)]
+        others = number(value(it, "objects", "overhead_p50_ms"), 2), number(value(it, "objects", "failed_scans"), 0)
+        lines.append(row(it, *cells, *others))
     return lines
 
 
