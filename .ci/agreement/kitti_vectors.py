@@ -3,8 +3,8 @@
     kitti_vectors.py KIT FOLDER
 
 KIT is the folder cpp of the kit (devkit_object.zip or a copy), with evaluate_object.cpp; g++ and Boost have to be there.
-FOLDER has CASE.labels.txt and CASE.results.txt for every case (lines of KITTI's tracking layout, so that a case is one file),
-and gets CASE.kit.csv: the averages that the kit's precisions at 41 recalls have. Nothing of the kit is kept.
+FOLDER has CASE.labels.txt and CASE.results.txt for every case (lines of KITTI's tracking layout, so that a case is one
+file), and gets CASE.kit.csv: the averages that the kit's precisions at 41 recalls have. Nothing of the kit is kept.
 """
 
 import subprocess

@@ -62,7 +62,8 @@ def make_scene(made: MadeNuScenes, tables: NuScenesTables, scene: str, number: i
         f"sample{number}{index:02}": 10**15 + number * 10**9 + index * 500_000 + (2_000_000 if index >= 5 else 0)
         for index in range(N_SAMPLES)
     }
-    egos = [np.array([*(start + 2.0 * index * np.array([np.cos(heading), np.sin(heading)])), 0.0]) for index in range(N_SAMPLES)]
+    ahead = np.array([np.cos(heading), np.sin(heading)])
+    egos = [np.array([*(start + 2.0 * index * ahead), 0.0]) for index in range(N_SAMPLES)]
     tables.add_scene(scene, times_us, [pose(it, upright(heading)) for it in egos])
     before: dict[str, Record] = {}
     for (sample, time_us), ego in zip(times_us.items(), egos):
@@ -92,7 +93,9 @@ def make_thing(token: str, start: np.ndarray, random: np.random.Generator) -> Re
     }
 
 
-def add_annotation(tables: NuScenesTables, thing: Record, sample: str, time_us: int, random: np.random.Generator) -> Record:
+def add_annotation(
+    tables: NuScenesTables, thing: Record, sample: str, time_us: int, random: np.random.Generator
+) -> Record:
     at = np.array(thing["center"])
     at[:2] += (time_us % 10**9) * 1e-6 * thing["velocity"]
     attribute = CATEGORIES[thing["category"]][1]

@@ -12,8 +12,9 @@ CATEGORY_OF = {name: category for category, (name, _) in CATEGORIES.items() if n
 def of_rows(folder: Path, rows: Path) -> dict[str, dict[str, list[Record]]]:
     """Writes the labels of `protocol_boxes.csv` as tables below `folder`; returns the detections of each detector by sample.
 
-    Centres are from where ranges are measured, so that every sample has its car at the origin. Detections come in the opposite order of
-    the rows, since the devkit takes the last of those with like scores first. It refuses scores below 0: all are moved alike, the least to 1.
+    Centres are from where ranges are measured, so that every sample has its car at the origin. Detections come in the
+    opposite order of the rows, since the devkit takes the last of those with like scores first. It refuses scores below 0:
+    all are moved alike, the least to 1.
     """
     boxes = [it for it in read_csv(rows) if it["protocol"] == "nuscenes"]
     samples = sorted({sample_of(it) for it in boxes})

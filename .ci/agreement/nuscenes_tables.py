@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 
 Record = dict[str, Any]
-TABLES = (
-    "log", "map", "sensor", "calibrated_sensor", "ego_pose", "scene", "sample", "sample_data", "sample_annotation", "instance",
-    "category", "attribute", "visibility",
-)  # fmt: skip
+TABLES = """log map sensor calibrated_sensor ego_pose scene sample sample_data sample_annotation instance category attribute
+visibility"""
 
 
 def upright(yaw: float) -> list[float]:
@@ -27,7 +25,7 @@ class NuScenesTables:
     """Scenes of one lidar, whose pose on the car is given."""
 
     def __init__(self, categories: Iterable[str], attributes: Iterable[str], lidar_on_car: Record) -> None:
-        self.records: dict[str, list[Record]] = {name: [] for name in TABLES}
+        self.records: dict[str, list[Record]] = {name: [] for name in TABLES.split()}
         self.add("log", "log", logfile="", vehicle="n008", date_captured="2018-08-01", location="boston-seaport")
         self.add("map", "map", log_tokens=["log"], category="semantic_prior", filename="map.png")
         self.add("sensor", "top", channel="LIDAR_TOP", modality="lidar")

@@ -5,6 +5,7 @@ rows.py FILE N_SCANS DETECTOR,DETECTOR...
 
 import sys
 from collections import Counter
+from itertools import product
 
 from rerun.experimental import RrdReader
 
@@ -93,7 +94,8 @@ def check(path, n_scans, detectors):
         for name, (least, most) in expected(n_scans, detectors).items()
         if not least <= rows[name] <= most
     ]
-    for outcomes in (f"/world/sensor/detectors/{it}/outcomes/{task}" for it in detectors for task in ["objects", "vehicles"]):
+    for detector, task in product(detectors, ["objects", "vehicles"]):
+        outcomes = f"/world/sensor/detectors/{detector}/outcomes/{task}"
         if not sum(entities[f"{outcomes}/{layer}"] for layer in SOMETIMES):
             problems.append(f"{outcomes} is empty")
     if problems:
