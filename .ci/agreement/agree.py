@@ -18,114 +18,90 @@ matches.csv has four decimals: a pair within a thousandth of the gate may fall o
 import math
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 from pycocotools.coco import COCO
 from pycocotools.cocoeval import COCOeval
-from shapely import Polygon
+from shapely import affinity
 from sklearn.metrics import precision_recall_curve
 
-from assignment import assign
-from failures import Failures
+from comparison import Failures
+from judgement import assign
 from labelled_scan import Box, Floats
 from program import Row, Run, row_box
 
 ROUNDING = 2e-3  # of an intersection over union or of metres, from four decimals of centres, sizes and headings
 NEAR_GATE = 1e-3
 
-Measure = Callable[[Box, Box], float]
-
-
-def box(row: Row, side: str) -> Box:
-    found = row_box(row, side)
-    if found is None:
-        sys.exit(f"{side} {row[f'{side}_id']} of {row['sequence']}/{row['scan']} has no box, but boxes are compared")
+def boxes(rows: Iterable[Row], side: str) -> list[Box]:
+    found = []
+    for row in rows:
+        box = row_box(row, side)
+        if box is None:
+            sys.exit(f"{side} {row[f'{side}_id']} of {row['sequence']}/{row['scan']} has no box, but boxes are compared")
+        found.append(box)
     return found
 
 
-def footprint(it: Box) -> Polygon:
-    x, y, _ = it.center_m
-    c, s = math.cos(it.yaw_rad), math.sin(it.yaw_rad)
-    corners = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
-    halves = [(a * it.length_m, b * it.width_m) for a, b in corners]
-    return Polygon([(x + c * along - s * across, y + s * along + c * across) for along, across in halves])
+def footprint(it: Box) -> shapely.Polygon:
+    upright = shapely.box(-it.length_m / 2, -it.width_m / 2, it.length_m / 2, it.width_m / 2)
+    turned = affinity.rotate(upright, it.yaw_rad, origin=(0, 0), use_radians=True)
+    return affinity.translate(turned, *it.center_m[:2])
 
 
-def bev_iou(first: Box, second: Box) -> float:
-    a, b = footprint(first), footprint(second)
-    common = a.intersection(b).area
-    union = a.area + b.area - common
-    return common / union if union > 0 else 0.0
+def measured(criterion: str, first: list[Box], second: list[Box]) -> Floats:
+    """Distance of centres or intersection over union of each of the first boxes (row) and of the second (column)."""
+    if not first or not second:
+        return np.zeros((len(first), len(second)))
+    if criterion == "centre":
+        a, b = (np.array([it.center_m[:2] for it in of_side]) for of_side in (first, second))
+        return np.linalg.norm(a[:, None] - b, axis=2)
+    a, b = (np.array([footprint(it) for it in of_side]) for of_side in (first, second))
+    common, sizes = shapely.area(shapely.intersection(a[:, None], b)), [shapely.area(a), shapely.area(b)]
+    if criterion == "iou-3d":
+        sizes = [np.array([it.volume_m3 for it in of_side]) for of_side in (first, second)]
+        tops = np.minimum.outer([it.top_m for it in first], [it.top_m for it in second])
+        common *= np.maximum(tops - np.maximum.outer([it.bottom_m for it in first], [it.bottom_m for it in second]), 0.0)
+    return common / (np.add.outer(*sizes) - common)
 
 
-def iou_3d(first: Box, second: Box) -> float:
-    common = footprint(first).intersection(footprint(second)).area
-    common *= max(min(first.top_m, second.top_m) - max(first.bottom_m, second.bottom_m), 0.0)
-    union = first.volume_m3 + second.volume_m3 - common
-    return common / union if union > 0 else 0.0
-
-
-def distance(first: Box, second: Box) -> float:
-    return math.dist(first.center_m[:2], second.center_m[:2])
-
-
-def gate_of(run: Run) -> tuple[str, Measure | None, float]:
+def criterion_of(run: Run) -> tuple[str, float]:
+    """The criterion and its gate."""
     matching = run.manifest["config"]["matching"]
     criterion = matching["criterion"]
-    if criterion == "centre":
-        return criterion, distance, matching["max_centre_distance_m"]
-    return criterion, {"bev-iou": bev_iou, "iou-3d": iou_3d}.get(criterion), matching["min_iou"]
-
-
-def pairs_and_cost(
-    annotations: list[Box], detections: list[Box], measure: Measure, criterion: str, gate: float
-) -> tuple[int, float, float]:
-    """Number of pairs, sum of costs, and the least distance of any pair from the gate."""
-    centers = np.array([it.center_m[:2] for it in detections]).reshape(-1, 2)
-    costs = np.full((len(annotations), len(detections)), np.nan)
-    least = math.inf
-    for row, annotation in enumerate(annotations):
-        half_diagonals = np.array([0.5 * math.hypot(it.length_m, it.width_m) for it in detections])
-        reach = half_diagonals + 0.5 * math.hypot(annotation.length_m, annotation.width_m)
-        apart = np.hypot(*(centers - annotation.center_m[:2]).T)
-        for column in np.flatnonzero(apart <= (gate + 1 if criterion == "centre" else reach)):
-            value = measure(annotation, detections[column])
-            least = min(least, abs(value - gate))
-            if criterion == "centre" and value < gate:
-                costs[row, column] = value
-            elif criterion != "centre" and value >= gate:
-                costs[row, column] = 1 - value
-    pairs = assign(costs)
-    return len(pairs), float(sum(costs[pair] for pair in pairs)), least
+    return criterion, matching["max_centre_distance_m" if criterion == "centre" else "min_iou"]
 
 
 def check_assignments(run: Run, failures: Failures) -> None:
-    criterion, measure, gate = gate_of(run)
-    if measure is None:
+    criterion, gate = criterion_of(run)
+    if criterion not in ("centre", "bev-iou", "iou-3d"):
         print(f"  {run.name}: points are not in matches.csv; pairs of the criterion {criterion} are made by judge_again.py")
         return
     n_pairs, n_near, worst = 0, 0, 0.0
     for key, rows in run.matches.items():
-        matched = [it for it in rows if it["outcome"] == "matched"]
-        annotations = [box(it, "annotation") for it in rows if it["outcome"] in ("matched", "missed")]
-        detections = [box(it, "detection") for it in rows if it["detection_id"] != ""]
-        for it in matched:
-            value = measure(box(it, "annotation"), box(it, "detection"))
-            cost = value if criterion == "centre" else 1 - value
-            worst = max(worst, abs(cost - float(it["cost"])))
-        n, total, least = pairs_and_cost(annotations, detections, measure, criterion, gate)
-        ours = sum(float(it["cost"]) for it in matched)
-        n_pairs += n
-        if least < NEAR_GATE and n != len(matched):
+        annotated = [it for it in rows if it["outcome"] in ("matched", "missed")]
+        found = [it for it in rows if it["detection_id"] != ""]
+        matched = [it for it in annotated if it["outcome"] == "matched"]
+        values = measured(criterion, boxes(annotated, "annotation"), boxes(found, "detection"))
+        costs = values if criterion == "centre" else 1 - values
+        ours = [float(it["cost"]) for it in matched]
+        theirs = [costs[annotated.index(it), found.index(it)] for it in matched]
+        worst = max([worst, *np.abs(np.subtract(ours, theirs))])
+        pairs = assign(np.where(values < gate if criterion == "centre" else values >= gate, costs, np.nan))
+        n_pairs += len(pairs)
+        if np.abs(values - gate).min(initial=math.inf) < NEAR_GATE and len(pairs) != len(matched):
             n_near += 1
             continue
-        failures.check(n == len(matched), f"{run.name} {key}: {len(matched)} pairs, scipy makes {n}")
-        failures.check(abs(total - ours) < ROUNDING * (1 + n), f"{run.name} {key}: cost {ours}, scipy {total}")
+        failures.check(len(pairs) == len(matched), f"{run.name} {key}: {len(matched)} pairs, scipy makes {len(pairs)}")
+        total = sum(costs[pair] for pair in pairs)
+        is_near = abs(total - sum(ours)) < ROUNDING * (1 + len(pairs))
+        failures.check(is_near, f"{run.name} {key}: cost {sum(ours)}, scipy {total}")
     failures.check(worst < ROUNDING, f"{run.name}: a cost is {worst} off that of shapely")
     failures.check(n_pairs > 0, f"{run.name}: no pairs at all")
     print(f"  {run.name}: {criterion}, {len(run.matches)} scans, {n_pairs} pairs, largest difference of a cost {worst:.1e}, "
@@ -143,18 +119,20 @@ def interpolated(recalls: Floats, precisions: Floats, positions: Floats) -> floa
     return float(np.mean(best))
 
 
-def coco_ap(images: Sequence[tuple[list[Row], list[Row]]], iou_of: Callable[[Row, Row], float]) -> float:
-    """AP over 101 points at one threshold by COCOeval, where `iou_of` gives the overlaps of an image."""
+Overlaps = Callable[[list[Row], list[Row]], Floats]
+
+
+def coco_ap(images: Sequence[tuple[list[Row], list[Row]]], overlaps: Overlaps) -> float:
+    """AP over 101 points at one threshold by COCOeval; `overlaps` are of annotations (row) and detections of an image."""
+    of_all = {"category_id": 1, "bbox": [0, 0, 1, 1]}
     gts: list[dict[str, Any]] = []
     dts: list[dict[str, Any]] = []
     for image_id, (annotations, detections) in enumerate(images, start=1):
-        for annotation in annotations:
-            gts.append({"id": len(gts) + 1, "image_id": image_id, "category_id": 1, "bbox": [0, 0, 1, 1], "area": 1,
-                        "iscrowd": 0, "ignore": 0, "row": annotation})
-        for detection in detections:
-            dts.append({"image_id": image_id, "category_id": 1, "bbox": [0, 0, 1, 1], "row": detection,
-                        "score": float(detection["detection_score"])})
-
+        for row in annotations:
+            gt = {"id": len(gts) + 1, "image_id": image_id, "area": 1, "iscrowd": 0, "ignore": 0, "row": row}
+            gts.append(gt | of_all)
+        for row in detections:
+            dts.append({"image_id": image_id, "score": float(row["detection_score"]), "row": row, **of_all})
     if not dts:
         return 0.0
 
@@ -162,15 +140,14 @@ def coco_ap(images: Sequence[tuple[list[Row], list[Row]]], iou_of: Callable[[Row
         def computeIoU(self, image_id: int, category_id: int) -> Floats | list[float]:
             gt, dt = self._gts[image_id, category_id], self._dts[image_id, category_id]
             order = np.argsort([-it["score"] for it in dt], kind="mergesort")
-            return np.array([[iou_of(it["row"], dt[i]["row"]) for it in gt] for i in order]) if gt and dt else []
+            return overlaps([it["row"] for it in gt], [dt[i]["row"] for i in order]).T if gt and dt else []
 
     with redirect_stdout(StringIO()):
         truth = COCO()
         truth.dataset = {"images": [{"id": i + 1} for i in range(len(images))], "annotations": gts,
                          "categories": [{"id": 1}], "info": {}}
         truth.createIndex()
-        found = truth.loadRes(dts)
-        evaluation = Eval(truth, found, "bbox")
+        evaluation = Eval(truth, truth.loadRes(dts), "bbox")
         evaluation.params.iouThrs = np.array([0.5])
         evaluation.params.maxDets = [100000]
         evaluation.params.areaRng, evaluation.params.areaRngLbl = [[0, 1e10]], ["all"]
@@ -223,19 +200,19 @@ def curve_precisions(of_scans: list[list[Row]]) -> list[float]:
 def check_average_precision(
     run: Run, key: tuple[str, ...], ours: list[float], of_scans: list[list[Row]], failures: Failures
 ) -> None:
-    _, measure, gate = gate_of(run)
     for name, a, b in zip(("101", "R40"), ours, curve_precisions(of_scans)):
         failures.check(abs(a - b) < 1e-9, f"{run.name} {key}: AP {name} {a}, from sklearn's curve {b}")
     images = [([it for it in rows if it["outcome"] in ("matched", "missed")],
                [it for it in rows if it["outcome"] in ("matched", "false")]) for rows in of_scans]
-    given = coco_ap(images, lambda gt, dt: float(gt is dt))
+    given = coco_ap(images, lambda gts, dts: np.array([[float(gt is dt) for dt in dts] for gt in gts]))
     failures.check(abs(given - ours[0]) < 0.005, f"{run.name} {key}: AP {ours[0]}, pycocotools given our pairs {given}")
     line = f"  {run.name} {'/'.join(key)}: AP 101 {100 * ours[0]:.2f} (pycocotools given our pairs {100 * given:.2f}"
-    if measure in (bev_iou, iou_3d):
+    criterion, gate = criterion_of(run)
+    if criterion in ("bev-iou", "iou-3d"):
         # Half of COCO's threshold stands for our gate.
-        def scaled(gt: Row, dt: Row) -> float:
-            return 0.5 * measure(box(gt, "annotation"), box(dt, "detection")) / gate if gt and dt else 0.0
-        own = coco_ap(images, scaled)
+        own = coco_ap(
+            images, lambda gts, dts: 0.5 / gate * measured(criterion, boxes(gts, "annotation"), boxes(dts, "detection"))
+        )
         failures.check(abs(own - ours[0]) < 0.03, f"{run.name} {key}: AP {ours[0]}, pycocotools {own}")
         line += f", with pairs of its own {100 * own:.2f}"
     print(f"{line}), R40 {100 * ours[1]:.2f}")

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from failures import Failures
 from judgement import TALL, Judgement, Outcome
 from labelled_scan import LabelledScan, Region
 from program import BOX_ROUNDING, Row, ScanKey, row_box
@@ -15,6 +14,7 @@ from program import BOX_ROUNDING, Row, ScanKey, row_box
 # Costs have six decimals.
 COST_ROUNDING = 1e-6
 
+N_SHOWN = 20
 SIDES = ("annotations", "detections")
 SLICES = ("tall", "truncated")
 SLICE_KEYS = ("dataset", "task", "detector", "slice", "metric")
@@ -28,6 +28,19 @@ COUNTED = {
     "ignored_detections": ("detections", "ignored"),
     "unknowable_detections": ("detections", "unknowable"),
 }
+
+
+class Failures(list[str]):
+    """Messages, one for each disagreement."""
+
+    def check(self, is_good: bool, message: str) -> None:
+        if not is_good:
+            self.append(message)
+
+    def print(self) -> None:
+        for failure in self[:N_SHOWN]:
+            print(f"DISAGREES {failure}")
+        print(f"{len(self)} disagreements")
 
 
 class Tally(Counter[str]):
@@ -60,15 +73,10 @@ class Judged:
     def n_left_out(self) -> int:
         return sum(not self.is_alike(side, idx) for side in SIDES for idx in range(len(self.outcomes(side))))
 
-    def n_points(self, annotation_idx: int) -> tuple[int, int]:
-        """The least and the most points of an annotation."""
-        numbers = [it.annotations[annotation_idx].n_points for it in self.scans if annotation_idx < len(it.annotations)]
-        return min(numbers), max(numbers)
-
-    def n_points_outside(self, annotation_idx: int) -> tuple[int, int]:
-        """The least and the most of them outside the labelled region."""
+    def n_points(self, annotation_idx: int, *regions: Region) -> tuple[int, int]:
+        """The least and the most points of an annotation in these regions."""
         scans = [it for it in self.scans if annotation_idx < len(it.annotations)]
-        numbers = [it.n_points_in(it.annotations[annotation_idx], Region.OUTSIDE) for it in scans]
+        numbers = [sum(it.n_points_in(it.annotations[annotation_idx], region) for region in regions) for it in scans]
         return min(numbers), max(numbers)
 
 
@@ -122,10 +130,10 @@ class Comparison:
         """Compares what the row says of the object itself, and the cost of its pair."""
         scan = self.judged.scans[0]
         annotation = scan.annotations[idx]
-        least, most = self.judged.n_points(idx)
-        for column, (low, high) in (("n_points", (least, most)), ("n_points_outside", self.judged.n_points_outside(idx))):
+        for column, regions in (("n_points", Region), ("n_points_outside", [Region.OUTSIDE])):
             theirs = row[f"annotation_{column}"]
-            self.fail_unless(low <= int(theirs) <= high, f"{name}, {column}", (low, high), theirs)
+            least, most = self.judged.n_points(idx, *regions)
+            self.fail_unless(least <= int(theirs) <= most, f"{name}, {column}", (least, most), theirs)
         facts = annotation.class_name, "" if annotation.track is None else str(annotation.track)
         of_row = row["annotation_class"], row["annotation_track"]
         self.fail_unless(facts == of_row, name, facts, of_row)
@@ -138,6 +146,7 @@ class Comparison:
         outcome = self.judged.outcomes("annotations")[idx]
         if outcome is not None and outcome.cost is not None and row["cost"]:
             # Points on the faces of its box may or may not be its own.
+            least, most = self.judged.n_points(idx, *Region)
             tolerance = COST_ROUNDING + (most - least) / most
             self.fail_unless(abs(outcome.cost - float(row["cost"])) <= tolerance, name, outcome, row["cost"])
 

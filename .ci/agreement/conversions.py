@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable
 
-from failures import Failures
+from comparison import Failures
 from labelled_scan import Annotation, Dataset
 from program import BOX_ROUNDING, Row, Run, row_box
 

@@ -1,10 +1,9 @@
-"""Damages copies of a run, one row at a time, to see that each damage is found."""
+"""Damages rows of a run, one at a time, to see that each damage is found."""
 
-import shutil
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from copy import copy
 
-from program import Row, Run, read_csv, write_csv
+from program import Row, Run, key_of
 
 
 def flipped(outcome: str) -> Callable[[Row], Row | None]:
@@ -25,20 +24,14 @@ DAMAGES: list[tuple[str, str, Callable[[Row], Row | None]]] = [
 ]
 
 
-def damaged_copies(run: Run, may_be_damaged: Callable[[Row], bool], scratch: Path) -> list[tuple[str, Run]]:
-    """For every kind of damage that the rows of `run` allow, what it is and a copy that has it."""
-    rows = read_csv(run.path / "matches.csv")
-    copies: list[tuple[str, Run]] = []
+def damaged_copies(run: Run, may_be_damaged: Callable[[Row], bool]) -> Iterator[tuple[str, Run]]:
+    """For every kind of damage that the rows of `run` allow, what it is and a run that has it."""
     for outcome, becomes, damage in DAMAGES:
-        candidates = [idx for idx, row in enumerate(rows) if row["outcome"] == outcome and may_be_damaged(row)]
-        if not candidates:
+        rows = [row for rows in run.matches.values() for row in rows if row["outcome"] == outcome and may_be_damaged(row)]
+        if not rows:
             continue
-        idx = candidates[len(candidates) // 2]
-        damaged = damage(rows[idx])
-        path = scratch / f"damaged-{len(copies)}"
-        path.mkdir(parents=True)
-        for name in ("manifest.json", "scans.csv"):
-            shutil.copy(run.path / name, path)
-        write_csv(path / "matches.csv", [*rows[:idx], *([damaged] if damaged else []), *rows[idx + 1 :]])
-        copies.append((f"{outcome} is {becomes}", Run(path)))
-    return copies
+        row = rows[len(rows) // 2]
+        damaged, of_scan = copy(run), run.matches[key_of(row)]
+        changed = [it if it is not row else damage(row) for it in of_scan]
+        damaged.matches = {**run.matches, key_of(row): [it for it in changed if it is not None]}
+        yield f"{outcome} is {becomes}", damaged

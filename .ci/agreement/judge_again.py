@@ -18,10 +18,9 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from comparison import SLICES, Comparison, Judged, Tally, compare_slices
+from comparison import SLICES, Comparison, Failures, Judged, Tally, compare_slices
 from conversions import check_boxes, check_conversion, check_points
 from damage import damaged_copies
-from failures import Failures
 from judgement import TASKS, judge, points_of_each
 from kitti_scans import kitti, write_png
 from labelled_scan import Dataset
@@ -129,10 +128,10 @@ def check_source(program: Program, source: Source, scratch: Path, failures: Fail
     failures.check(tally["matched"] > 0, f"{source.name}: no pairs at all")
     is_bounded = tally.share_left_out <= MAX_SHARE_LEFT_OUT
     failures.check(is_bounded, f"{source.name}: {tally.share_left_out:.1%} left out, at most {MAX_SHARE_LEFT_OUT:.0%} may be")
-    check_damage(run, judged, path / "damaged", failures)
+    check_damage(run, judged, failures)
 
 
-def check_damage(run: Run, judged: dict[ScanKey, Judged], scratch: Path, failures: Failures) -> None:
+def check_damage(run: Run, judged: dict[ScanKey, Judged], failures: Failures) -> None:
     """Every damage has to be found."""
 
     def is_judged(row: Row) -> bool:
@@ -140,7 +139,7 @@ def check_damage(run: Run, judged: dict[ScanKey, Judged], scratch: Path, failure
         is_alike = not annotation or it.is_alike("annotations", int(annotation))
         return is_alike and (not detection or it.is_alike("detections", int(detection)))
 
-    copies = damaged_copies(run, is_judged, scratch)
+    copies = list(damaged_copies(run, is_judged))
     undamaged = Failures()
     compare_run(run, judged, undamaged)
     n_found = 0

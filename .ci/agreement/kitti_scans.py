@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,24 +29,11 @@ from labelled_scan import (
 # Most drives have images of this size; nothing but the images themselves says it.
 USUAL_IMAGE_SIZE_PX = (1242, 375)
 
+# Words that are not those of the program; the last two are of converted data sets.
 CLASSES = {
-    "car": "car",
-    "van": "van",
-    "truck": "truck",
-    "pedestrian": "pedestrian",
     "person_sitting": "sitting-person",
     "person": "sitting-person",
-    "cyclist": "cyclist",
-    "tram": "tram",
-    "misc": "misc",
-    # Not KITTI's own: words in converted data sets.
-    "bus": "bus",
     "parkedcycle": "parked-cycle",
-    "trailer": "trailer",
-    "pole": "pole",
-    "tree": "tree",
-    "hedge": "hedge",
-    "fence": "fence",
     "streetfurniture": "street-furniture",
 }
 
@@ -53,26 +41,24 @@ CLASSES = {
 IGNORED_LEVEL = 2.0
 
 
-@dataclass(frozen=True)
-class Label:
-    """A line of a label file, from the class on."""
+class Label(NamedTuple):
+    """A line of a label file: the class, what follows it up to the rotation, and the track."""
 
     word: str
-    truncated: float
-    image_box_px: tuple[float, ...]
-    height_m: float
-    width_m: float
-    length_m: float
-    bottom_center_m: tuple[float, float, float]
-    rotation_y_rad: float
+    numbers: list[float]
     track: int | None
 
     @classmethod
     def parse(cls, fields: Sequence[str], track: int | None) -> "Label":
-        numbers = [float(it) for it in fields[1:15]]
-        height_m, width_m, length_m = numbers[7:10]
-        x, y, z = numbers[10:13]
-        return cls(fields[0], numbers[0], tuple(numbers[3:7]), height_m, width_m, length_m, (x, y, z), numbers[13], track)
+        return cls(fields[0], [float(it) for it in fields[1:15]], track)
+
+    @property
+    def truncated(self) -> float:
+        return self.numbers[0]
+
+    @property
+    def class_name(self) -> str:
+        return CLASSES.get(self.word.lower(), self.word.lower())
 
 
 @dataclass(frozen=True)
@@ -97,11 +83,12 @@ class Calibration:
     def box_of(self, label: Label) -> Box:
         """Heading and centre of the bottom are carried over, and the box stands upright in the frame of the sensor."""
         velodyne_from_camera = np.linalg.inv(self.camera_from_velodyne)
-        x, y, z, _ = velodyne_from_camera @ (*label.bottom_center_m, 1.0)
+        height_m, width_m, length_m, *bottom_center_m, rotation_y_rad = label.numbers[7:14]
+        x, y, z, _ = velodyne_from_camera @ (*bottom_center_m, 1.0)
         # Turned by the angle about the axis that points down, x of the camera goes to (cos, 0, -sin).
-        ahead = velodyne_from_camera[:3, :3] @ (np.cos(label.rotation_y_rad), 0.0, -np.sin(label.rotation_y_rad))
+        ahead = velodyne_from_camera[:3, :3] @ (np.cos(rotation_y_rad), 0.0, -np.sin(rotation_y_rad))
         yaw_rad = float(np.arctan2(ahead[1], ahead[0]))
-        return Box((x, y, z + label.height_m / 2), label.length_m, label.width_m, label.height_m, yaw_rad)
+        return Box((x, y, z + height_m / 2), length_m, width_m, height_m, yaw_rad)
 
     def pixels(self, points_m: Floats) -> tuple[Floats, Floats]:
         """Column and row of every point in the image, and its depth before the camera in metres."""
@@ -156,7 +143,7 @@ def camera_regions(points_m: Floats, files: ScanFiles, is_annotated: NDArray[np.
     regions = np.where(is_seen, Region.LABELLED, Region.OUTSIDE).astype(np.uint8)
     for label in files.labels:
         if label.word == "DontCare":
-            low, high = np.array(label.image_box_px[:2]), np.array(label.image_box_px[2:])
+            low, high = np.array(label.numbers[3:5]), np.array(label.numbers[5:7])
             is_in = (pixels >= low - slack).all(axis=1) & (pixels <= high + slack).all(axis=1)
             regions[is_seen & is_in & ~is_annotated] = Region.UNSCORABLE
     return regions
@@ -180,7 +167,7 @@ class KittiScan:
     def labelled(self, slack: float) -> LabelledScan:
         points = self.near_boxes.inside(slack)
         of_objects = zip(self.files.objects, self.near_boxes.boxes, points)
-        annotations = [Annotation(CLASSES[it.word.lower()], box, indices, it.track) for it, box, indices in of_objects]
+        annotations = [Annotation(it.class_name, box, indices, it.track) for it, box, indices in of_objects]
         return LabelledScan(self.points_m, annotations, self.regions(points, slack), slack)
 
     def regions(self, points_of_objects: list[Indices], slack: float) -> NDArray[np.uint8]:
@@ -198,6 +185,7 @@ class KittiScan:
         return regions
 
 
+@cache
 def tracking_labels(path: Path) -> dict[int, list[Label]]:
     """The labels of a drive by number of the scan; track -1 is none."""
     by_scan: dict[int, list[Label]] = defaultdict(list)
@@ -209,16 +197,13 @@ def tracking_labels(path: Path) -> dict[int, list[Label]]:
 
 def tracking_files(root: Path, drive: str, number: int) -> ScanFiles:
     return ScanFiles(
-        labels=cached_tracking_labels(root / f"label_02/{drive}.txt").get(number, []),
+        labels=tracking_labels(root / f"label_02/{drive}.txt").get(number, []),
         calibration=Calibration.read(root / f"calib/{drive}.txt"),
         image_size_px=image_size_px(root / f"image_02/{drive}"),
         points=root / f"velodyne/{drive}/{number:06}.bin",
         regions=root / f"point_region/{drive}/{number:06}.u8",
         ignored_level=IGNORED_LEVEL,
     )
-
-
-cached_tracking_labels = cache(tracking_labels)
 
 
 def object_files(root: Path, _drive: str, number: int) -> ScanFiles:

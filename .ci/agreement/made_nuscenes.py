@@ -3,10 +3,11 @@
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pyquaternion import Quaternion
+
+from nuscenes_tables import NuScenesTables, Record, cloud_of, pose, upright
 
 # Scenes that the devkit takes for the split mini_val.
 SCENES = ("scene-0103", "scene-0916")
@@ -25,7 +26,7 @@ CATEGORIES = {
     "animal": (None, ""),
 }
 ATTRIBUTES = sorted({attribute for _, attribute in CATEGORIES.values() if attribute})
-Record = dict[str, Any]
+LIDAR_ON_CAR = pose([0.94, 0.0, 1.84], upright(-np.pi / 2))
 
 
 @dataclass
@@ -35,78 +36,49 @@ class MadeNuScenes:
     folder: Path
     labels: dict[str, list[Record]] = field(default_factory=dict)
     egos: dict[str, np.ndarray] = field(default_factory=dict)
-    tables: dict[str, list[Record]] = field(default_factory=dict)
 
 
 def yaw_of(quaternion: list[float]) -> float:
     return float(Quaternion(quaternion).yaw_pitch_roll[0])
 
 
-def upright(yaw: float) -> list[float]:
-    return [float(np.cos(yaw / 2)), 0.0, 0.0, float(np.sin(yaw / 2))]
-
-
 def make(folder: Path, seed: int = 5) -> MadeNuScenes:
     random = np.random.default_rng(seed)
-    made = MadeNuScenes(folder)
-    names = "log map sensor calibrated_sensor ego_pose sample sample_data sample_annotation instance category attribute visibility scene"
-    made.tables = tables = {name: [] for name in names.split()}
-    tables["log"] = [{"token": "log", "logfile": "", "vehicle": "n008", "date_captured": "2018-08-01", "location": "boston-seaport"}]
-    tables["map"] = [{"token": "map", "log_tokens": ["log"], "category": "semantic_prior", "filename": "map.png"}]
-    tables["sensor"] = [{"token": "top", "channel": "LIDAR_TOP", "modality": "lidar"}]
-    calibration = {"token": "cs", "sensor_token": "top", "camera_intrinsic": []}
-    tables["calibrated_sensor"] = [calibration | {"translation": [0.94, 0.0, 1.84], "rotation": upright(-np.pi / 2)}]
-    tables["category"] = [{"token": name, "name": name, "description": ""} for name in CATEGORIES]
-    tables["attribute"] = [{"token": name, "name": name, "description": ""} for name in ATTRIBUTES]
-    tables["visibility"] = [{"token": "4", "level": "v80-100", "description": ""}]
+    made, tables = MadeNuScenes(folder), NuScenesTables(CATEGORIES, ATTRIBUTES, LIDAR_ON_CAR)
     (folder / "samples/LIDAR_TOP").mkdir(parents=True)
-    (folder / "map.png").write_bytes(b"")
     for number, scene in enumerate(SCENES):
-        make_scene(made, scene, number, random)
-    (folder / "v1.0-mini").mkdir()
-    for name, rows in tables.items():
-        (folder / f"v1.0-mini/{name}.json").write_text(json.dumps(rows))
+        make_scene(made, tables, scene, number, random)
+    tables.write(folder)
     return made
 
 
-def make_scene(made: MadeNuScenes, scene: str, number: int, random: np.random.Generator) -> None:
-    tables = made.tables
-    samples = [f"sample{number}{index:02}" for index in range(N_SAMPLES)]
-    tables["scene"].append(
-        {"token": scene, "name": scene, "description": "", "log_token": "log", "nbr_samples": N_SAMPLES}
-        | {"first_sample_token": samples[0], "last_sample_token": samples[-1]}
-    )
+def make_scene(made: MadeNuScenes, tables: NuScenesTables, scene: str, number: int, random: np.random.Generator) -> None:
     start, heading = random.normal(0, 1000, 2), random.uniform(-np.pi, np.pi)
     things = [make_thing(f"{scene}-{index}", start, random) for index in range(60)]
     for thing in things:
-        tables["instance"].append({"token": thing["token"], "category_token": thing["category"], "nbr_annotations": 0}
-                                  | {"first_annotation_token": "", "last_annotation_token": ""})
+        tables.add_thing(thing["token"], thing["category"])
+    # The fifth sample comes late, so that velocities over it are not known.
+    times_us = {
+        f"sample{number}{index:02}": 10**15 + number * 10**9 + index * 500_000 + (2_000_000 if index >= 5 else 0)
+        for index in range(N_SAMPLES)
+    }
+    ahead = np.array([np.cos(heading), np.sin(heading)])
+    egos = [np.array([*(start + 2.0 * index * ahead), 0.0]) for index in range(N_SAMPLES)]
+    tables.add_scene(scene, times_us, [pose(it, upright(heading)) for it in egos])
     before: dict[str, Record] = {}
-    for index, sample in enumerate(samples):
-        # The fifth comes late, so that velocities over it are not known.
-        time_us = 10**15 + number * 10**9 + index * 500_000 + (2_000_000 if index >= 5 else 0)
-        ego = np.array([*(start + 2.0 * index * np.array([np.cos(heading), np.sin(heading)])), 0.0])
+    for (sample, time_us), ego in zip(times_us.items(), egos):
         made.egos[sample], made.labels[sample] = ego, []
-        tables["ego_pose"].append({"token": f"pose{sample}", "timestamp": time_us, "translation": ego.tolist(), "rotation": upright(heading)})
-        neighbours = {"prev": samples[index - 1] if index else "", "next": samples[index + 1] if index + 1 < N_SAMPLES else ""}
-        tables["sample"].append({"token": sample, "scene_token": scene, "timestamp": time_us} | neighbours)
-        file = f"samples/LIDAR_TOP/{sample}.pcd.bin"
-        tables["sample_data"].append(
-            {"token": f"data{sample}", "sample_token": sample, "ego_pose_token": f"pose{sample}", "calibrated_sensor_token": "cs"}
-            | {"timestamp": time_us, "is_key_frame": True, "filename": file, "fileformat": "pcd", "width": 0, "height": 0, "prev": "", "next": ""}
-        )
         clouds = []
         for thing in things:
             if random.random() < 0.1:
                 continue
-            record = annotation_of(thing, sample, time_us, random)
+            record = add_annotation(tables, thing, sample, time_us, random)
             if thing["token"] in before:
                 before[thing["token"]]["next"], record["prev"] = record["token"], before[thing["token"]]["token"]
             before[thing["token"]] = record
-            tables["sample_annotation"].append(record)
             clouds.append(points_of(record, ego, heading, random))
             label(made, thing, record, sample)
-        np.concatenate(clouds).astype("<f4").tofile(made.folder / file)
+        np.concatenate(clouds).astype("<f4").tofile(made.folder / cloud_of(sample))
 
 
 def make_thing(token: str, start: np.ndarray, random: np.random.Generator) -> Record:
@@ -121,25 +93,21 @@ def make_thing(token: str, start: np.ndarray, random: np.random.Generator) -> Re
     }
 
 
-def annotation_of(thing: Record, sample: str, time_us: int, random: np.random.Generator) -> Record:
-    seconds = (time_us % 10**9) * 1e-6
-    x, y, z = thing["center"]
+def add_annotation(
+    tables: NuScenesTables, thing: Record, sample: str, time_us: int, random: np.random.Generator
+) -> Record:
+    at = np.array(thing["center"])
+    at[:2] += (time_us % 10**9) * 1e-6 * thing["velocity"]
     attribute = CATEGORIES[thing["category"]][1]
-    has_attribute = attribute and random.random() < 0.9
-    return {
-        "token": f"{thing['token']}-{sample}",
-        "sample_token": sample,
-        "instance_token": thing["token"],
-        "attribute_tokens": [attribute] if has_attribute else [],
-        "visibility_token": "4",
-        "translation": [float(x + seconds * thing["velocity"][0]), float(y + seconds * thing["velocity"][1]), float(z)],
-        "size": thing["size"],
-        "rotation": upright(thing["yaw"]),
-        "num_lidar_pts": int(random.integers(0, 3) * random.integers(0, 60)),
-        "num_radar_pts": int(random.integers(0, 2)),
-        "prev": "",
-        "next": "",
-    }
+    return tables.add_annotation(
+        f"{thing['token']}-{sample}", thing["token"],
+        sample_token=sample,
+        attribute_tokens=[attribute] if attribute and random.random() < 0.9 else [],
+        size=thing["size"],
+        **pose(at, upright(thing["yaw"])),
+        num_lidar_pts=int(random.integers(0, 3) * random.integers(0, 60)),
+        num_radar_pts=int(random.integers(0, 2)),
+    )  # fmt: skip
 
 
 def points_of(record: Record, ego: np.ndarray, heading: float, random: np.random.Generator) -> np.ndarray:
@@ -149,7 +117,7 @@ def points_of(record: Record, ego: np.ndarray, heading: float, random: np.random
     turn = Quaternion(record["rotation"]).rotation_matrix
     world = inside @ turn.T + record["translation"] - ego
     car = world @ Quaternion(upright(heading)).rotation_matrix
-    lidar = (car - [0.94, 0.0, 1.84]) @ Quaternion(upright(-np.pi / 2)).rotation_matrix
+    lidar = (car - LIDAR_ON_CAR["translation"]) @ Quaternion(LIDAR_ON_CAR["rotation"]).rotation_matrix
     return np.column_stack([lidar, np.full((30, 2), 7.0)])
 
 

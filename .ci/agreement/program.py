@@ -52,13 +52,6 @@ def read_csv(path: Path) -> list[Row]:
         return list(csv.DictReader(file))
 
 
-def write_csv(path: Path, rows: list[Row]) -> None:
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
-
-
 def key_of(row: Row) -> ScanKey:
     return row["dataset"], row["sequence"], row["scan"], row["detector"], row["task"]
 

@@ -16,7 +16,8 @@ import numpy as np
 import pandas as pd
 from av2.evaluation.detection.utils import DetectionCfg
 
-from protocol_numbers import check_order, compare, numbers_of, run
+from program import Program
+from protocol_numbers import check_order, compare, found_by_ours, numbers_of_tables, numbers_on_streets
 
 CATEGORIES = ["REGULAR_VEHICLE", "PEDESTRIAN", "BOLLARD", "BICYCLIST", "STOP_SIGN", "LARGE_VEHICLE", "ANIMAL"]
 POSE = ["tx_m", "ty_m", "tz_m", "qw", "qx", "qy", "qz"]
@@ -106,7 +107,7 @@ def av2_numbers(found: pd.DataFrame, labels: pd.DataFrame) -> dict[tuple[str, st
     return numbers
 
 
-def check(scanbench: str, root: Path, labels: pd.DataFrame, folder: Path) -> int:
+def check(program: Program, root: Path, labels: pd.DataFrame, folder: Path) -> None:
     distinct, alike = noisy(labels, 1), noisy(labels, 2)
     alike["score"] = (alike["score"] * 10).round() / 10
     truth = labels[labels["num_interior_pts"] > 0].assign(score=1.0)
@@ -122,60 +123,37 @@ def check(scanbench: str, root: Path, labels: pd.DataFrame, folder: Path) -> int
     columns = ["log_id", "timestamp_ns", "category", "score", *POSE, *SIDES]
     for name, found in cases.items():
         found[columns].reset_index(drop=True).to_feather(folder / f"{name}.feather")
-    results = [word for name in cases for word in ("--detections", f"{name}={folder / name}.feather")]
-    # What one of ours finds, as others read it: without what is less likely a vehicle than not.
-    run(scanbench, root, "-d", "simple-grid", "--detections-out", folder / "found", "--as", "argoverse2", "-o", folder / "own")
-    written = next((folder / "found/simple-grid").rglob("*.feather"))
-    results += ["--detections", f"ours={written}"]
-    names = [*cases, "ours"]
-    options = ["--protocol", "argoverse2", "--missing-detections", "empty", "-o", folder / "run"]
-    run(scanbench, root, *results, "-d", ",".join(names), *options)
-    ours = numbers_of(folder / "run", "argoverse2")
-    n, worst = 0, 0.0
-    for name in names:
-        if name != "alike-shuffled":
-            found = cases[name] if name in cases else pd.read_feather(written)
-            compared, apart = compare(name, ours[name], av2_numbers(found, labels), "av2")
-            n, worst = n + compared, max(worst, apart)
+    results = {name: folder / f"{name}.feather" for name in cases}
+    results["ours"] = found_by_ours(program, root, "argoverse2", folder)
+    ours = numbers_of_tables(program, root, "argoverse2", results, folder)
+    cases["ours"] = pd.read_feather(results["ours"])
+    theirs = {name: av2_numbers(found, labels) for name, found in cases.items() if name != "alike-shuffled"}
+    compare("argoverse2", root.name, "av2", ours, theirs, 100)
     check_order(ours, ("distinct", "alike"))
-    print(f"  argoverse2: {n} numbers of {len(names)} detectors on {root.name} as av2 has them, largest difference {worst:.1e}")
-    return n
 
 
-def check_streets(scanbench: str, folder: Path) -> None:
+def check_streets(program: Program, folder: Path) -> None:
     """Detectors of ours on simulated streets, whose boxes are written as the tables of Argoverse 2."""
-    streets = ("street-main-road", "street-narrow", "--simulated-scans", "10")
-    detectors = ("hierarchical", "pca")
-    run(scanbench, *streets, "-d", ",".join(detectors), "--protocol", "argoverse2", "-o", folder / "streets")
-    ours = numbers_of(folder / "streets", "argoverse2")
+    ours = numbers_on_streets(program, "argoverse2", "REGULAR_VEHICLE", folder)
     # Its rows are in the order in which scanbench ranks boxes.
     rows = pd.read_csv(folder / "streets/protocol_boxes.csv")
     rows = rows.assign(log_id=rows["dataset"] + "/" + rows["sequence"].astype(str), timestamp_ns=rows["scan"], category=rows["class"])
     rows = rows.assign(num_interior_pts=rows["n_points"], qw=np.cos(rows["yaw_rad"] / 2), qx=0.0, qy=0.0, qz=np.sin(rows["yaw_rad"] / 2))
     rows = rows.rename(columns={f"center_{axis}_m": f"t{axis}_m" for axis in "xyz"})
-    n, worst = 0, 0.0
-    for name in detectors:
-        of_detector = rows[rows["detector"] == name]
-        labels = of_detector[of_detector["kind"] == "annotation"].astype({"num_interior_pts": int})
-        theirs = av2_numbers(of_detector[of_detector["kind"] == "detection"].reset_index(drop=True), labels.reset_index(drop=True))
-        compared, apart = compare(name, ours[name], theirs, "av2")
-        n, worst = n + compared, max(worst, apart)
-        if not ours[name]["REGULAR_VEHICLE", "ap"] > 0.0:
-            sys.exit(f"{name} found no car on simulated streets")
-    if n < 50:
-        sys.exit(f"only {n} numbers were compared on simulated streets")
-    print(f"  argoverse2: {n} numbers of {len(detectors)} detectors on simulated streets as av2 has them, largest difference {worst:.1e}")
+    theirs = {}
+    for name, of_detector in rows.groupby("detector"):
+        kinds = {kind: it.reset_index(drop=True) for kind, it in of_detector.groupby("kind")}
+        theirs[name] = av2_numbers(kinds["detection"], kinds["annotation"].astype({"num_interior_pts": int}))
+    compare("argoverse2", "simulated streets", "av2", ours, theirs, 50)
 
 
-def main(scanbench: str, folder: Path, recorded: list[str]) -> None:
+def main(program: Program, folder: Path, recorded: list[str]) -> None:
     made = folder / "argoverse2"
-    n = check(scanbench, made, make(made), folder / "made")
-    if n < 100:
-        sys.exit(f"only {n} numbers were compared")
-    check_streets(scanbench, folder)
+    check(program, made, make(made), folder / "made")
+    check_streets(program, folder)
     for root in map(Path, recorded):
-        check(scanbench, root, labels_of(root), folder / "recorded")
+        check(program, root, labels_of(root), folder / "recorded")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]), sys.argv[3:])
+    main(Program(Path(sys.argv[1])), Path(sys.argv[2]), sys.argv[3:])

@@ -1,19 +1,18 @@
-"""Numbers of `--protocol` as a run leaves them, held against what a maker's program says; and the boxes that they are made of."""
+"""Numbers of `--protocol` as a run leaves them, held against what a maker's program says."""
 
 import json
 import math
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 
+from program import Program
+
 LARGEST_DIFFERENCE = 1e-6
+STREETS = ("street-main-road", "street-narrow", "--simulated-scans", "10")
+DETECTORS = ("hierarchical", "pca")
 Numbers = dict[tuple[str, str], float]
-
-
-def run(scanbench: str, *arguments: str | Path) -> None:
-    subprocess.run([scanbench, "run", *map(str, arguments), "--no-rrd"], check=True, stdout=subprocess.DEVNULL)
 
 
 def numbers_of(folder: Path, protocol: str) -> dict[str, Numbers]:
@@ -26,21 +25,53 @@ def numbers_of(folder: Path, protocol: str) -> dict[str, Numbers]:
     return numbers
 
 
-def compare(name: str, ours: Numbers, theirs: Numbers, maker: str) -> tuple[int, float]:
-    """How many numbers both have, and how far they are apart at most; ends the program if that is too far."""
+def numbers_of_tables(
+    program: Program, data: Path, protocol: str, tables: dict[str, Path], folder: Path
+) -> dict[str, Numbers]:
+    """Those of tables of detections, by name."""
+    given = [word for name, path in tables.items() for word in ("--detections", f"{name}={path}")]
+    options = ["-d", ",".join(tables), "--protocol", protocol, "--missing-detections", "empty", "-o", folder / "run"]
+    program.call("run", data, *given, *options, "--no-rrd")
+    return numbers_of(folder / "run", protocol)
+
+
+def found_by_ours(program: Program, data: Path, protocol: str, folder: Path) -> Path:
+    """What a detector of ours finds, as others read it: without what is less likely a vehicle than not."""
+    options = ["--detections-out", folder / "found", "--as", protocol, "-o", folder / "own", "--no-rrd"]
+    program.call("run", data, "-d", "simple-grid", *options)
+    return next(it for it in (folder / "found/simple-grid").rglob("*") if it.suffix in (".json", ".feather"))
+
+
+def numbers_on_streets(program: Program, protocol: str, car: str, folder: Path) -> dict[str, Numbers]:
+    """Those of detectors of ours on simulated streets, of which each finds cars."""
+    program.call("run", *STREETS, "-d", ",".join(DETECTORS), "--protocol", protocol, "-o", folder / "streets", "--no-rrd")
+    numbers = numbers_of(folder / "streets", protocol)
+    for name in DETECTORS:
+        if not numbers[name][car, "ap"] > 0.0:
+            sys.exit(f"{name} found no car on simulated streets")
+    return numbers
+
+
+def compare(protocol: str, data: str, maker: str, ours: dict[str, Numbers], theirs: dict[str, Numbers], least: int) -> None:
+    """Prints how many numbers both have and how far they are apart; ends the program if too far, or if they are too few."""
     n, worst = 0, 0.0
-    for key in ours.keys() & theirs.keys():
-        if math.isnan(ours[key]) and math.isnan(theirs[key]):
-            continue
-        difference = abs(ours[key] - theirs[key])
-        if not difference <= LARGEST_DIFFERENCE:
-            sys.exit(f"{name}: {key} is {ours[key]}, {maker} says {theirs[key]}")
-        n, worst = n + 1, max(worst, difference)
-    return n, worst
+    for name, of_maker in theirs.items():
+        for key in ours[name].keys() & of_maker.keys():
+            a, b = ours[name][key], of_maker[key]
+            if math.isnan(a) and math.isnan(b):
+                continue
+            if not abs(a - b) <= LARGEST_DIFFERENCE:
+                sys.exit(f"{name}: {key} is {a}, {maker} says {b}")
+            n, worst = n + 1, max(worst, abs(a - b))
+    if n < least:
+        sys.exit(f"only {n} numbers were compared on {data}")
+    of = f"{n} numbers of {len(theirs)} detectors on {data}"
+    print(f"  {protocol}: {of} as {maker} has them, largest difference {worst:.1e}")
 
 
 def check_order(ours: dict[str, Numbers], names: tuple[str, ...]) -> None:
     """Makes sure that each of `names` has the numbers of what is the same in another order."""
     for name in names:
-        if not ours[name] or not np.array_equal(list(ours[name].values()), list(ours[f"{name}-shuffled"].values()), equal_nan=True):
+        first, second = (list(ours[it].values()) for it in (name, f"{name}-shuffled"))
+        if not first or not np.array_equal(first, second, equal_nan=True):
             sys.exit(f"{name}: another order gives other numbers")

@@ -19,13 +19,13 @@ from nuscenes.eval.detection.config import config_factory
 from nuscenes.eval.detection.evaluate import DetectionEval
 from nuscenes.utils import splits
 
-from made_nuscenes import MadeNuScenes, Record, make, noisy, write_submission, yaw_of
+from made_nuscenes import MadeNuScenes, make, noisy, write_submission, yaw_of
 from nuscenes_of_rows import of_rows
-from protocol_numbers import check_order, compare, numbers_of, run
+from nuscenes_tables import Record
+from program import Program
+from protocol_numbers import check_order, compare, found_by_ours, numbers_of_tables, numbers_on_streets
 
 MAKER = "nuscenes-devkit"
-STREETS = ("street-main-road", "street-narrow", "--simulated-scans", "10")
-DETECTORS = ("hierarchical", "pca")
 ERRORS = {"ate_m": "trans_err", "ase": "scale_err", "aoe_rad": "orient_err", "ave_m_per_s": "vel_err", "aae": "attr_err"}
 Found = dict[str, list[Record]]
 
@@ -61,7 +61,7 @@ def devkit_numbers(tables: NuScenes, path: Path, scratch: Path) -> dict[tuple[st
     return numbers
 
 
-def check_made_up(scanbench: str, folder: Path) -> None:
+def check_made_up(program: Program, folder: Path) -> None:
     made = make(folder / "nuscenes")
     distinct, alike = noisy(made, 1), noisy(made, 2, score_step=0.1)
     cases = {
@@ -76,47 +76,31 @@ def check_made_up(scanbench: str, folder: Path) -> None:
     for name, found in cases.items():
         write_submission(folder / f"{name}.json", found)
         write_submission(folder / f"{name}.last-first.json", last_first(made, found))
-    results = [word for name in cases for word in ("--detections", f"{name}={folder / name}.json")]
-    # What one of ours finds, as others read it: without what is less likely a vehicle than not.
-    written = folder / "found/simple-grid/results_nusc.json"
-    run(scanbench, made.folder, "-d", "simple-grid", "--detections-out", folder / "found", "--as", "nuscenes", "-o", folder / "own")
-    results += ["--detections", f"ours={written}"]
-    names = [*cases, "ours"]
-    run(scanbench, made.folder, *results, "-d", ",".join(names), "--protocol", "nuscenes", "-o", folder / "run")
-    ours = numbers_of(folder / "run", "nuscenes")
+    own = {"ours": found_by_ours(program, made.folder, "nuscenes", folder)}
+    results = {name: folder / f"{name}.json" for name in cases} | own
+    ours = numbers_of_tables(program, made.folder, "nuscenes", results, folder)
     tables = NuScenes("v1.0-mini", str(made.folder), verbose=False)
-    n, worst = 0, 0.0
-    for name in names:
-        path = folder / f"{name}.last-first.json" if name in cases else written
-        compared, apart = compare(name, ours[name], devkit_numbers(tables, path, folder / "devkit"), MAKER)
-        n, worst = n + compared, max(worst, apart)
+    in_order = {name: folder / f"{name}.last-first.json" for name in cases} | own
+    theirs = {name: devkit_numbers(tables, path, folder / "devkit") for name, path in in_order.items()}
+    compare("nuscenes", "made-up scenes", MAKER, ours, theirs, 500)
     check_order(ours, ("distinct", "alike"))
     if ours["truth"]["present", "ap"] != 1.0:
         sys.exit(f"the labels themselves have an AP of {ours['truth']['present', 'ap']}")
-    if n < 500:
-        sys.exit(f"only {n} numbers were compared")
-    print(f"  nuscenes: {n} numbers of {len(names)} detectors as {MAKER} has them, largest difference {worst:.1e}")
 
 
-def check_streets(scanbench: str, folder: Path) -> None:
+def check_streets(program: Program, folder: Path) -> None:
     """Detectors of ours on simulated streets, whose boxes are written as the tables and submissions of nuScenes."""
-    run(scanbench, *STREETS, "-d", ",".join(DETECTORS), "--protocol", "nuscenes", "-o", folder / "streets")
-    ours = numbers_of(folder / "streets", "nuscenes")
+    ours = numbers_on_streets(program, "nuscenes", "car", folder)
     converted = of_rows(folder / "converted", folder / "streets/protocol_boxes.csv")
     tables = NuScenes("v1.0-mini", str(folder / "converted"), verbose=False)
-    n, worst = 0, 0.0
-    for name in DETECTORS:
-        write_submission(folder / f"{name}.json", converted[name])
-        theirs = devkit_numbers(tables, folder / f"{name}.json", folder / "devkit")
+    theirs = {}
+    for name, found in converted.items():
+        write_submission(folder / f"{name}.json", found)
+        of_devkit = devkit_numbers(tables, folder / f"{name}.json", folder / "devkit")
         # What is not labelled has no number with us, and the worst one with the devkit.
-        unknown = {key for key, it in ours[name].items() if math.isnan(it) and theirs.get(key) in (0.0, 1.0)}
-        compared, apart = compare(name, ours[name], {key: it for key, it in theirs.items() if key not in unknown}, MAKER)
-        n, worst = n + compared, max(worst, apart)
-        if not ours[name]["car", "ap"] > 0.0:
-            sys.exit(f"{name} found no car on simulated streets")
-    if n < 60:
-        sys.exit(f"only {n} numbers were compared on simulated streets")
-    print(f"  nuscenes: {n} numbers of {len(DETECTORS)} detectors on simulated streets, largest difference {worst:.1e}")
+        unknown = {key for key, it in ours[name].items() if math.isnan(it) and of_devkit.get(key) in (0.0, 1.0)}
+        theirs[name] = {key: it for key, it in of_devkit.items() if key not in unknown}
+    compare("nuscenes", "simulated streets", MAKER, ours, theirs, 60)
 
 
 def check_scenes() -> None:
@@ -128,11 +112,8 @@ def check_scenes() -> None:
     print(f"  nuscenes: the {len(ours)} scenes of nuscenes-val are those of {MAKER}")
 
 
-def main(scanbench: str, folder: Path) -> None:
-    check_scenes()
-    check_made_up(scanbench, folder)
-    check_streets(scanbench, folder)
-
-
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]))
+    check_scenes()
+    program, folder = Program(Path(sys.argv[1])), Path(sys.argv[2])
+    check_made_up(program, folder)
+    check_streets(program, folder)

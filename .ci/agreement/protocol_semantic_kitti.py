@@ -7,13 +7,13 @@ themselves after instances were cut, left out and called something else, once an
 """
 
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 
-from protocol_numbers import Numbers, compare, numbers_of, run
+from program import Program
+from protocol_numbers import Numbers, compare, numbers_of_tables
 
 THINGS = ["car", "bicycle", "motorcycle", "truck", "other-vehicle", "person", "bicyclist", "motorcyclist"]
 N_CLASSES = 20
@@ -72,9 +72,9 @@ def api_numbers(api: Path, scans: list[Scan]) -> Numbers:
     return numbers
 
 
-def main(scanbench: str, api: Path, folder: Path) -> None:
+def main(program: Program, api: Path, folder: Path) -> None:
     street = ["street-main-road", "--simulated-scans", "6", "--sensor", "vlp-16", "--to", "semantic-kitti"]
-    subprocess.run([scanbench, "data", "simulate", *street, "-o", folder / "drive"], check=True, stdout=subprocess.DEVNULL)
+    program.call("data", "simulate", *street, "-o", folder / "drive")
     random = np.random.default_rng(7)
     scans: dict[str, list[Scan]] = {"spoilt": [], "more-spoilt": []}
     for path in sorted((folder / "drive").rglob("labels/*.label")):
@@ -86,17 +86,10 @@ def main(scanbench: str, api: Path, folder: Path) -> None:
             written = folder / name / "sequences" / path.parent.parent.name / "predictions" / path.name
             written.parent.mkdir(parents=True, exist_ok=True)
             found.astype(np.uint32).tofile(written)
-    results = [word for name in scans for word in ("--detections", f"{name}={folder / name}")]
-    run(scanbench, folder / "drive", *results, "-d", ",".join(scans), "--protocol", "semantic-kitti", "-o", folder / "run")
-    ours = numbers_of(folder / "run", "semantic-kitti")
-    n, worst = 0, 0.0
-    for name, of_detector in scans.items():
-        compared, apart = compare(name, ours[name], api_numbers(api, of_detector), "semantic-kitti-api")
-        n, worst = n + compared, max(worst, apart)
-    if n < 20:
-        sys.exit(f"only {n} numbers were compared")
-    print(f"  semantic-kitti: {n} numbers as semantic-kitti-api has them, largest difference {worst:.1e}")
+    ours = numbers_of_tables(program, folder / "drive", "semantic-kitti", {name: folder / name for name in scans}, folder)
+    theirs = {name: api_numbers(api, of_detector) for name, of_detector in scans.items()}
+    compare("semantic-kitti", "a simulated drive", "semantic-kitti-api", ours, theirs, 20)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3]))
+    main(Program(Path(sys.argv[1])), Path(sys.argv[2]), Path(sys.argv[3]))

@@ -3,20 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
+from scipy import ndimage
 
-from labelled_scan import (
-    Annotation,
-    Dataset,
-    Floats,
-    Indices,
-    LabelledScan,
-    Region,
-    ScanWithSlack,
-    read_bin,
-)
+from labelled_scan import Annotation, Dataset, Floats, Indices, LabelledScan, Region, ScanWithSlack, read_bin
 
 # Names of the format's label map (semantic-kitti.yaml) beside ours. Instances of all of these are objects.
 OBJECTS = {
@@ -48,12 +37,13 @@ def touching_cells(points_m: Floats, slack_m: float) -> list[Indices]:
     """Groups points by cells of the ground plan that share an edge or a corner, in the order of their first points."""
     if len(points_m) == 0:
         return []
-    cells, cell_of_point = np.unique(np.floor((points_m[:, :2] + slack_m) / CELL_M), axis=0, return_inverse=True)
-    pairs = KDTree(cells).query_pairs(1.0, p=np.inf, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(cells), len(cells)))
-    n_groups, group_of_cell = connected_components(links, directed=False)
-    group_of_point = group_of_cell[cell_of_point.ravel()]
-    groups = [np.flatnonzero(group_of_point == group) for group in range(n_groups)]
+    cells = np.floor((points_m[:, :2] + slack_m) / CELL_M).astype(int)
+    cells -= cells.min(axis=0)
+    is_occupied = np.zeros(cells.max(axis=0) + 1, bool)
+    is_occupied[tuple(cells.T)] = True
+    group_of_cell, n_groups = ndimage.label(is_occupied, structure=np.ones((3, 3)))
+    group_of_point = group_of_cell[tuple(cells.T)]
+    groups = [np.flatnonzero(group_of_point == group) for group in range(1, n_groups + 1)]
     return sorted(groups, key=lambda group: int(group[0]))
 
 

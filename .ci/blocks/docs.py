@@ -10,7 +10,7 @@ from pathlib import Path
 from commands import CommandError, Runner
 from page import Block, PageError, join, not_shown, split
 from shows import SHOWS, ShowError, Shown
-from stamp import stamp
+from stamp import sources
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -33,13 +33,11 @@ def pages(root: Path, names: list[str]) -> dict[Path, list[str | Block]]:
 
 
 def why_stale(root: Path, block: Block) -> list[str]:
-    """What has changed since the block was made: names of checksums, with both values where these explain something."""
-    if not block.made_of:
+    """What has changed since the block was made."""
+    if not block.sources:
         return ["never made"]
-    now = stamp(root, block.commands, block.shows)
-    changed = [it for it in now if block.made_of.get(it) != now[it]]
-    texts = [f"scoring {block.made_of.get(it, 'none')} → {now[it]}" if it == "scoring" else it for it in changed]
-    return texts + ["edited by hand"] * (block.made_of.get("content") != block.content(root))
+    is_other = block.sources != sources(root, block.commands, block.shows)
+    return ["of other results"] * is_other + ["edited by hand"] * (block.content != block.content_now(root))
 
 
 def list_stale(root: Path, parted: dict[Path, list[str | Block]]) -> int:
@@ -63,8 +61,7 @@ def make(root: Path, into: Path, runner: Runner, block: Block):
     for file, content in shown.files.items():
         (into / block.page.parent / file).write_bytes(content)
     block.body = shown.text.strip()
-    sums = stamp(root, block.commands, block.shows)
-    block.made_of = {"command": sums.pop("command"), "content": block.content(into), **sums}
+    block.sources, block.content = sources(root, block.commands, block.shows), block.content_now(into)
 
 
 def make_all(root: Path, into: Path, parted: dict[Path, list[str | Block]], runner: Runner, *, everything: bool) -> int:

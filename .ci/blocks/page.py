@@ -1,13 +1,14 @@
 """Pages with generated blocks.
 
-A block begins with a comment that names commands and what is shown of their results, and ends with one that holds its stamp:
+A block begins with a comment that names commands and what is shown of their results, and ends with one that holds the
+checksums of what decided its content, and of the content:
 
     <!-- made by:
     scanbench gaps
     shows: gap-shares
     -->
     (made by the script)
-    <!-- end: command 1f0c…, content 77ab…, golden 0d31…, … -->
+    <!-- end: sources 1f0c…, content 77ab… -->
 
 A block that was never made ends with `<!-- end -->`.
 """
@@ -15,7 +16,7 @@ A block that was never made ends with `<!-- end -->`.
 import re
 import shlex
 import subprocess
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from stamp import checksum, words_of
@@ -23,7 +24,7 @@ from stamp import checksum, words_of
 BEGIN = "<!-- made by:"
 BLOCK = re.compile(
     rf"{BEGIN}\n(?P<commands>(?:(?!<!--|-->).)*?\n)shows: (?P<shows>[^\n]*)\n-->"
-    r"(?P<body>(?:(?!<!-- (?:made by|end)).)*)<!-- end(?:: (?P<sums>(?:\w+ \w+(?:, )?)+))? -->",
+    r"(?P<body>(?:(?!<!-- (?:made by|end)).)*)<!-- end(?:: sources (?P<sources>\w+), content (?P<content>\w+))? -->",
     re.DOTALL,
 )
 
@@ -41,7 +42,8 @@ class Block:
     commands: list[str]
     shows: list[str]  # the name of what is shown, then its arguments
     body: str
-    made_of: dict[str, str] = field(default_factory=dict)  # checksums by name
+    sources: str | None = None
+    content: str | None = None
 
     @property
     def name(self) -> str:
@@ -52,17 +54,17 @@ class Block:
         """Pictures that the body shows, as paths from the folder of the page."""
         return re.findall(r"!\[[^\]]*\]\(([^)]+)\)", self.body)
 
-    def content(self, root: Path) -> str:
+    def content_now(self, root: Path) -> str:
         """Checksum of what the block shows, pictures included."""
         files = [root / self.page.parent / it for it in self.pictures]
         return checksum(self.body.strip().encode(), *(it.read_bytes() if it.is_file() else b"" for it in files))
 
     def text(self) -> str:
         """The block as it stands in its page."""
-        sums = ", ".join(f"{name} {value}" for name, value in self.made_of.items())
+        sums = f": sources {self.sources}, content {self.content}" if self.sources else ""
         body = f"\n\n{self.body.strip()}\n\n" if self.body.strip() else "\n"
         head = "\n".join([BEGIN, *self.commands, f"shows: {shlex.join(self.shows)}", "-->"])
-        return f"{head}{body}<!-- end{': ' if sums else ''}{sums} -->"
+        return f"{head}{body}<!-- end{sums} -->"
 
 
 def split(page: Path, text: str) -> list[str | Block]:
@@ -70,9 +72,8 @@ def split(page: Path, text: str) -> list[str | Block]:
     parts: list[str | Block] = []
     end = 0
     for it in BLOCK.finditer(text):
-        sums = dict(pair.split(" ") for pair in (it["sums"] or "").split(", ") if pair)
-        line = text.count("\n", 0, it.start()) + 1
-        block = Block(page, line, it["commands"].strip().splitlines(), shlex.split(it["shows"]), it["body"].strip(), sums)
+        line, commands = text.count("\n", 0, it.start()) + 1, it["commands"].strip().splitlines()
+        block = Block(page, line, commands, shlex.split(it["shows"]), it["body"].strip(), it["sources"], it["content"])
         parts += [text[end : it.start()], block]
         end = it.end()
     parts.append(text[end:])

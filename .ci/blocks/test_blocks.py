@@ -13,7 +13,7 @@ import docs
 import shows
 from commands import CommandError, Result, Runner, tiny
 from page import PageError, join, not_shown, split
-from stamp import stamp
+from stamp import sources
 
 PAGE = """# A page
 
@@ -29,7 +29,7 @@ shows: picture gaps.svg gaps.svg 'who is separated'
 
 ![who is separated](gaps.svg)
 
-<!-- end: command 00000000, content 11111111 -->
+<!-- end: sources 00000000, content 11111111 -->
 
 After `scanbench robustness` it ends.
 
@@ -63,9 +63,7 @@ def blocks(text=PAGE):
 
 
 def scratch(test):
-    folder = tempfile.TemporaryDirectory()
-    test.addCleanup(folder.cleanup)
-    return Path(folder.name)
+    return Path(test.enterContext(tempfile.TemporaryDirectory()))
 
 
 def checkout(test):
@@ -81,14 +79,14 @@ class Pages(unittest.TestCase):
         first, second = blocks()
         self.assertEqual(first.commands, ["scanbench gaps --pairs 3"])
         self.assertEqual(first.shows, ["picture", "gaps.svg", "gaps.svg", "who is separated"])
-        self.assertEqual(first.made_of, {"command": "00000000", "content": "11111111"})
-        self.assertEqual((first.line, second.line, second.made_of), (8, 19, {}))
+        self.assertEqual((first.line, first.sources, first.content), (8, "00000000", "11111111"))
+        self.assertEqual((second.line, second.sources, second.content), (19, None, None))
         self.assertEqual(join(split(Path("docs/page.md"), PAGE)), PAGE)
 
     def test_what_is_no_block_is_refused(self):
         for text in (
             PAGE.replace("<!-- end -->", ""),
-            PAGE.replace("<!-- end: command 00000000, content 11111111 -->", ""),
+            PAGE.replace("<!-- end: sources 00000000, content 11111111 -->", ""),
             PAGE.replace("shows: file robustness.md\n", ""),
             PAGE.replace("scanbench robustness\nshows", "shows"),
             PAGE + "<!-- end -->",
@@ -114,51 +112,30 @@ class Pages(unittest.TestCase):
 
 
 class Stamps(unittest.TestCase):
-    def setUp(self):
-        self.root = checkout(self)
-
-    def changed_by(self, path, text, command="scanbench run --plan docs/sweep.toml"):
-        """The names of the checksums that another text of a file changes."""
-        before = stamp(self.root, [command], ["file"])
-        (self.root / path).write_text(text)
-        after = stamp(self.root, [command], ["file"])
-        (self.root / path).write_text(CHECKOUT[path])
-        return [it for it in after if before[it] != after[it]]
-
     def test_only_what_decides_results_changes_the_stamp(self):
-        golden = "reports/golden/run"
-        for path, text, expected in [
-            ("detector/src/cells.rs", "pub fn squares() {}\n", []),
-            (f"{golden}/manifest.json", json.dumps(MANIFEST | {"created": "now"}), []),
-            (f"{golden}/report.json", json.dumps({"rows": [NUMBER]}), []),
-            (f"{golden}/manifest.json", json.dumps(MANIFEST | {"seeds": {"street": 2}}), ["golden"]),
-            (f"{golden}/manifest.json", json.dumps(MANIFEST | {"scoring_version": 8}), ["scoring"]),
-            (f"{golden}/report.json", json.dumps({"rows": [NUMBER | {"value": 0.6}]}), ["golden"]),
-            (f"{golden}/matches.csv", "scan,outcome\n0,missed\n", ["golden"]),
-            ("detector/src/params/trees.model", "2", ["models"]),
-            ("detector/src/params/partial.model", "2", []),
-            ("baselines/src/params/params.toml", "# In metres.\ntolerance_m  = 0.5\n", []),
-            ("baselines/src/params/params.toml", "tolerance_m = 0.6\n", ["parameters"]),
-            ("datasets.toml", "seed = 2\n", ["datasets"]),
-            ("harness/simulator/src/sensors/vlp-16.toml", "beams = 32\n", ["datasets"]),
-            ("docs/sweep.toml", "cells = 4\n", ["command"]),
+        root, golden = checkout(self), "reports/golden/run"
+        stamp = lambda command="scanbench run --plan docs/sweep.toml", shown="file": sources(root, [command], [shown])
+        before = stamp()
+        for path, text, is_changed in [
+            ("detector/src/cells.rs", "pub fn squares() {}\n", False),
+            (f"{golden}/manifest.json", json.dumps(MANIFEST | {"created": "now"}), False),
+            (f"{golden}/report.json", json.dumps({"rows": [NUMBER]}), False),
+            (f"{golden}/manifest.json", json.dumps(MANIFEST | {"seeds": {"street": 2}}), True),
+            (f"{golden}/manifest.json", json.dumps(MANIFEST | {"scoring_version": 8}), True),
+            (f"{golden}/report.json", json.dumps({"rows": [NUMBER | {"value": 0.6}]}), True),
+            (f"{golden}/matches.csv", "scan,outcome\n0,missed\n", True),
+            ("detector/src/params/trees.model", "2", True),
+            ("detector/src/params/partial.model", "2", False),
+            ("baselines/src/params/params.toml", "# In metres.\ntolerance_m  = 0.5\n", False),
+            ("baselines/src/params/params.toml", "tolerance_m = 0.6\n", True),
+            ("datasets.toml", "seed = 2\n", True),
+            ("harness/simulator/src/sensors/vlp-16.toml", "beams = 32\n", True),
+            ("docs/sweep.toml", "cells = 4\n", True),
         ]:
-            self.assertEqual(self.changed_by(path, text), expected, f"{path}: {text}")
-        self.assertEqual(self.changed_by("detector/src/params/partial.model", "2", "scanbench partial objects"), ["models"])
-
-    def test_recorded_data_are_of_no_catalogue(self):
-        for command, expected in [
-            ("scanbench boxes ~/data/kitti", False),
-            ("scanbench compare runs/whole -d a,b", False),
-            ("scanbench gaps", True),
-            ("scanbench run streets ~/data/kitti", True),
-            ("scanbench data realism street --against ~/data/kitti", True),
-        ]:
-            self.assertEqual("datasets" in stamp(self.root, [command], ["file"]), expected, command)
-
-    def test_another_command_and_another_way_to_show_it_change_the_stamp(self):
-        ways = [("scanbench run", "a"), ("scanbench run x", "a"), ("scanbench run", "b")]
-        self.assertEqual(len({stamp(self.root, [command], [shown])["command"] for command, shown in ways}), 3)
+            (root / path).write_text(text)
+            self.assertEqual(stamp() != before, is_changed, f"{path}: {text}")
+            (root / path).write_text(CHECKOUT[path])
+        self.assertEqual(len({before, stamp("scanbench run"), stamp(shown="picture")}), 3)
 
 
 class Made(unittest.TestCase):
@@ -206,9 +183,7 @@ echo run >> "$COUNTED"
         for path, before, after, why in [
             ("docs/page.md", "made with robustness", "made by hand", "edited by hand"),
             ("docs/gaps.svg", "<svg/>", "<svg></svg>", "edited by hand"),
-            ("docs/page.md", "scanbench robustness", "scanbench robustness --seed 2", "command"),
-            ("reports/golden/run/matches.csv", "matched", "missed", "golden"),
-            ("reports/golden/run/manifest.json", "7", "8", "scoring 7 → 8"),
+            ("reports/golden/run/matches.csv", "matched", "missed", "of other results"),
         ]:
             text = (self.root / path).read_text()
             (self.root / path).write_text(text.replace(before, after))
@@ -256,7 +231,7 @@ echo run >> "$COUNTED"
         code, printed = self.make()
         self.assertEqual(code, 1)
         self.assertIn("exit code 2: no such sensor", printed)
-        made = [bool(it.made_of) for it in blocks((self.root / "docs/page.md").read_text())]
+        made = [bool(it.sources) for it in blocks((self.root / "docs/page.md").read_text())]
         self.assertEqual(made, [True, False])
 
     def test_a_later_command_takes_what_an_earlier_one_left(self):

@@ -1,10 +1,14 @@
-"""Tests of how steps are chosen and run: `python3 -m unittest discover .ci/checks`."""
+"""Tests of how steps are chosen and run, and of the check of walk-throughs: `python3 -m unittest discover .ci/checks`."""
 
 import os
 import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+from walkthroughs import run
 
 PREAMBLE = Path(__file__).resolve().parents[1] / "preamble"
 ENTRY = f"""source {PREAMBLE}
@@ -42,6 +46,24 @@ class Steps(unittest.TestCase):
             self.assertEqual(os.listdir(f"{folder}/kept"), ["one"])
             self.assertIn("\none\n", self.run_entry("one", "three", TMPDIR=folder)[1])
             self.assertEqual(os.listdir(folder), ["kept"])
+
+
+class Walkthroughs(unittest.TestCase):
+    def problems(self, commands, lines):
+        with tempfile.TemporaryDirectory() as folder:
+            text = f"```sh\ntrue\n```\n\n```sh\n{commands}\n```\n\n```text\n{lines}\n```\n"
+            return run("page", text, folder, Path("/bin/true"))
+
+    def test_what_is_printed_may_have_other_spaces_and_more(self):
+        self.assertEqual(self.problems("printf 'a  row 1 2\\nof 3'", "a row 1 … of 3\nrow"), [])
+
+    def test_what_is_not_printed_by_this_block_is_told(self):
+        [told] = self.problems("echo a row", "a row\nanother")
+        self.assertIn("not printed: another\n", told)
+
+    def test_a_command_that_fails_is_told(self):
+        [told] = self.problems("false | cat\necho never", "never")
+        self.assertIn("exit code 1", told)
 
 
 if __name__ == "__main__":

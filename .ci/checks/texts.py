@@ -6,10 +6,10 @@ repository that stand in backticks exist. README.md and ARCHITECTURE.md keep to 
 repository, the check is tried on small texts that are wrong in one way each.
 """
 
+import os
 import re
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 MOST_LINES = {"README.md": 130, "ARCHITECTURE.md": 150}
@@ -36,15 +36,12 @@ def anchors(text):
     return set(found)
 
 
-def problems(root, files):
-    """What is wrong with the texts among `files`, the paths of the repository relative to `root`."""
+def problems(texts):
+    """What is wrong with the texts of a repository: what its pages say by path, and nothing of its other files."""
     found = []
-    known = set(files)
-    for file in files:
-        for folder in Path(file).parents:
-            known.add(str(folder))
-    top = {Path(file).parts[0] for file in files if len(Path(file).parts) > 1}
-    pages = {file: (root / file).read_text(encoding="utf-8") for file in files if file.endswith(".md")}
+    known = {*texts, *(str(folder) for file in texts for folder in Path(file).parents)}
+    top = {Path(file).parts[0] for file in texts if len(Path(file).parts) > 1}
+    pages = {file: text for file, text in texts.items() if file.endswith(".md")}
     links = {file: [] for file in pages}
 
     for file, text in pages.items():
@@ -53,10 +50,8 @@ def problems(root, files):
             if re.match(r"[a-z+]+:", target):
                 continue
             path, _, anchor = target.partition("#")
-            linked = (root / file).parent / path if path else root / file
-            try:
-                to = str(linked.resolve().relative_to(root.resolve()))
-            except ValueError:
+            to = os.path.normpath(Path(file).parent / path) if path else file
+            if to.startswith("../"):
                 found.append(f"{file}: the link {target} leads out of the repository")
                 continue
             if to not in known:
@@ -110,12 +105,7 @@ def prove():
         if change:
             file, before, after = change
             texts[file] = texts[file].replace(before, after) if before else after
-        with tempfile.TemporaryDirectory() as folder:
-            root = Path(folder)
-            for file, text in texts.items():
-                (root / file).parent.mkdir(exist_ok=True)
-                (root / file).write_text(text, encoding="utf-8")
-            found = problems(root, sorted(texts))
+        found = problems(texts)
         is_seen = any(expected in it for it in found) if expected else not found
         if not is_seen:
             sys.exit(f"the check does not recognise {expected or 'right texts'}: {found}")
@@ -129,7 +119,8 @@ def main():
         check=True, capture_output=True, text=True,
     )
     files = [file for file in listed.stdout.splitlines() if (root / file).is_file()]
-    found = problems(root, files)
+    texts = {file: (root / file).read_text(encoding="utf-8") if file.endswith(".md") else "" for file in files}
+    found = problems(texts)
     print("\n".join(found))
     n_pages = sum(file.endswith(".md") for file in files)
     print(f"{n_pages} pages, {len(found)} problems")

@@ -11,6 +11,8 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from mcap_ros2.writer import Writer as RosWriter
 
+from made_labels import boxes, points
+
 # The makers' own classes, to hold the descriptions that scanbench writes against.
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
@@ -53,11 +55,9 @@ uint32 count
 
 
 def check_written(scanbench, scratch: Path):
-    """A simulated drive as a recording and as .bin and .label files: the libraries find the same points in both."""
-    scanbench("data", "simulate", "training-narrow", "--simulated-scans", "3", "-o", scratch / "narrow.mcap")
-    scanbench("data", "simulate", "training-narrow", "--simulated-scans", "3", "-o", scratch / "narrow", "--to", "kitti-tracking")
-    scans = sorted((scratch / "narrow/training/velodyne").rglob("*.bin"))
-    labels = next((scratch / "narrow/training/label_02").iterdir()).read_text().splitlines()
+    """A simulated drive as a recording and as files of KITTI: the libraries find the same points and boxes in both."""
+    for out, layout in [("narrow.mcap", "mcap"), ("narrow", "kitti-object")]:
+        scanbench("data", "simulate", "training-narrow", "--simulated-scans", "3", "-o", scratch / out, "--to", layout)
     n_clouds = n_boxes = 0
     with open(scratch / "narrow.mcap", "rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
@@ -72,19 +72,16 @@ def check_written(scanbench, scratch: Path):
                 names = [(field.name, field.offset, field.type) for field in official.fields]
                 assert names[:4] == [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7)], names
                 rows = numpy.frombuffer(official.data, numpy.uint8).reshape(-1, official.point_stride)
-                points = rows[:, :16].copy().view("<f4")
-                assert numpy.array_equal(points, numpy.fromfile(scans[n_clouds], "<f4").reshape(-1, 4))
+                assert numpy.array_equal(rows[:, :16].copy().view("<f4"), points(scratch / "narrow", n_clouds))
                 n_clouds += 1
             if schema.name == "foxglove.SceneUpdate":
-                number = int(scans[n_clouds].stem)
-                expected = [line.split() for line in labels if int(line.split()[0]) == number]
-                for entity, label in zip(official.entities, expected, strict=True):
+                labels = boxes(scratch / f"narrow/training/label_2/{n_clouds:06}.txt")
+                for entity, (_, label) in zip(official.entities, labels, strict=True):
                     if not entity.cubes:
                         continue
-                    cube, (height, width, length, x, y, z, turn) = entity.cubes[0], map(float, label[10:17])
-                    at, size = cube.pose.position, cube.size
-                    found = [at.x, at.y, at.z - size.z / 2, size.x, size.y, size.z]
-                    assert numpy.allclose(found, [z, -x, -y, length, width, height], atol=1e-4), (found, label)
+                    at, size = entity.cubes[0].pose.position, entity.cubes[0].size
+                    found = [at.x, at.y, at.z, size.x, size.y, size.z]
+                    assert numpy.allclose(found, label[:6], atol=1e-4), (found, label)
                     n_boxes += 1
     assert n_clouds == 3 and n_boxes > 10
     metadata = next(iter(make_reader(open(scratch / "narrow.mcap", "rb")).iter_metadata()))
@@ -138,9 +135,9 @@ def check_read(scanbench, scratch: Path):
         schema = writer.register_msgdef("sensor_msgs/msg/PointCloud2", POINT_CLOUD_2)
         for number in range(4):
             n_rows, n_columns = 16, 500 + number
-            points = random.normal(0, 20, (n_rows, n_columns, 4)).astype("<f4")
+            cloud = random.normal(0, 20, (n_rows, n_columns, 4)).astype("<f4")
             data = b"".join(
-                b"".join(struct.pack("<ffHxxfd", *[z, y], 7, i, x) for x, y, z, i in row) for row in points.tolist()
+                b"".join(struct.pack("<ffHxxfd", *[z, y], 7, i, x) for x, y, z, i in row) for row in cloud.tolist()
             )
             fields = [("z", 0, 7), ("y", 4, 7), ("ring", 8, 4), ("intensity", 12, 7), ("x", 16, 8)]
             writer.write_message(
@@ -161,10 +158,9 @@ def check_read(scanbench, scratch: Path):
                     "is_dense": True,
                 },
             )
-            expected.append(points.reshape(-1, 4))
+            expected.append(cloud.reshape(-1, 4))
         writer.finish()
     scanbench("data", "convert", scratch / "ros.mcap", "-o", scratch / "ros", "--to", "kitti-object")
-    for number, points in enumerate(expected):
-        found = numpy.fromfile(scratch / f"ros/training/velodyne/{number:06}.bin", "<f4").reshape(-1, 4)
-        assert numpy.array_equal(found, points)
+    for number, cloud in enumerate(expected):
+        assert numpy.array_equal(points(scratch / "ros", number), cloud)
     return f"{sum(map(len, expected))} points written by mcap-ros2-support"

@@ -70,21 +70,18 @@ def write_swept(folder):
     sections = []
     for name in SWEEPS["detector"]:
         path = folder / "sweeps" / name / "sweep.csv"
+        parameters = known.get(f"{name}-swept", {}).get("parameters")
         if path.is_file():
             best, rate = best_point(path)
             print(f"{name}: {best}, F-rate of objects {100 * rate:.1f} %")
             parameters = {**known[name]["parameters"], **best}
-        elif f"{name}-swept" in known:
-            parameters = known[f"{name}-swept"]["parameters"]
-        else:
+        if parameters is None:
             continue
-        section = [f"[detector.{name}-swept]", f"command = {json.dumps(known[name]['command'])}", f"parameters = {inline(parameters)}"]
-        if "time_limit_s" in known[name]:
-            section.append(f"time_limit_s = {known[name]['time_limit_s']}")
-        sections.append("\n".join([*section, 'vehicles = "size"']) + "\n")
-        # The same clusters, and our model classifies the vehicles among them.
-        of_model = [section[0].replace("-swept]", "-swept-model]"), *section[1:], 'vehicles = "model"']
-        sections.append("\n".join(of_model) + "\n")
+        limit = [f"time_limit_s = {known[name]['time_limit_s']}"] if "time_limit_s" in known[name] else []
+        same = [f"command = {json.dumps(known[name]['command'])}", f"parameters = {inline(parameters)}", *limit]
+        # The second has the same clusters, and our model classifies the vehicles among them.
+        for suffix, vehicles in (("swept", "size"), ("swept-model", "model")):
+            sections.append("\n".join([f"[detector.{name}-{suffix}]", *same, f'vehicles = "{vehicles}"']) + "\n")
     CONFIG.write_text(SWEPT.sub(lambda match: match[1] + "\n" + "\n".join(sections), text))
 
 

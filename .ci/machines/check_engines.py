@@ -51,59 +51,49 @@ def check_schema(path):
     sys.exit(f"{path}: a wrong name is not seen")
 
 
-def submit_sh(job, claim, state, folder):
-    """Exit code and output of submit.sh with a kubectl that runs containers here."""
-    programs = folder / "programs"
-    programs.mkdir(exist_ok=True)
+def submit_sh(job, claim, folder):
+    """Exit code and output of submit.sh with a kubectl that runs containers here, and the folder of what it knows of jobs."""
+    programs, state = folder / "programs", claim / ".state"
+    for it in (programs, state):
+        it.mkdir(exist_ok=True)
     (programs / "kubectl").write_text(f'#!/bin/sh\nexec "{sys.executable}" "{HERE / "pods.py"}" "$@"\n', encoding="utf-8")
     (programs / "kubectl").chmod(0o755)
-    state.mkdir(exist_ok=True)
-    image = folder / "image"
     variables = {
         "PATH": f"{programs}:{os.environ['PATH']}", "KUBECTL_STATE": str(state), "CLAIM": str(claim),
-        "IMAGE_PATH": f"{image}:/usr/bin:/bin",
+        "IMAGE_PATH": f"{folder / 'image'}:/usr/bin:/bin",
     }
-    ended = subprocess.run(
-        ["bash", str(job / "submit.sh")], env=os.environ | variables, capture_output=True, text=True, check=False
-    )
-    return ended.returncode, ended.stdout + ended.stderr
+    command = ["bash", str(job / "submit.sh")]
+    ended = subprocess.run(command, env=os.environ | variables, capture_output=True, text=True, check=False)
+    logs = "".join(it.read_text(encoding="utf-8") for it in sorted(state.glob("*.log")))
+    return ended.returncode, f"{ended.stdout}{ended.stderr}\n{logs}", state
 
 
 def check_kubernetes(scanbench, whole, folder):
-    claim = folder / "claim"
-    claim.mkdir()
-    shutil.copytree(folder / "fleet", claim / DATA)
-    image = folder / "image"
-    image.mkdir()
-    (image / "scanbench").symlink_to(scanbench)
-    job = folder / "jobs" / "Fleet"
-    run(
-        [scanbench, "submit", "kubernetes", "--image", "scanbench:0.2", "--claim", "scans", "--shards", "3", "-o", str(job), "--",
-         "run", DATA, *RUN],
-        folder,
-    )
+    (folder / "image").mkdir()
+    (folder / "image/scanbench").symlink_to(scanbench)
+    claim, broken, job = folder / "claim", folder / "broken", folder / "jobs/Fleet"
+    for it in (claim, broken):
+        shutil.copytree(folder / "fleet", it / DATA)
+    options = ["--image", "scanbench:0.2", "--claim", "scans", "--shards", "3", "-o", str(job)]
+    run([scanbench, "submit", "kubernetes", *options, "--", "run", DATA, *RUN], folder)
     versions = [check_schema(job / name) for name in ("shards.yaml", "merge.yaml")][0]
-    code, output = submit_sh(job, claim, folder / "state", folder)
+    code, output, _ = submit_sh(job, claim, folder)
     if code or "merged run: fleet/run" not in output:
-        logs = "".join(it.read_text(encoding="utf-8") for it in sorted((folder / "state").glob("*.log")))
-        sys.exit(f"submit.sh: {code}\n{output}\n{logs}")
+        sys.exit(f"submit.sh: {code}\n{output}")
     same_run(whole, claim / "fleet" / "run")
     print(f"Kubernetes: manifests as the API has them from {versions[0]} to {versions[-1]}; 3 pods and a merge, the bytes of the whole run")
 
     # A shard that fails for good: no merge. Once the reason is gone, the same again.
-    claim = folder / "broken"
-    claim.mkdir()
-    (claim / "fleet").write_text("in the way", encoding="utf-8")
-    shutil.copytree(folder / "fleet", claim / DATA)
-    code, output = submit_sh(job, claim, folder / "state-broken", folder)
-    if code != 1 or "fleet-shards failed" not in output or (folder / "state-broken" / "fleet-merge").exists():
+    (broken / "fleet").write_text("in the way", encoding="utf-8")
+    code, output, state = submit_sh(job, broken, folder)
+    if code != 1 or "fleet-shards failed" not in output or (state / "fleet-merge").exists():
         sys.exit(f"submit.sh of a job that fails: {code}\n{output}")
-    (claim / "fleet").unlink()
-    shutil.rmtree(folder / "state-broken")
-    code, output = submit_sh(job, claim, folder / "state-broken", folder)
+    (broken / "fleet").unlink()
+    shutil.rmtree(state)
+    code, output, _ = submit_sh(job, broken, folder)
     if code:
         sys.exit(f"submit.sh, again: {code}\n{output}")
-    same_run(whole, claim / "fleet" / "run")
+    same_run(whole, broken / "fleet" / "run")
     print("Kubernetes: where shards fail, nothing is merged; the same submission again merges")
 
 
@@ -125,61 +115,41 @@ def workplace(name, folder):
     return directory
 
 
-def check_parallel(name, whole, folder, n_jobs, of_job, shard, merge):
-    """Runs the lines `shard` as each of `n_jobs` jobs with the variables `of_job` of it, then the lines `merge`."""
+def check_jobs(name, whole, folder, jobs, merge):
+    """Runs each job, lines of a script and the variables of its environment, then the lines `merge`."""
     directory = workplace(name, folder)
-    for job in range(n_jobs):
-        for line in shard:
-            run(["bash", "-eo", "pipefail", "-c", as_here(line)], directory, **of_job(job))
-    for line in merge:
-        run(["bash", "-eo", "pipefail", "-c", as_here(line)], directory)
+    for lines, variables in [*jobs, (merge, {})]:
+        for line in lines:
+            run(["bash", "-eo", "pipefail", "-c", as_here(line)], directory, **variables)
     same_run(whole, directory / "runs" / "fleet")
-    print(f"{name}: {n_jobs} jobs and a merge, the bytes of the whole run")
+    print(f"{name}: {len(jobs)} jobs and a merge, the bytes of the whole run")
 
 
 def check_pipelines(whole, folder):
     gitlab, buildkite = (yaml.safe_load(it) for it in blocks("yaml"))
-    n_jobs = gitlab["shards"]["parallel"]
-    check_parallel(
-        "GitLab", whole, folder, n_jobs,
-        lambda job: {"CI_NODE_INDEX": str(job + 1), "CI_NODE_TOTAL": str(n_jobs)},
-        gitlab["shards"]["script"], gitlab["merge"]["script"],
-    )
+    n = gitlab["shards"]["parallel"]
+    variables = [{"CI_NODE_INDEX": str(job + 1), "CI_NODE_TOTAL": str(n)} for job in range(n)]
+    check_jobs("GitLab", whole, folder, [(gitlab["shards"]["script"], it) for it in variables], gitlab["merge"]["script"])
     shards, wait, merge = buildkite["steps"]
     assert wait == "wait" and merge["commands"][0].startswith("buildkite-agent artifact download"), merge
-    n_jobs = shards["parallelism"]
-    check_parallel(
-        "Buildkite", whole, folder, n_jobs,
-        lambda job: {"BUILDKITE_PARALLEL_JOB": str(job), "BUILDKITE_PARALLEL_JOB_COUNT": str(n_jobs)},
-        # Buildkite makes one dollar of two.
-        [shards["command"].replace("$$", "$")], merge["commands"][1:],
-    )
+    n = shards["parallelism"]
+    variables = [{"BUILDKITE_PARALLEL_JOB": str(job), "BUILDKITE_PARALLEL_JOB_COUNT": str(n)} for job in range(n)]
+    # Buildkite makes one dollar of two.
+    script = [shards["command"].replace("$$", "$")]
+    check_jobs("Buildkite", whole, folder, [(script, it) for it in variables], merge["commands"][1:])
 
 
-def check_snakemake(whole, folder):
-    snakemake = shutil.which("snakemake")
-    if snakemake is None:
-        print("Snakemake: LEFT OUT, it is not installed")
+def check_workflow(name, language, file, words, whole, folder):
+    """What the docs have for an engine that runs all of it by itself, where it is installed."""
+    if shutil.which(name.lower()) is None:
+        print(f"{name}: LEFT OUT, it is not installed")
         return
-    directory = workplace("Snakemake", folder)
-    [snakefile] = blocks("python")
-    (directory / "Snakefile").write_text(as_here(snakefile), encoding="utf-8")
-    run([snakemake, "--cores", "2", "--quiet"], directory)
+    directory = workplace(name, folder)
+    [text] = blocks(language)
+    (directory / file).write_text(as_here(text), encoding="utf-8")
+    run([name.lower(), *words], directory)
     same_run(whole, directory / "runs" / "fleet")
-    print("Snakemake: the rules of the docs, the bytes of the whole run")
-
-
-def check_nextflow(whole, folder):
-    nextflow = shutil.which("nextflow")
-    if nextflow is None:
-        print("Nextflow: LEFT OUT, it is not installed")
-        return
-    directory = workplace("Nextflow", folder)
-    [pipeline] = blocks("groovy")
-    (directory / "main.nf").write_text(as_here(pipeline), encoding="utf-8")
-    run([nextflow, "run", "main.nf"], directory)
-    same_run(whole, directory / "runs" / "fleet")
-    print("Nextflow: the processes of the docs, the bytes of the whole run")
+    print(f"{name}: the {file} of the docs, the bytes of the whole run")
 
 
 def main():
@@ -192,8 +162,8 @@ def main():
     whole = folder / "whole"
     check_kubernetes(scanbench, whole, folder)
     check_pipelines(whole, folder)
-    check_snakemake(whole, folder)
-    check_nextflow(whole, folder)
+    check_workflow("Snakemake", "python", "Snakefile", ["--cores", "2", "--quiet"], whole, folder)
+    check_workflow("Nextflow", "groovy", "main.nf", ["run", "main.nf"], whole, folder)
 
 
 main()

@@ -5,11 +5,14 @@ rows.py FILE N_SCANS DETECTOR,DETECTOR...
 
 import sys
 from collections import Counter
+from itertools import product
 
 from rerun.experimental import RrdReader
 
 # What each detector draws at every scan, below world/sensor/detectors/NAME.
+WALLS = [f"cells/walls/cells/{it}" for it in ("ground", "tall", "short\\ object", "clutter")]
 DESCRIBED = [
+    *WALLS,
     "segments/walls/segments",
     "contours/boxes/hulls",
     "contours/boxes/rectangles",
@@ -28,15 +31,13 @@ PRODUCTS = {
         "object_cells/separation/dense_cells",
         "segments/separation/cuts",
     ],
-    "kd-tree": ["contours/boxes/hulls", "boxes/boxes/boxes", "spheres/features/corner_spheres"],
-    "pca": ["contours/boxes/rectangles", "boxes/boxes/boxes"],
-}
-CELLS = {"hierarchical": "walls", "paper": "walls", "kd-tree": "walls", "pca": "foreground"}
-CLASSES = {
-    "hierarchical": ["ground", "tall", "short\\ object", "clutter"],
-    "paper": ["ground", "tall", "short\\ object", "clutter"],
-    "kd-tree": ["ground", "tall", "short\\ object", "clutter"],
-    "pca": ["ground", "short\\ object"],
+    "kd-tree": [*WALLS, "contours/boxes/hulls", "boxes/boxes/boxes", "spheres/features/corner_spheres"],
+    "pca": [
+        "cells/foreground/cells/ground",
+        "cells/foreground/cells/short\\ object",
+        "contours/boxes/rectangles",
+        "boxes/boxes/boxes",
+    ],
 }
 # Columns of the points.
 LABELS = {
@@ -50,7 +51,7 @@ SOMETIMES = ["matched", "found", "missed", "false"]
 
 
 def rows_of(path):
-    """Rows of each entity, and of each component of it."""
+    """Rows of each component of each entity, and of each entity."""
     reader = RrdReader(path)
     assert len(reader.recordings()) == 1, f"{len(reader.recordings())} recordings in {path}"
     assert len(reader.blueprints()) == 1, f"{len(reader.blueprints())} blueprints in {path}"
@@ -61,47 +62,42 @@ def rows_of(path):
             if ":" in name:
                 column = batch.column(name)
                 rows[f"{chunk.entity_path} {name}"] += len(column) - column.null_count
-    return rows
-
-
-def check(path, n_scans, detectors):
-    rows = rows_of(path)
     entities = Counter()
     for name, n in rows.items():
         entity = name.rsplit(" ", 1)[0]
         entities[entity] = max(entities[entity], n)
-    problems = []
+    return rows | entities, entities
 
-    def expect(entity, least, most=None):
-        n = entities[entity]
-        if not least <= n <= (n_scans if most is None else most):
-            problems.append(f"{entity} has {n} rows, not {least} to {n_scans if most is None else most}")
 
-    for entity in ["scan/points", "scan/annotations"]:
-        expect(f"/world/sensor/{entity}", n_scans)
-    expect("/legend/scan", n_scans)
+def expected(n_scans, detectors):
+    """How many rows at least and at most an entity, or a component of it, has."""
+    every_scan = ["/world/sensor/scan/points", "/world/sensor/scan/annotations", "/legend/scan"]
+    others = {}
     for detector in detectors:
         root = f"/world/sensor/detectors/{detector}"
-        for product in PRODUCTS[detector]:
-            expect(f"{root}/{product}", n_scans)
-        for surface in CLASSES[detector]:
-            expect(f"{root}/cells/{CELLS[detector]}/cells/{surface}", n_scans)
-        for column in LABELS[detector]:
-            n = rows[f"/world/sensor/scan/points {detector}:{column}"]
-            if n != n_scans:
-                problems.append(f"the points have {n} rows of {detector}:{column}, not {n_scans}")
+        every_scan += [f"{root}/{product}" for product in PRODUCTS[detector]]
+        every_scan += [f"/world/sensor/scan/points {detector}:{column}" for column in LABELS[detector]]
+        every_scan += [f"/series/stage_ms/{detector}", f"/series/latency_ms/{detector}"]
+        others[f"{root}/scores/object"] = 1, n_scans
         for task in ["objects", "vehicles"]:
-            for layer in SOMETIMES:
-                expect(f"{root}/outcomes/{task}/{layer}", 0)
-            if not sum(entities[f"{root}/outcomes/{task}/{layer}"] for layer in SOMETIMES):
-                problems.append(f"{root}/outcomes/{task} is empty")
-            expect(f"/mistakes/{detector}/{task}", 1, 10_000)
-            for count in ["found", "missed", "false"]:
-                # One more for the name of the line, which holds for all scans.
-                expect(f"/series/counts/{detector}/{task}/{count}", n_scans)
-        expect(f"{root}/scores/object", 1)
-        expect(f"/series/stage_ms/{detector}", n_scans)
-        expect(f"/series/latency_ms/{detector}", n_scans)
+            others[f"/mistakes/{detector}/{task}"] = 1, 10_000
+            others |= {f"{root}/outcomes/{task}/{layer}": (0, n_scans) for layer in SOMETIMES}
+            # One more for the name of the line, which holds for all scans.
+            every_scan += [f"/series/counts/{detector}/{task}/{count}" for count in ["found", "missed", "false"]]
+    return {it: (n_scans, n_scans) for it in every_scan} | others
+
+
+def check(path, n_scans, detectors):
+    rows, entities = rows_of(path)
+    problems = [
+        f"{name} has {rows[name]} rows, not {least} to {most}"
+        for name, (least, most) in expected(n_scans, detectors).items()
+        if not least <= rows[name] <= most
+    ]
+    for detector, task in product(detectors, ["objects", "vehicles"]):
+        outcomes = f"/world/sensor/detectors/{detector}/outcomes/{task}"
+        if not sum(entities[f"{outcomes}/{layer}"] for layer in SOMETIMES):
+            problems.append(f"{outcomes} is empty")
     if problems:
         sys.exit(f"{path}:\n  " + "\n  ".join(problems))
     print(f"{path}: {len(entities)} entities, {sum(entities.values())} rows, as expected")

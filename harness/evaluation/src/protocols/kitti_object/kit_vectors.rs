@@ -1,7 +1,7 @@
 //! Our numbers beside those of KITTI's development kit, on made-up scans and on shared ones.
 //!
-//! `.ci/agreement/kitti_vectors.py` made the files, with `evaluate_object.cpp` of the kit of 2019 and later (41 recalls, of
-//! which the readme averages 40; SHA-256 21738428…). The last case is of a simulated street, with what `hierarchical` finds
+//! `.ci/agreement/kitti_vectors.py` made the numbers, with `evaluate_object.cpp` of the kit of 2019 and later (41 recalls,
+//! of which the readme averages 40; SHA-256 21738428…). The last case is of a simulated street, with what `hierarchical` finds
 //! there.
 
 use std::collections::BTreeMap;

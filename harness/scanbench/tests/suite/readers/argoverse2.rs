@@ -8,7 +8,7 @@ use test_data::test_data;
 use super::{check_damaged, open};
 use crate::program::{Workplace, copy_folder};
 
-/// A log of drawn points, written by `pyarrow` as `.ci/formats/make_feather_samples.py` says.
+/// A log of drawn points, written by `pyarrow`.
 pub fn drawn() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scans/tests/data/argoverse2")
 }
