@@ -6,6 +6,7 @@ use detector::PointCloud;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::named::named;
 
 /// Height is measured on squares nearer than this, in metres: roads are not quite plane.
 const NEAR_M: f64 = 9.0;
@@ -45,39 +46,25 @@ pub struct SeenGround {
     n_squares: usize,
 }
 
-/// The axis of a frame that points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum UpAxis {
-    /// As it should be.
-    Z,
-    /// Upside down.
-    MinusZ,
-    /// To the side or forward.
-    X,
-    /// Its opposite.
-    MinusX,
-    /// To the side or forward.
-    Y,
-    /// Its opposite: as in frames of cameras.
-    MinusY,
+named! {
+    /// The axis of a frame that points up.
+    pub enum UpAxis {
+        /// As it should be.
+        Z = "z",
+        /// Upside down.
+        MinusZ = "-z",
+        /// To the side or forward.
+        X = "x",
+        /// Its opposite.
+        MinusX = "-x",
+        /// To the side or forward.
+        Y = "y",
+        /// Its opposite: as in frames of cameras.
+        MinusY = "-y",
+    }
 }
 
 impl UpAxis {
-    /// Each.
-    pub const ALL: [Self; 6] = [Self::Z, Self::MinusZ, Self::X, Self::MinusX, Self::Y, Self::MinusY];
-
-    /// How it is written.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Z => "z",
-            Self::MinusZ => "-z",
-            Self::X => "x",
-            Self::MinusX => "-x",
-            Self::Y => "y",
-            Self::MinusY => "-y",
-        }
-    }
-
     /// A turn that puts the axis up, as a file of `--transform` has it: rows of rotation and shift. Where the format of
     /// cameras or of computer graphics is likely, forward is theirs; otherwise as little as possible is turned.
     pub fn sensor_from_file(self) -> &'static str {
