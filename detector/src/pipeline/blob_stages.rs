@@ -1,10 +1,8 @@
 //! From the foreground to objects with boxes, by the cells that they lie in.
 
 use crate::detector::{DetectorOutput, DropReason, DroppedCluster};
-use crate::drawn::cut_borders::cut_borders;
+use crate::drawn::blobs::{cut_borders, merge_graph, object_cells};
 use crate::drawn::fitted_boxes::fitted_boxes;
-use crate::drawn::merge_graph::merge_graph;
-use crate::drawn::object_cells::object_cells;
 use crate::drawn::point_clusters::point_clusters;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::outline::Outline;

@@ -12,4 +12,3 @@ pub mod sweep_tally;
 pub mod block_resamples;
 pub mod summary;
 pub mod paired_points;
-pub mod protocol_numbers;

@@ -163,7 +163,8 @@ impl DetectorTable<'_> {
             None => Ok(VehicleRule::default()),
             Some(Value::String(word)) => {
                 let known = VehicleRule::ALL.map(VehicleRule::name).join(", ");
-                VehicleRule::from_name(&word).ok_or_else(|| entry.problem(format!(" = {word:?} is none of {known}")))
+                VehicleRule::from_name(&word)
+                    .ok_or_else(|| entry.problem(format!(" = {word:?} is none of {known}")))
             }
             Some(other) => Err(entry.wrong_type(&other, "string")),
         }

@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use clap::Parser as _;
+use detector::stage;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
+use evaluation::run::scan_recorder::FigureView;
 use reports::files::archive::{ArchiveError, SCHEMA};
 use reports::pages::reproduction_page::ReproductionPage;
 use reports::plots::study_plots::settings_plot;
@@ -23,7 +25,6 @@ use reports::vocabulary::study::Study;
 
 use super::METHOD;
 use super::backgrounds::backgrounds;
-use super::figures::FIGURES;
 use super::judge::{Judge, of_first_origin};
 use super::partial_objects::PartialObjects;
 use super::rate_tables::RateTables;
@@ -292,4 +293,19 @@ fn settings_csv(sensitivity: &Sensitivity) -> String {
         writer.write_record(row).expect("memory takes all that is written");
     }
     String::from_utf8(writer.into_inner().expect("memory takes all that is written")).expect("it is text")
+}
+
+/// What shows the same of a scan. Their titles say of which figure.
+const FIGURES: [FigureView; 7] = [
+    view("HG figs. 1, 3: cells, façades as lines", "paper", stage::WALLS),
+    view("HG fig. 3: without the Hough transform", "paper, no Hough transform", stage::BOXES),
+    view("HG fig. 4: links cut between dense cells", "paper", stage::SEPARATION),
+    view("HG fig. 7: coarse level alone", "paper, coarse level alone", stage::BOXES),
+    view("HG fig. 7, VM figs. 1, 5: both levels, hulls", "paper", stage::BOXES),
+    view("VM figs. 1, 5: principal axes", "pca", stage::BOXES),
+    view("VM figs. 6 and 7: spheres and side profiles", "paper", stage::FEATURES),
+];
+
+const fn view(title: &'static str, detector: &'static str, stage: &'static str) -> FigureView {
+    FigureView { title, detector, stage }
 }

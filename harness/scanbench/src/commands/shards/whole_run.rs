@@ -18,10 +18,9 @@ use super::rows_of_shards::merge_rows;
 use super::shard_directory::ShardDirectory;
 use super::whole_manifest::{Pieces, merged_manifest, path_from};
 use crate::commands::failure::Failure;
-use crate::commands::run_agreement::write_agreement;
-use crate::commands::run_numbers::{RunNumbers, write_numbers};
-use crate::commands::run_protocols::write_protocols;
-use crate::commands::times_of_processors::write_times_of_processors;
+use crate::commands::run_numbers::{
+    RunNumbers, write_agreement, write_numbers, write_protocols, write_times_of_processors,
+};
 use crate::commands::watched_run::report_nothing_to_find;
 
 /// A run in which all scans are judged, and its numbers, which are written.
