@@ -141,8 +141,7 @@ fn color_of(rgb: Rgb, a: f64) -> Color {
 mod tests {
     use super::*;
     use detector::PointCloud;
-    use reports::vocabulary::class::AnnotationClass;
-    use reports::vocabulary::class::DetectionClass;
+    use reports::vocabulary::class::{AnnotationClass, DetectionClass};
     use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
     use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
 

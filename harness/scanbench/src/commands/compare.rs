@@ -8,17 +8,14 @@ use reports::tables::verdict::comparison::{
     ComparedSlices, Comparison, DifferenceRow, compare_detectors, compare_runs,
 };
 
-use crate::cli::CompareArgs;
-use crate::cli::OutputArgs;
+use crate::cli::{CompareArgs, OutputArgs};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::partial_verdicts::compare_partial;
 use crate::commands::provenance::comparison_facts;
 use crate::commands::run_directory::claim_named;
-use crate::commands::standard_streams::print_bytes;
-use crate::commands::standard_streams::print_diagnostic;
-use crate::commands::standard_streams::terminal;
+use crate::commands::standard_streams::{print_bytes, print_diagnostic, terminal};
 use reports::files::csv_rows::to_csv_bytes;
 use reports::plots::study_plots::comparison_plot;
 use reports::run_folder::run_directory::RunDirectory;

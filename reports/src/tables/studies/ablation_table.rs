@@ -3,8 +3,7 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::run_report::RunReport;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Undefined};
-use crate::tables::notes::about_matching;
-use crate::tables::notes::{INTERVAL_TITLE, about_interval};
+use crate::tables::notes::{INTERVAL_TITLE, about_interval, about_matching};
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::studies::ablation_score::AblationScore;
 use crate::tables::task_grids::{extent_cell, interval_cell, rate_cell, recall_cell};
@@ -125,8 +124,7 @@ fn line(score: &AblationScore) -> Line {
 mod tests {
     use super::*;
     use crate::files::csv_rows::tests::csv_text;
-    use crate::numbers::blocks::Interval;
-    use crate::numbers::blocks::{BlockCount, BlockKind};
+    use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
     use crate::rows::counts::Counts;
     use crate::tables::formats::format::Format as _;
     use crate::tables::formats::terminal::Terminal;

@@ -10,8 +10,7 @@ use mcap::{Channel, Compression, Message, Schema, WriteOptions};
 use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::PointRegion;
 use scans::dataset::DatasetError;
-use scans::dataset::source::DamagePolicy;
-use scans::dataset::source::TopicChoice;
+use scans::dataset::source::{DamagePolicy, TopicChoice};
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
