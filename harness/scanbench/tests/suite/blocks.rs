@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::{Words, Workplace};
+use crate::program::Workplace;
 use crate::shard_folders::{check_same_but_times, make_shards, merge_whole};
 
 const N_SCANS: u32 = 12;
@@ -91,7 +91,7 @@ fn the_mapping_of_the_development_kit_has_drives_and_times() {
     let of_first = &manifest["datasets"][0]["blocks"]["2011_09_26_drive_0000_sync"];
     assert_eq!((&of_first[0], of_first.as_array().unwrap().len()), (&"training/000011".into(), 6));
     workplace.succeed("data check street").check_stdout(&["12 of 2 drives\n"]);
-    make_shards(&workplace, &RUN.words(), 3, "shards");
+    make_shards(&workplace, RUN, 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "run", "merged");
     // Intervals of other blocks cannot be compared.
@@ -127,7 +127,7 @@ fn a_file_names_the_blocks() {
     workplace.succeed("gate ten -b ten");
     workplace.refuse("gate ten -b three", 5, &[]);
     // Shards keep blocks whole, and have to be of the same.
-    make_shards(&workplace, &(RUN, "--blocks three.csv").words(), 3, "shards");
+    make_shards(&workplace, &(RUN, "--blocks three.csv"), 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "three", "merged");
     let parts = workplace.json("merged/manifest.json");
