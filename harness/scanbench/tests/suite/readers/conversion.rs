@@ -11,31 +11,21 @@ use scans::conversion::convert::{Output, convert};
 use scans::conversion::mcap_writer::ChunkCompression;
 use scans::conversion::output_format::OutputFormat;
 use scans::dataset::{Dataset, DatasetError, Listing};
-use simulator::catalogue::built_in_catalogue;
-use simulator::open::{OpenOptions, open_dataset};
 use test_data::test_data;
 
+use super::made::scans;
 use super::open;
 use crate::program::Workplace;
 
 /// Three scans of a simulated street.
 fn street() -> Box<dyn Dataset> {
-    let options = OpenOptions {
-        n_simulated_scans: Some(3),
-        sensor: Some("vlp-16".to_owned()),
-        ..OpenOptions::default()
-    };
-    open_dataset("street-intersection", &options, &built_in_catalogue().unwrap()).unwrap()
+    super::made::street(3)
 }
 
 fn write(dataset: &dyn Dataset, format: OutputFormat, compression: ChunkCompression, path: &Path) {
     let all: Vec<usize> = (0..dataset.scan_ids().len()).collect();
     let output = Output { path, format, compression };
     convert(dataset, &all, output, |_, error| Err(error), || Ok::<(), ConversionError>(())).unwrap();
-}
-
-fn scans(dataset: &dyn Dataset) -> Vec<LabeledScan> {
-    (0..dataset.scan_ids().len()).map(|scan_idx| dataset.read_scan(scan_idx).unwrap()).collect()
 }
 
 /// Boxes differ at most by the rounding of a turn.
