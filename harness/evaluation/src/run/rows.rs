@@ -224,7 +224,7 @@ mod tests {
     use crate::run::side_by_side::DetectionTimes;
     use reports::vocabulary::class::AnnotationClass;
     use reports::vocabulary::task::Task;
-    use scans::annotation::{Annotation, LabeledArea, ScanId};
+    use scans::annotation::{Annotation, ScanId};
     use scans::dataset::AnnotatedClasses;
 
     /// Heaps of 30 points along x, without boxes: cars at 5, 20 and 40 m, and a tree of 6 m at 60 m.
@@ -237,26 +237,11 @@ mod tests {
         let annotations = statistics.map(|(class, x_m, step_m)| {
             let first = cloud.len() as u32;
             (0..30_u8).for_each(|it| cloud.push([x_m, 0.0, step_m * f32::from(it)], 0.0));
-            let point_indices = (first..first + 30).collect();
-            Annotation {
-                class,
-                bounding_box: None,
-                point_indices,
-                track: None,
-                occlusion: None,
-                truncation: None,
-            }
+            Annotation { point_indices: (first..first + 30).collect(), ..Annotation::of(class) }
         });
         let annotations = annotations.collect();
         (0..30_u8).for_each(|it| cloud.push([25.0, 0.1 * f32::from(it), 0.0], 0.0));
-        LabeledScan {
-            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-            annotations,
-            point_regions: vec![PointRegion::Labeled; cloud.len()],
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-            cloud,
-        }
+        LabeledScan::everywhere(ScanId { sequence: "drawn".to_owned(), index: 0 }, cloud, annotations)
     }
 
     fn dataset() -> DatasetDescription {

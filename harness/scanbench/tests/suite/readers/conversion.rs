@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use detector::PointCloud;
 use reports::vocabulary::class::AnnotationClass;
-use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use scans::annotation::{Annotation, LabeledScan, ScanId};
 use scans::conversion::ConversionError;
 use scans::conversion::convert::{Output, convert};
 use scans::conversion::mcap_writer::ChunkCompression;
@@ -266,21 +266,12 @@ impl Dataset for Drawn {
         let cloud: PointCloud =
             (0..objects.len()).map(|it| [2.0 * (it % 500) as f32, 2.0 * (it / 500) as f32, 0.0]).collect();
         let annotation = |(index, &(class, track)): (usize, &(AnnotationClass, Option<u32>))| Annotation {
-            class,
-            bounding_box: None,
             point_indices: vec![index as u32],
             track,
-            occlusion: None,
-            truncation: None,
+            ..Annotation::of(class)
         };
-        Ok(LabeledScan {
-            id: self.listing.scan_ids[scan_idx].clone(),
-            annotations: objects.iter().enumerate().map(annotation).collect(),
-            point_regions: vec![PointRegion::Labeled; cloud.len()],
-            cloud,
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        })
+        let annotations = objects.iter().enumerate().map(annotation).collect();
+        Ok(LabeledScan::everywhere(self.listing.scan_ids[scan_idx].clone(), cloud, annotations))
     }
 }
 

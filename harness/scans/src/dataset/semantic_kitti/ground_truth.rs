@@ -7,7 +7,7 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::semantic_class::{SemanticClass, semantic_class};
 use super::upright_components::upright_components;
-use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::positioned_points::PositionedPoints;
 
@@ -60,15 +60,8 @@ pub fn label_scan(
     let of_uprights = upright_components(&cloud, &uprights)
         .into_iter()
         .map(|points| annotation(AnnotationClass::Pole, points, None));
-    let annotations = of_instances.chain(of_uprights).collect();
-    LabeledScan {
-        id,
-        cloud,
-        annotations,
-        point_regions,
-        labeled_area: LabeledArea::Everywhere,
-        points_left_out,
-    }
+    let everywhere = LabeledScan::everywhere(id, cloud, of_instances.chain(of_uprights).collect());
+    LabeledScan { point_regions, points_left_out, ..everywhere }
 }
 
 /// What becomes of the points of a label: as the user says of its number, else as the format does. A number that neither
