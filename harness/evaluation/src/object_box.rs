@@ -14,7 +14,8 @@ named! {
         ConvexHull = "hull box",
         /// Along the principal axes, as its rival does it (VM section 1, \[5\]).
         PrincipalAxes = "PCA box",
-        /// Closest to all points, in steps of a degree (Zhang et al. 2017, *Efficient L-shape fitting for vehicle detection*).
+        /// Closest to all points, in steps of a degree (Zhang et al. 2017, *Efficient L-shape fitting for vehicle
+        /// detection*).
         Closeness = "closeness box",
         /// Along the outline that the sensor sees, as `hierarchical` does it.
         Outline = "outline box",

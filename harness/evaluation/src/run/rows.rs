@@ -5,7 +5,7 @@ use std::time::Duration;
 use detector::detector::{DropReason, StageTime};
 use reports::rows::match_outcome::{AnnotationFacts, FoundBy, MatchOutcome};
 use reports::rows::match_row::MatchRow;
-use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use reports::rows::stage_row::StageRow;
 use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::reason::IgnoredAnnotation;
@@ -18,7 +18,7 @@ use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::n_points_in;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::metrics::counts::{Counts, FalseDetections};
-use crate::metrics::segmentation_quality::SegmentationQuality;
+use crate::metrics::segmentation_quality::segmentation_quality;
 
 /// The rows of one scan and detector.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,7 +97,6 @@ fn scan_row(
     assignment: &Assignment,
 ) -> ScanRow {
     let counts = Counts::of(assignment);
-    let segmentation = SegmentationQuality::of(scan, &result.output.detections, assignment);
     let n_dropped = |reasons: &[DropReason]| {
         let dropped = result.output.dropped_clusters.iter();
         dropped.filter(|cluster| reasons.contains(&cluster.reason)).count() as u64
@@ -122,14 +121,7 @@ fn scan_row(
             n_ignored_annotations: counts.n_ignored_annotations,
             n_ignored_detections: counts.n_ignored_detections,
             n_unknowable_detections: counts.n_unknowable,
-            segmentation: SegmentationNumbers {
-                n_split: segmentation.n_split,
-                n_holding: segmentation.n_holding,
-                n_joining: segmentation.n_joining,
-                n_touching: segmentation.n_touching,
-                over_entropy_nats: segmentation.over_entropy_nats,
-                under_entropy_nats: segmentation.under_entropy_nats,
-            },
+            segmentation: segmentation_quality(scan, &result.output.detections, assignment),
             n_dropped_too_small: n_dropped(&[DropReason::TooFewPoints]),
             n_dropped_too_large: n_dropped(&[DropReason::TooManyPoints, DropReason::TooLarge]),
         }),
