@@ -8,7 +8,6 @@ use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::studies::ablation_score::AblationScore;
 use crate::tables::task_grids::{extent_cell, interval_cell, rate_cell, recall_cell};
 use crate::tables::task_table::TaskTable;
-use crate::vocabulary::extent::Extent;
 use crate::vocabulary::task::Task;
 
 /// Scores with what is to be said of them all.
@@ -85,14 +84,10 @@ impl AblationTable {
 
 /// What all variants have in common on a data set.
 fn head(score: &AblationScore) -> Line {
-    let kind = match score.extent {
-        Extent::Dataset(_) => LineKind::Dataset,
-        Extent::Overall | Extent::OverallOf(_) => LineKind::Overall,
-    };
     let mut cells = vec![extent_cell(&score.extent, score.origin)];
     cells.extend([score.n_scans, score.counts.no()].map(|it| Cell::new(it.to_string())));
     cells.resize(12, Cell::default());
-    Line { kind, cells }
+    Line { kind: LineKind::of(&score.extent), cells }
 }
 
 fn line(score: &AblationScore) -> Line {
@@ -129,6 +124,7 @@ mod tests {
     use crate::tables::formats::format::Format as _;
     use crate::tables::formats::terminal::Terminal;
     use crate::tables::studies::ablation_score::AblationRow;
+    use crate::vocabulary::extent::Extent;
     use crate::vocabulary::origin::Origin;
 
     fn interval() -> Interval {

@@ -7,7 +7,6 @@ use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
 use crate::verdicts::fitness_verdict::{CONFIGURED, FitnessVerdict};
 use crate::vocabulary::extent::Extent;
-use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
 
 const TITLE: &str = "Cell size picked by each variant of the fitness formula.";
@@ -145,10 +144,7 @@ fn summary_line(subject: &str, reading: &str, verdicts: &[&FitnessVerdict]) -> L
 /// What all readings of a curve have in common.
 fn subject(verdict: &FitnessVerdict) -> String {
     let FitnessVerdict { dataset, origin, sensor, detector, others, task, rate, .. } = verdict;
-    let origin = match origin {
-        Origin::Recorded => String::new(),
-        Origin::Simulated | Origin::PartlySimulated => format!(" ({})", origin.name()),
-    };
+    let origin = origin.in_brackets();
     let others = if others.is_empty() { String::new() } else { format!(", {others}") };
     format!("{dataset}{origin}, {sensor}, {detector}{others}, {task}, {rate}")
 }
