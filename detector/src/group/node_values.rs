@@ -1,20 +1,13 @@
 //! What the groups of a tree look like.
 
-use std::ops::Range;
-
 use crate::describe::cells_around::CellsAround;
-use crate::describe::surroundings::{ObjectRaster, Surroundings};
-use crate::fit::convex_hull_box::ConvexHullBox;
-use crate::grid::hierarchical_grid::HierarchicalGrid;
-use crate::group::candidates::{Candidates, Evidence, N_EVIDENCE};
-use crate::group::dense_cells::{CellStatistics, DenseCells};
+use crate::describe::surroundings::Surroundings;
+use crate::group::dense_cells::CellStatistics;
 use crate::group::grouping_tree::{GroupingTree, Node};
 use crate::group::linkage::N_LEVELS;
+use crate::group::node_shapes::{LARGEST_WHOLE_M, NodeScene, NodeShapes, Shape};
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::single;
-use crate::segment::terrain::Terrain;
-use crate::segment::wall_refinement::WallRefinement;
-use crate::surface_class::SurfaceClass;
 
 /// Number of the values of a node.
 pub const N_NODE_VALUES: usize = NODE_VALUES.len();
@@ -107,50 +100,9 @@ pub struct DescribedNode {
 /// Describes the nodes of one tree after another.
 #[derive(Debug, Clone, Default)]
 pub struct NodeDescriber {
-    box_fit: ConvexHullBox,
-    order: Vec<u32>,
-    outline_m: Vec<[f32; 2]>,
-    hulls_m: Vec<[f32; 2]>,
-    shapes: Vec<Shape>,
+    shapes: NodeShapes,
     described: Vec<DescribedNode>,
 }
-
-/// What is known of every node before it is described.
-#[derive(Debug, Clone, Default)]
-struct Shape {
-    // Of what is too large none is taken.
-    hull: Range<usize>,
-    bounding_box: Option<OrientedBox>,
-    // Cells, and points of cells of which each [`Evidence`] holds.
-    n_cells: u32,
-    n_with_evidence: [u32; N_EVIDENCE],
-    // The length of the longest wall that one of its cells lies on.
-    wall_length_m: f32,
-}
-
-/// The scan that the nodes lie in.
-#[derive(Debug, Clone, Copy)]
-pub struct NodeScene<'a> {
-    /// The grid.
-    pub grid: &'a HierarchicalGrid,
-    /// The ground.
-    pub terrain: &'a Terrain,
-    /// The points.
-    pub candidates: &'a Candidates,
-    /// Their cells.
-    pub dense: &'a DenseCells,
-    /// Where other points are; `None` if nothing is to be said of what stands around a group.
-    pub raster: Option<&'a ObjectRaster>,
-    /// What each cell of the grid is.
-    pub classes: &'a [SurfaceClass],
-    /// The walls.
-    pub walls: &'a WallRefinement,
-    /// Number of points of the scan.
-    pub n_points: usize,
-}
-
-/// Wholes larger than this are large, in metres.
-const LARGEST_WHOLE_M: f32 = 30.0;
 
 impl NodeDescriber {
     /// Describes the nodes of `tree` that may be objects by their size and have `min_points`.
@@ -158,12 +110,14 @@ impl NodeDescriber {
         &mut self,
         tree: &GroupingTree,
         scene: &NodeScene<'_>,
-        (bounds, min_points): (&NodeBoundsParams, usize),
+        bounds: &NodeBoundsParams,
+        min_points: usize,
     ) {
-        self.find_shapes(tree, scene, (bounds, min_points));
+        let most_m = single::hypot(bounds.max_length_m, bounds.max_width_m).max(LARGEST_WHOLE_M);
+        self.shapes.find(tree, scene, most_m, min_points);
         self.described.clear();
         for (node, node_idx) in tree.nodes().iter().zip(0..) {
-            let Shape { bounding_box: Some(bounding_box), .. } = self.shapes[node_idx as usize] else {
+            let Shape { bounding_box: Some(bounding_box), .. } = *self.shapes.of_node(node_idx) else {
                 continue;
             };
             let [x_m, y_m, z_m] = bounding_box.center_m;
@@ -183,8 +137,7 @@ impl NodeDescriber {
                         CellsAround::default(),
                     ),
                 };
-                let around = (&surroundings, &cells_around);
-                let values = self.values(tree, (node, node_idx), around, scene.n_points);
+                let values = self.values(tree, node, node_idx, &surroundings, &cells_around, scene.n_points);
                 self.described.push(DescribedNode { node_idx, bounding_box, surroundings, values });
             }
         }
@@ -201,86 +154,16 @@ impl NodeDescriber {
         &self.described
     }
 
-    fn find_shapes(
-        &mut self,
-        tree: &GroupingTree,
-        scene: &NodeScene<'_>,
-        (bounds, min_points): (&NodeBoundsParams, usize),
-    ) {
-        self.shapes.clear();
-        self.shapes.resize(tree.nodes().len(), Shape::default());
-        self.hulls_m.clear();
-        let most_m = (single::hypot(bounds.max_length_m, bounds.max_width_m)).max(LARGEST_WHOLE_M);
-        tree.upward(&mut self.order);
-        for &node_idx in &self.order {
-            let node = &tree.nodes()[node_idx as usize];
-            let mut shape = self.sums(tree, node, scene);
-            let [across_m, along_m] =
-                [0, 1].map(|axis| node.statistics.high_m[axis] - node.statistics.low_m[axis]);
-            if single::hypot(across_m, along_m) <= most_m {
-                self.outline_m.clear();
-                match node.first_child {
-                    None => {
-                        let statistics =
-                            tree.cells(node).iter().map(|&it| &scene.dense.statistics()[it as usize]);
-                        self.outline_m.extend(statistics.flat_map(CellStatistics::corners_m));
-                    }
-                    Some(_) => {
-                        for part in tree.parts_of(node) {
-                            self.outline_m
-                                .extend_from_slice(&self.hulls_m[self.shapes[part as usize].hull.clone()]);
-                        }
-                    }
-                }
-                let start = self.hulls_m.len();
-                if node.statistics.n_points as usize >= min_points {
-                    let outline_m = self.outline_m.iter().copied();
-                    shape.bounding_box = self.box_fit.fit(outline_m, node.statistics.z_range_m);
-                    self.hulls_m.extend_from_slice(self.box_fit.hull_m());
-                } else {
-                    // It is not looked at. What it is a part of takes all of it for its outline.
-                    self.hulls_m.extend_from_slice(&self.outline_m);
-                }
-                shape.hull = start..self.hulls_m.len();
-            }
-            self.shapes[node_idx as usize] = shape;
-        }
-    }
-
-    fn sums(&self, tree: &GroupingTree, node: &Node, scene: &NodeScene<'_>) -> Shape {
-        let mut shape = Shape::default();
-        if node.first_child.is_some() {
-            for part in tree.parts_of(node) {
-                let part = &self.shapes[part as usize];
-                shape.n_cells += part.n_cells;
-                shape.wall_length_m = shape.wall_length_m.max(part.wall_length_m);
-                for (sum, n) in shape.n_with_evidence.iter_mut().zip(part.n_with_evidence) {
-                    *sum += n;
-                }
-            }
-            return shape;
-        }
-        for &dense_idx in tree.cells(node) {
-            let cell_idx = scene.dense.cell_of_block()[scene.dense.block_of_dense(dense_idx)];
-            let against = scene.candidates.evidence_against(cell_idx);
-            let n_points = scene.dense.statistics()[dense_idx as usize].n_points;
-            shape.n_cells += 1;
-            shape.wall_length_m = shape.wall_length_m.max(scene.walls.length_of_wall_m(cell_idx));
-            for (sum, evidence) in shape.n_with_evidence.iter_mut().zip(Evidence::ALL) {
-                *sum += if against.has(evidence) { n_points } else { 0 };
-            }
-        }
-        shape
-    }
-
     fn values(
         &self,
         tree: &GroupingTree,
-        (node, node_idx): (&Node, u32),
-        (surroundings, cells_around): (&Surroundings, &CellsAround),
+        node: &Node,
+        node_idx: u32,
+        surroundings: &Surroundings,
+        cells_around: &CellsAround,
         n_points_of_scan: usize,
     ) -> [f32; N_NODE_VALUES] {
-        let shape = &self.shapes[node_idx as usize];
+        let shape = self.shapes.of_node(node_idx);
         let bounding_box = shape.bounding_box.expect("only such are described");
         let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
         let n_points = node.statistics.n_points as f32;
@@ -346,7 +229,7 @@ impl NodeDescriber {
     /// With what a node would be grouped: its share of that, its length and width, what it is joined at, and the logarithm
     /// of its points.
     fn whole(&self, tree: &GroupingTree, node: &Node) -> [f32; 5] {
-        let whole = node.parent.map(|it| (&tree.nodes()[it as usize], &self.shapes[it as usize]));
+        let whole = node.parent.map(|it| (&tree.nodes()[it as usize], self.shapes.of_node(it)));
         let of_whole = |axis: usize| {
             let size_m = |it: &OrientedBox| it.length_width_height_m[axis].min(LARGEST_WHOLE_M);
             whole.map_or(0.0, |(_, it)| it.bounding_box.as_ref().map_or(LARGEST_WHOLE_M, size_m))
@@ -404,6 +287,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::describe::surroundings::ObjectRaster;
     use crate::group::drawn_trees::{DrawnGroups, corner_m, groups_of, groups_over};
     use crate::params::HierarchicalParams;
     use crate::point_cloud::PointCloud;
@@ -416,7 +300,7 @@ mod tests {
         let scene =
             NodeScene { grid, terrain, candidates, dense, raster: Some(&raster), classes, walls, n_points };
         let mut describer = NodeDescriber::default();
-        describer.describe(tree, &scene, (&HierarchicalParams::shipped().grouping.bounds, min_points));
+        describer.describe(tree, &scene, &HierarchicalParams::shipped().grouping.bounds, min_points);
         describer.described().to_vec()
     }
 
