@@ -5,6 +5,7 @@ pub mod ground_plane;
 pub mod terrain;
 pub mod ground_segmentation;
 pub mod hough_lines;
+pub mod wall_segments;
 pub mod wall_refinement;
 pub mod foreground;
 pub mod ground_points;
