@@ -142,9 +142,7 @@ impl RunFacts {
             // Every task has a row about the same detection.
             let is_first = *first_task.get_or_insert(row.task) == row.task;
             if let Some(reason) = row.numbers().and_then(|it| it.failure.clone()) {
-                let scan =
-                    ScanName { dataset: row.dataset.clone(), sequence: row.sequence.clone(), scan: row.scan };
-                failures.entry(row.detector.clone()).or_insert((scan, reason));
+                failures.entry(row.detector.clone()).or_insert_with(|| (row.scan_name(), reason));
             }
             let is_timed = is_first && manifest.is_of_like_processors();
             let pool_idx = pools.iter().position(|it| it.datasets.contains(&row.dataset));
