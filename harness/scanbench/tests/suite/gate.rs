@@ -61,8 +61,7 @@ fn accepted() -> Workplace {
 
 #[track_caller]
 fn check_gate(workplace: &Workplace, run: &str, exit_code: i32, expected: &str) -> Ended {
-    let ended = workplace.run(&["gate", run, "-b", "golden", "-o", "verdict", "--full"]);
-    assert_eq!(ended.exit_code, Some(exit_code), "{ended:#?}");
+    let ended = workplace.end_with(&["gate", run, "-b", "golden", "-o", "verdict", "--full"], exit_code, &[]);
     let said = format!("{}{}", ended.stdout, ended.stderr);
     assert!(said.contains(expected), "no {expected:?} in\n{said}");
     ended
@@ -123,8 +122,8 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
 fn what_is_surely_worse_is_a_regression() {
     let workplace = accepted();
     check_gate(&workplace, "worse", 100, "FAILED: worse\n");
-    let ended = workplace.run("gate worse -b golden --allow-drift");
-    assert_eq!(ended.exit_code, Some(100), "a loss is one, whatever is allowed: {ended:#?}");
+    // A loss is one, whatever is allowed.
+    workplace.end_with("gate worse -b golden --allow-drift", 100, &[]);
     let verdict = workplace.json("verdict/gate.json");
     assert_eq!(verdict["conclusion"], "regression");
     let junit = workplace.read("verdict/junit.xml");
@@ -162,8 +161,7 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
         ("drift = \"warn\"\n", "--allow-drift=false", 101),
     ] {
         workplace.write("golden/tolerances.toml", &format!("{drift}{tolerances}"));
-        let ended = workplace.run(&("gate first -b golden", option));
-        assert_eq!(ended.exit_code, Some(exit_code), "{drift} {option}: {ended:#?}");
+        let ended = workplace.end_with(&("gate first -b golden", option), exit_code, &[]);
         let headline = ended.stdout.lines().next().unwrap_or_default();
         assert_eq!(headline.ends_with(" scans (allowed)"), exit_code == 0, "{headline}");
         let error = if exit_code == 0 { "" } else { "error: gate FAILED: results changed\n" };
@@ -190,8 +188,7 @@ fn a_worse_run_is_accepted_only_by_name() {
     let workplace = accepted();
     let history = workplace.read("golden/SCORES.md");
     let accept = ["baseline", "accept", "worse", "-b", "golden", "--why", "fewer is more"];
-    let ended = workplace.run(&accept);
-    assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
+    let ended = workplace.end_with(&accept, 100, &[]);
     ended.check_stdout(&[" losses:\n- ", ": worse\n"]);
     assert!(!ended.stdout.contains("FAILED") && !ended.stdout.contains("PASSED"), "{ended:#?}");
     ended.check_stderr(&["to accept the run all the same, give --worse"]);
@@ -267,8 +264,7 @@ fn built_in_tolerances_are_printed() {
     let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("Tolerances: built in,") && said.contains("rates: 1.00 points;"), "{said}");
     assert!(said.contains("; time: 50 %."), "{said}");
-    let ended = workplace.run("gate worse --baseline first");
-    assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
+    workplace.end_with("gate worse --baseline first", 100, &[]);
     workplace.refuse("gate first", 2, &["there is no baseline reports/golden; name a run with --baseline"]);
 }
 
@@ -446,8 +442,7 @@ fn of_few_blocks_nothing_is_surely_worse() {
     let nine = "--simulated-scans 18 --scans 0..18:2";
     run(&workplace, "once", nine);
     run(&workplace, "worse", &format!("{nine} {WORSE}"));
-    let ended = workplace.run("gate worse -b once -t tolerances.toml --full");
-    assert_eq!(ended.exit_code, Some(101), "{ended:#?}");
+    let ended = workplace.end_with("gate worse -b once -t tolerances.toml --full", 101, &[]);
     for part in [
         "Only 9 blocks of scans: too few to show that anything is worse.",
         "inconclusive: 9 blocks",
@@ -542,8 +537,11 @@ fn what_cannot_be_made_again_or_compared_is_not_accepted() {
     edit(&workplace, "changed/manifest.json", "\"dirty\": false", "\"dirty\": true");
     let history = workplace.read("golden/SCORES.md");
     let accept = |name: &str, more: &[&str], code: i32, expected: &str| {
-        let ended = workplace.run(&(["baseline", "accept", name, "-b", "golden", "--why", "x"], more));
-        assert_eq!(ended.exit_code, Some(code), "{ended:#?}");
+        let ended = workplace.end_with(
+            &(["baseline", "accept", name, "-b", "golden", "--why", "x"], more),
+            code,
+            &[],
+        );
         assert!(ended.stderr.contains(expected) || ended.stdout.contains(expected), "{ended:#?}");
     };
     if workplace.read("changed/manifest.json").contains("\"dirty\"") {

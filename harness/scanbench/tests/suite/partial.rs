@@ -62,7 +62,7 @@ fn methods_are_trained_where_objects_are_named_for_it() {
     assert_ne!(set["judged"]["simulation"], set["learned_from"]["simulation"], "no object is in both");
     let compared = workplace.succeed(&["compare", "out", "-d", "extents,bag of graphs", "--markdown"]);
     compared.check_stdout(&["bag of graphs − extents"]);
-    workplace.fail("compare out -d extents,esf", 2, &["no method \"esf\""]);
+    workplace.end_with("compare out -d extents,esf", 2, &["no method \"esf\""]);
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn drives_show_more_and_more_and_the_ablation_has_a_row_for_each_part() {
 fn check_refused(arguments: &(impl Words + ?Sized), words: &str) {
     let workplace = Workplace::new();
     workplace.write("mine/car/1.bin", &[0_u8; 64]);
-    workplace.fail(&(arguments, "-o x"), 2, &[words]);
+    workplace.end_with(&(arguments, "-o x"), 2, &[words]);
     assert!(!workplace.path("x").exists());
 }
 
@@ -164,22 +164,22 @@ fn results_are_compared_and_gated_object_by_object() {
             .unwrap();
     };
     changed(&|it| it.contains(",tree,tree,") || it.contains(",pole,pole,"), "worse");
-    workplace.fail("gate worse --baseline before -o verdict", 100, &[]);
+    workplace.end_with("gate worse --baseline before -o verdict", 100, &[]);
     assert!(workplace.read("verdict/gate.json").contains("regression"));
     assert!(workplace.path("verdict/gate.md").exists());
     let xml = workplace.read("verdict/junit.xml");
     assert!(xml.contains("type=\"regression\"") && xml.contains("type=\"drift\""), "{xml}");
     changed(&|it| it.contains("tree-0003,below,9"), "other");
-    workplace.fail("gate other --baseline before", 101, &[]).check_stdout(&["tree-0003 at step 9"]);
+    workplace.end_with("gate other --baseline before", 101, &[]).check_stdout(&["tree-0003 at step 9"]);
     workplace.succeed("gate other --baseline before --allow-drift");
     workplace.succeed("compare before worse -o comparison").check_stdout(&["Predictions changed"]);
     assert!(workplace.read("comparison/comparison.csv").contains("mean_recall"));
     workplace.succeed("partial objects-vlp-16 --per-class 9 --no-rrd -o fewer");
     for verb in ["gate fewer --baseline before", "compare before fewer"] {
-        workplace.fail(verb, 5, &["not the same"]);
+        workplace.end_with(verb, 5, &["not the same"]);
     }
     workplace.write("strict.toml", "mean_recall = 2");
-    workplace.fail("gate before --baseline before -t strict.toml", 2, &["strict.toml"]);
+    workplace.end_with("gate before --baseline before -t strict.toml", 2, &["strict.toml"]);
 }
 
 #[test]
@@ -199,7 +199,7 @@ fn a_first_baseline_holds_later_results_to_it() {
     assert!(workflow.contains(again) && !workflow.contains("DATA"), "{workflow}");
     let same = workplace.succeed("gate first --baseline ci");
     assert!(same.stdout.starts_with("PASSED"), "{same:#?}");
-    workplace.fail("baseline init first -o ci", 2, &["exists; name another folder"]);
+    workplace.end_with("baseline init first -o ci", 2, &["exists; name another folder"]);
     // The file beside the baseline counts.
     let lenient = workplace.read("ci/tolerances.toml").replace("drift = \"fail\"", "drift = \"warn\"");
     workplace.write("ci/tolerances.toml", &lenient);
@@ -208,7 +208,7 @@ fn a_first_baseline_holds_later_results_to_it() {
     let allowed = workplace.succeed("gate first --baseline ci");
     assert!(allowed.stdout.starts_with("PASSED, results changed"), "{allowed:#?}");
     let accept = ["baseline", "accept", "first", "-b", "ci", "--why", "a tree less"];
-    let refused = workplace.fail(&accept, 100, &["1 number is worse than tolerated"]);
+    let refused = workplace.end_with(&accept, 100, &["1 number is worse than tolerated"]);
     assert!(!refused.stdout.contains("PASSED") && refused.stdout.contains("inconclusive"), "{refused:#?}");
     let accepted = workplace.succeed(&(accept, "--worse")).stdout;
     let line = accepted.lines().last().expect("a line of the history");
@@ -218,7 +218,7 @@ fn a_first_baseline_holds_later_results_to_it() {
         "{accepted}"
     );
     run("objects-air", "other");
-    workplace.fail("baseline accept other -b ci --why another", 5, &["--new-baseline"]);
+    workplace.end_with("baseline accept other -b ci --why another", 5, &["--new-baseline"]);
 }
 
 #[test]
@@ -240,7 +240,7 @@ fn results_of_others_stand_beside_ours_if_they_are_of_the_same_parts() {
     for (results, exit_code, words) in
         [("esf=cut.csv", 3, "says nothing of tree-"), ("bag of graphs=esf.csv", 2, "two methods are called")]
     {
-        workplace.fail(&(judge, ["--peer-results", results, "-o", "x"]), exit_code, &[words]);
+        workplace.end_with(&(judge, ["--peer-results", results, "-o", "x"]), exit_code, &[words]);
     }
     assert!(!workplace.path("x").exists());
 }

@@ -223,7 +223,7 @@ impl Workplace {
 
     /// Runs the program with `arguments`, which ends with `exit_code` and says all `parts` beside its results.
     #[track_caller]
-    pub fn fail(&self, arguments: &(impl Words + ?Sized), exit_code: i32, parts: &[&str]) -> Ended {
+    pub fn end_with(&self, arguments: &(impl Words + ?Sized), exit_code: i32, parts: &[&str]) -> Ended {
         let ended = self.run(arguments);
         assert_eq!(ended.exit_code, Some(exit_code), "{:?}: {ended:#?}", arguments.words());
         ended.check_stderr(parts);

@@ -178,7 +178,7 @@ fn an_empty_shard_is_a_sound_result_and_a_shard_is_no_run() {
     // Each scan is of a street of its own. Beside the names of columns it has a row for each task.
     assert_eq!((n_lines.iter().filter(|it| **it == 1).count(), n_lines.iter().sum::<usize>()), (1, 4 + 6));
     for verb in ["report", "compare -d pca,pca", "view"] {
-        workplace.fail(&(verb, "shards/shard-1-of-4"), 5, &["shards/shard-1-of-4 is shard 1 of 4"]);
+        workplace.end_with(&(verb, "shards/shard-1-of-4"), 5, &["shards/shard-1-of-4 is shard 1 of 4"]);
     }
     // The folder of all shards stands for them.
     workplace.succeed("merge shards -o in-one");
@@ -195,10 +195,10 @@ fn options_that_a_shard_cannot_keep_are_refused() {
         "-o shards --save-rrd=mine.rrd",
         "-o shards --serve=0",
     ] {
-        workplace.fail(&("run street-narrow --simulated-scans 3 --shard 1/2", more), 2, &[]);
+        workplace.end_with(&("run street-narrow --simulated-scans 3 --shard 1/2", more), 2, &[]);
     }
     let first_and_last = "the first of 2 is 1/2, the last 2/2";
-    workplace.fail("run street-narrow --shard 0/2 -o shards", 2, &[first_and_last]);
+    workplace.end_with("run street-narrow --shard 0/2 -o shards", 2, &[first_and_last]);
     assert_eq!(workplace.top_names(), [""; 0]);
 }
 
@@ -223,7 +223,7 @@ fn a_run_goes_on_where_it_was_ended() {
         }
     }
     // Another run does not go on with it.
-    workplace.fail(&(LONG, "out --seed 7"), 2, &["belongs to another run: "]);
+    workplace.end_with(&(LONG, "out --seed 7"), 2, &["belongs to another run: "]);
     // What needs all scans at once begins anew, and does not touch what is kept.
     workplace.succeed(&(LONG, "at-once --no-rrd --detections-out found --as csv"));
     // What somebody else has put there stays.

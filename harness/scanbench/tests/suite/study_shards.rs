@@ -101,7 +101,7 @@ fn a_shard_of_a_sweep_goes_on_where_it_was_ended() {
     assert_eq!(ended.exit_code, Some(143), "{ended:#?}");
     let kept = "What is done of the 12 scans of shard 1/1 is kept in shards/shard-1-of-1.unfinished: to go on with the others";
     ended.check_stderr(&[kept, "interrupted after"]);
-    workplace.fail(&(LONG, ONE_SHARD, "--seed 7"), 2, &["belongs to another shard: "]);
+    workplace.end_with(&(LONG, ONE_SHARD, "--seed 7"), 2, &["belongs to another shard: "]);
     workplace.succeed(&(LONG, ONE_SHARD)).check_stderr(&["Continuing with ", " of 36 results"]);
     merge_whole(&workplace, "shards", "merged");
     workplace.succeed(&(LONG, "--no-rrd -o whole"));
@@ -152,13 +152,13 @@ fn shards_that_do_not_make_a_sweep_are_refused() {
         workplace.write(&name, &sound);
     }
     for verb in ["report", "view"] {
-        workplace.fail(&(verb, "shards/shard-1-of-2"), 5, &["is shard 1 of 2"]);
+        workplace.end_with(&(verb, "shards/shard-1-of-2"), 5, &["is shard 1 of 2"]);
     }
     std::fs::rename(workplace.path("shards/shard-2-of-2"), workplace.path("aside")).unwrap();
     check_merge_refused(&workplace, 5, "1 of 2 shards are missing: 2");
     std::fs::rename(workplace.path("aside"), workplace.path("shards/shard-2-of-2")).unwrap();
     let is_there = "shard-1-of-2 is there: shard 1/2 of `sweep`, finished";
-    workplace.fail(&(sweep, "--shard 1/2 -o shards"), 2, &[is_there]);
+    workplace.end_with(&(sweep, "--shard 1/2 -o shards"), 2, &[is_there]);
     merge_whole(&workplace, "shards", "whole");
     workplace.succeed("report whole");
 }
@@ -238,7 +238,7 @@ fn a_shard_of_objects_goes_on_where_it_was_ended() {
     assert_eq!(ended.exit_code, Some(143), "{ended:#?}");
     let kept = "What is done of the 200 objects of shard 1/1 is kept in shards/shard-1-of-1.unfinished";
     ended.check_stderr(&[kept, "interrupted after object"]);
-    workplace.fail(&(many, ONE_SHARD, "--others"), 2, &["belongs to another shard"]);
+    workplace.end_with(&(many, ONE_SHARD, "--others"), 2, &["belongs to another shard"]);
     workplace.succeed(&(many, ONE_SHARD)).check_stderr(&["Continuing with "]);
     merge_whole(&workplace, "shards", "merged");
     workplace.succeed(&(many, "-o whole"));
@@ -265,7 +265,7 @@ fn shards_that_do_not_make_a_result_of_objects_are_refused() {
     check_merge_refused(&workplace, 3, "shard-2-of-2 cannot be read");
     workplace.write(name, &sound);
     for verb in [&["report"][..], &["compare", "-d", "extents,bag of graphs"]] {
-        workplace.fail(&(verb, "shards/shard-1-of-2"), 5, &["is shard 1 of 2"]);
+        workplace.end_with(&(verb, "shards/shard-1-of-2"), 5, &["is shard 1 of 2"]);
     }
     std::fs::remove_dir_all(workplace.path("shards/shard-1-of-2")).unwrap();
     check_merge_refused(&workplace, 5, "1 of 2 shards are missing: 1");

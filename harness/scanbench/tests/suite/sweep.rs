@@ -161,7 +161,7 @@ fn going_on_with_something_else_is_refused() {
         (CELLS, "--criterion centre", "config.matching.criterion, matching_criterion"),
     ] {
         let says = format!("belongs to another sweep: {difference} differ;");
-        workplace.fail(&(LONG, REST, swept, more), 2, &[&says]);
+        workplace.end_with(&(LONG, REST, swept, more), 2, &[&says]);
     }
     assert_eq!(workplace.read("out.unfinished/journal"), journal);
     // Unless what is there is to go.
@@ -201,11 +201,11 @@ fn sweeps_that_cannot_be_are_refused_with_their_codes() {
         ("street-narrow -d pac -L xi=2,3", 2, "there is no detector \"pac\""),
         ("./nowhere -L xi=2,3", 3, "nowhere"),
     ] {
-        workplace.fail(&("sweep", arguments), exit_code, &[message]);
+        workplace.end_with(&("sweep", arguments), exit_code, &[message]);
     }
     assert!(workplace.names().is_empty(), "{:?}", workplace.names());
     workplace.write("full", "");
-    workplace.fail("sweep street-narrow -L xi=2,3 -o full", 2, &["with --overwrite"]);
+    workplace.end_with("sweep street-narrow -L xi=2,3 -o full", 2, &["with --overwrite"]);
     assert_eq!(workplace.top_names(), ["full"]);
 }
 

@@ -358,8 +358,7 @@ fn of_several_topics_one_is_chosen() {
     let dataset = open_dataset(path.to_str().unwrap(), &options, &built_in_catalogue().unwrap()).unwrap();
     assert_eq!(dataset.scan_ids().len(), 1);
     // The option reaches the program.
-    let ended = workplace.run("detect drive.mcap --scan 0 --topic /rear");
-    assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+    workplace.succeed("detect drive.mcap --scan 0 --topic /rear");
 }
 
 fn open_skipping(path: &std::path::Path) -> Result<Box<dyn scans::dataset::Dataset>, DatasetError> {
