@@ -57,7 +57,7 @@ impl Stage for Blobs {
         }
         object_of_dense.clear();
         object_of_dense.extend((0..n_cells as u32).map(|cell| self.blobs.representative(cell)));
-        object_points.fill(cloud, foreground.point_indices(), dense, (object_of_dense, n_cells));
+        object_points.fill(cloud, foreground.point_indices(), dense, object_of_dense, n_cells);
     }
 
     fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {

@@ -129,7 +129,8 @@ impl Patterns {
     pub fn fill(
         &mut self,
         keypoints: &[LabeledKeypoint],
-        (extents, shape): (&SeenExtents, &ShapeStatistics),
+        extents: &SeenExtents,
+        shape: &ShapeStatistics,
         params: &PatternParams,
     ) {
         self.graphs.clear();

@@ -40,8 +40,7 @@ impl Stage for DenseSeparation {
         self.separate(grid, dense, links);
         object_of_dense.clear();
         object_of_dense.extend_from_slice(self.object_of_dense());
-        let objects = (&object_of_dense[..], self.n_parts());
-        object_points.fill(cloud, foreground.point_indices(), dense, objects);
+        object_points.fill(cloud, foreground.point_indices(), dense, object_of_dense, self.n_parts());
     }
 
     fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {

@@ -42,7 +42,8 @@ impl DenseSeparation {
     pub fn new(params: DenseSeparationParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
         Self {
             expected: ExpectedDensity::new(
-                (params.object_density_ratio, params.single_gap_points),
+                params.object_density_ratio,
+                params.single_gap_points,
                 grid,
                 weighting,
             ),

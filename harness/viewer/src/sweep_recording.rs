@@ -85,7 +85,7 @@ pub fn record_sweep(
             let detector = entrant.begin(description);
             let of_detector = there.iter().filter(|it| it.subject.detector == entrant.name);
             let f_rates = of_detector.map(|it| it.counts.f_rate());
-            look_again(&mut stream, (&scan, description), detector, &config.matching, f_rates)?;
+            look_again(&mut stream, &scan, description, detector, &config.matching, f_rates)?;
         }
     }
     stream.finish()?;
@@ -96,7 +96,8 @@ pub fn record_sweep(
 /// tasks.
 fn look_again(
     stream: &mut Stream,
-    (scan, dataset): (&LabeledScan, &DatasetDescription),
+    scan: &LabeledScan,
+    dataset: &DatasetDescription,
     mut detector: Box<dyn RunningDetector>,
     matching: &MatchingParams,
     f_rates: impl Iterator<Item = Option<f64>>,

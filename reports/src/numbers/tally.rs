@@ -185,7 +185,7 @@ impl Tally {
     fn block_of(&self, row: &ScanRow) -> DriveSecond {
         let named = self.blocks.get(&row.dataset);
         let named = named.and_then(|it| it.get(&format!("{}/{:06}", row.sequence, row.scan)));
-        DriveSecond::of_scan((&row.sequence, row.scan), named.map(String::as_str), row.time_s)
+        DriveSecond::of_scan(&row.sequence, row.scan, named.map(String::as_str), row.time_s)
     }
 
     /// Notes what a scan is drawn with, and returns whether whole drives of its data set will be drawn.

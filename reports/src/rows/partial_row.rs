@@ -117,7 +117,7 @@ row! {
 
 impl PartialRow {
     /// The row with the answer of `method`, trained on `trained_on` clouds, for `part`.
-    pub fn new(part: &SeenPart<'_>, (method, trained_on): (&str, &str), answer: &Answer) -> Self {
+    pub fn new(part: &SeenPart<'_>, method: &str, trained_on: &str, answer: &Answer) -> Self {
         let [error_tree, error_car, error_pole, error_pedestrian, error_other] =
             answer.errors.map(|it| it.map(Fixed));
         let [chance_tree, chance_car, chance_pole, chance_pedestrian, chance_other] =
@@ -217,11 +217,7 @@ pub(crate) mod tests {
         };
         let [a, b, c, d] = errors.map(Some);
         let chances = [Some(0.7), Some(0.1), Some(0.1), Some(0.1), None];
-        PartialRow::new(
-            &part,
-            ("graphs", "parts"),
-            &Answer { predicted, errors: [a, b, c, d, None], chances },
-        )
+        PartialRow::new(&part, "graphs", "parts", &Answer { predicted, errors: [a, b, c, d, None], chances })
     }
 
     #[test]

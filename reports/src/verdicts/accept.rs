@@ -96,7 +96,7 @@ pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) ->
     let before = predecessor("run", &target, RunArchive::read, |before| check_comparable(before, run));
     let line = line_after(before, acceptance.succession, |before| {
         let git = run.manifest.git.as_ref();
-        history_line((acceptance, git), &scores(before, run))
+        history_line(acceptance, git, &scores(before, run))
     })?;
     let history = history_with(&directory.join(SCORES_MD), SCORES_HEAD, &line)?;
 
@@ -204,7 +204,7 @@ pub(super) fn history_with(path: &Path, head: &str, line: &str) -> Result<String
 }
 
 /// A line of a history: when, what commit, which scores, and why.
-pub(super) fn history_line((acceptance, git): (Acceptance<'_>, Option<&GitState>), scores: &str) -> String {
+pub(super) fn history_line(acceptance: Acceptance<'_>, git: Option<&GitState>, scores: &str) -> String {
     let commit = git.map_or_else(String::new, |it| {
         let short: String = it.commit.chars().take(7).collect();
         format!(", {short}")

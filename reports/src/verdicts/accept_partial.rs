@@ -37,7 +37,7 @@ pub fn accept_partial(
     let curves = PartialCurve::all(&result.rows);
     let line = line_after(before, acceptance.succession, |before: Option<&PartialArchive>| {
         let before = before.map_or_else(Vec::new, |it| PartialCurve::all(&it.rows));
-        history_line((acceptance, result.manifest.git.as_ref()), &scores(&before, &curves))
+        history_line(acceptance, result.manifest.git.as_ref(), &scores(&before, &curves))
     })?;
     let history = history_with(&directory.join(SCORES_MD), SCORES_HEAD, &line)?;
 

@@ -70,8 +70,10 @@ pub(crate) fn detections_in_row(parts: &[(DetectedClass, Range<u32>)], score: Op
 /// of the same letter are one object, and a dot is no object.
 pub(crate) fn drawn_in_letters(
     n_per_letter: usize,
-    (class, annotations): (AnnotationClass, &str),
-    (detected_class, detections): (DetectedClass, &str),
+    class: AnnotationClass,
+    annotations: &str,
+    detected_class: DetectedClass,
+    detections: &str,
 ) -> (LabeledScan, Detections) {
     assert_eq!(annotations.len(), detections.len());
     let objects_in = |drawing: &str| {

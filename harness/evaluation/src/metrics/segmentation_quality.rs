@@ -74,7 +74,7 @@ mod tests {
     /// Twenty points a letter: each letter of `annotations` and `detections` is one object, a dot is no object.
     fn quality(annotations: &str, detections: &str) -> SegmentationNumbers {
         let (scan, found) =
-            drawn_in_letters(20, (AnnotationClass::Car, annotations), (DetectedClass::Vehicle, detections));
+            drawn_in_letters(20, AnnotationClass::Car, annotations, DetectedClass::Vehicle, detections);
         let (everything, params) = (AnnotatedClasses::EveryObject, standard(Criterion::POINTS));
         let assignment = assign(&scan, &found, Task::Vehicles, &everything, &params);
         segmentation_quality(&scan, &found, &assignment)

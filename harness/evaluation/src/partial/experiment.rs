@@ -191,8 +191,8 @@ impl Judge<'_> {
         let choice = if may_be_none { Choice::OrNoneOfThese } else { Choice::OfClasses };
         let data = &experiment.judged.set.description().id;
         let answers = self.trained.answers(shown, choice);
-        let by = (self.method, self.trained_on);
-        shown.iter().zip(answers).map(|(part, it)| PartialRow::new(&seen_part(data, part), by, &it)).collect()
+        let row = |(part, it)| PartialRow::new(&seen_part(data, part), self.method, self.trained_on, &it);
+        shown.iter().zip(answers).map(row).collect()
     }
 }
 

@@ -28,7 +28,7 @@ impl SweepPass<'_> {
         let programs = Programs::default();
         for (index, scan) in self.timed_scans(n_scans) {
             if !done.contains(&scan) {
-                self.journal.add(&JournalEntry::Times(self.time_scan(scan, index, &programs)?))?;
+                self.journal.add(&JournalEntry::Times(self.time_scan(scan.0, scan.1, index, &programs)?))?;
             }
         }
         Ok(())
@@ -50,7 +50,8 @@ impl SweepPass<'_> {
 
     fn time_scan(
         &self,
-        (dataset_idx, scan_idx): (usize, usize),
+        dataset_idx: usize,
+        scan_idx: usize,
         index: usize,
         programs: &Programs,
     ) -> Result<TimedScan, SweepError> {

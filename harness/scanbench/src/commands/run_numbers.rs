@@ -83,7 +83,8 @@ pub fn write_agreement(directory: &RunDirectory, rows: &[AgreementRow]) -> Resul
 pub fn write_protocols(
     directory: &RunDirectory,
     manifest: &Manifest,
-    (tally, rows): (&Tally, &ProtocolTally),
+    tally: &Tally,
+    rows: &ProtocolTally,
 ) -> Result<Vec<String>, Failure> {
     if manifest.protocols.is_empty() {
         return Ok(Vec::new());

@@ -171,7 +171,7 @@ fn best_plane(points_m: &[Vector3<f64>]) -> Option<(Vector3<f64>, f64, usize)> {
     }
     let (_, mut normal, mut height_m) = best?;
     for _ in 0..3 {
-        (normal, height_m) = refined(points_m, (normal, height_m))?;
+        (normal, height_m) = refined(points_m, normal, height_m)?;
     }
     let n_on = points_m.iter().filter(|it| (normal.dot(it) + height_m).abs() <= ON_PLANE_M).count();
     let height_m = near_height_m(points_m, &normal, height_m);
@@ -210,7 +210,8 @@ fn worth(points_m: &[Vector3<f64>], (normal, height_m): (UnitVector3<f64>, f64))
 /// The plane with the least squares to the points on a plane.
 fn refined(
     points_m: &[Vector3<f64>],
-    (normal, height_m): (UnitVector3<f64>, f64),
+    normal: UnitVector3<f64>,
+    height_m: f64,
 ) -> Option<(UnitVector3<f64>, f64)> {
     let on: Vec<&Vector3<f64>> =
         points_m.iter().filter(|it| (normal.dot(it) + height_m).abs() <= ON_PLANE_M).collect();

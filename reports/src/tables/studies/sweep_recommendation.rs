@@ -31,7 +31,7 @@ pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>, held_out: HeldOu
     let mut texts: Vec<String> = curves
         .iter()
         .filter(is_widest)
-        .filter_map(|it| recommendation(sweep, it, (paired, held_out)))
+        .filter_map(|it| recommendation(sweep, it, paired, held_out))
         .collect();
     if !texts.is_empty() {
         texts.push(OPTIMISTIC.to_owned());
@@ -42,7 +42,8 @@ pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>, held_out: HeldOu
 fn recommendation(
     sweep: &SweepScores,
     curve: &SweepCurve<'_>,
-    (paired, held_out): (Paired<'_>, HeldOut<'_>),
+    paired: Paired<'_>,
+    held_out: HeldOut<'_>,
 ) -> Option<String> {
     let first = curve.first();
     let best = &curve.points[curve.best()?];

@@ -99,7 +99,7 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     for it in &mut datasets {
         it.part = 0..it.scan_indices.len();
     }
-    let claims = judge(arguments, (&config, &datasets), (&made.directory, &made.whole))?;
+    let claims = judge(arguments, &config, &datasets, &made.directory, &made.whole)?;
     let printed = print_claims(&claims, &made.finish()?.0);
     if let Some(served) = served {
         serve_until_interrupted(&*served, interruption_flag());
@@ -118,7 +118,7 @@ pub fn merge_reproduction(whole: &WholeRun, directory: RunDirectory) -> Result<(
     };
     let (config, datasets) = open(&arguments)?;
     refuse_other_scans(manifest, &datasets, arguments.data.scans.as_deref())?;
-    let claims = judge(&arguments, (&config, &datasets), (&directory, whole))?;
+    let claims = judge(&arguments, &config, &datasets, &directory, whole)?;
     print_claims(&claims, &directory.finish()?)
 }
 
@@ -133,8 +133,10 @@ fn open(arguments: &ReproduceArgs) -> Result<(RunConfig, Vec<OpenedDataset>), Fa
 /// Judges the claims by `whole`, and writes what comes of them into `directory`.
 fn judge(
     arguments: &ReproduceArgs,
-    (config, datasets): (&RunConfig, &[OpenedDataset]),
-    (directory, whole): (&RunDirectory, &WholeRun),
+    config: &RunConfig,
+    datasets: &[OpenedDataset],
+    directory: &RunDirectory,
+    whole: &WholeRun,
 ) -> Result<Vec<JudgedClaim>, Failure> {
     let settings = SettingsStudy::run(arguments, config, interruption_flag())?;
     let WholeRun { tally, numbers, .. } = whole;

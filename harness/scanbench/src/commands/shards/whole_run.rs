@@ -44,15 +44,15 @@ impl WholeResult for WholeRun {
         (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
         (directory, pieces): (&RunDirectory, Pieces),
     ) -> Result<Self, Failure> {
-        let mut manifest = merged_manifest(manifests, (directory.target(), pieces));
+        let mut manifest = merged_manifest(manifests, directory.target(), pieces);
         let merged = merge_rows(shards, &manifest, directory)?;
-        write_worst(shards, &merged.worst, (directory, pieces))?;
+        write_worst(shards, &merged.worst, directory, pieces)?;
         let agreement = if study == Study::Run { agreement_of(shards, &manifest)? } else { Vec::new() };
         refuse_nothing(study, &manifest, &merged.tally)?;
         if pieces == Pieces::One && merged.of_processors.is_empty() {
             manifest.shards.clear();
         }
-        let mut more = write_protocols(directory, &manifest, (&merged.tally, &merged.protocols))?;
+        let mut more = write_protocols(directory, &manifest, &merged.tally, &merged.protocols)?;
         more.extend(write_agreement(directory, &agreement)?);
         let numbers = write_numbers(directory, &manifest, &merged.tally)?;
         write_times_of_processors(directory, &manifest, &merged.of_processors)?;
@@ -64,7 +64,8 @@ impl WholeResult for WholeRun {
 fn write_worst(
     shards: &[ShardDirectory<'_>],
     worst: &WorstObjects<usize>,
-    (directory, pieces): (&RunDirectory, Pieces),
+    directory: &RunDirectory,
+    pieces: Pieces,
 ) -> Result<(), Failure> {
     let seen = shards.iter().map(ShardDirectory::worst_points).collect::<Result<Vec<WorstPoints>, _>>()?;
     let objects: Vec<(&ObjectName, usize)> =

@@ -38,7 +38,7 @@ impl WholeResult for WholeSweep {
         (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
         (directory, pieces): (&RunDirectory, Pieces),
     ) -> Result<Self, Failure> {
-        let mut manifest = merged_manifest(manifests, (directory.target(), pieces));
+        let mut manifest = merged_manifest(manifests, directory.target(), pieces);
         let no_sweep = || shards[0].damaged("its manifest does not say what was swept".to_owned());
         let mut tally = SweepTally::of(&manifest).ok_or_else(no_sweep)?;
         let progress = progress_over_results(shards.len(), 0, "shards");
@@ -51,10 +51,10 @@ impl WholeResult for WholeSweep {
         refuse_nothing(&scores)?;
         let mut printed = write_sweep(directory, &scores)?;
         if !manifest.protocols.is_empty() {
-            printed.push_str(&write_swept_protocols(directory, (&manifest, &tally), &scores)?);
+            printed.push_str(&write_swept_protocols(directory, &manifest, &tally, &scores)?);
         }
         // The answer last.
-        let best = write_best(directory, (&manifest, &tally), &scores)?;
+        let best = write_best(directory, &manifest, &tally, &scores)?;
         printed = format!("{}\n\n{}", printed.trim_end(), terminal().sentences(best).trim_end());
         let unlike = tally.times_of_processors();
         write_times_of_unlike(directory, &scores, &unlike)?;

@@ -66,7 +66,7 @@ pub fn write_echo(dataset: &dyn Dataset, output: ResultOutput, folder: &Path) {
     for scan_idx in 0..dataset.scan_ids().len() {
         let scan = dataset.read_scan(scan_idx).unwrap();
         let frame = dataset.foreign_frame(scan_idx).unwrap();
-        writer.add("echo", (&scan, &frame), &echo(dataset, scan_idx).0).unwrap();
+        writer.add("echo", &scan, &frame, &echo(dataset, scan_idx).0).unwrap();
     }
     writer.end_dataset().unwrap();
     assert_eq!(writer.finish().unwrap(), 0);
@@ -136,7 +136,7 @@ fn formats_are_for_the_data_sets_of_their_makers() {
         let mut writer =
             ResultFolder::create(&workplace.path(&format!("out{number}")), output, false).unwrap();
         writer.begin_dataset(dataset.description());
-        let error = writer.add("echo", (&scan, &frame), &echo(&*dataset, 0).0).expect_err("another's");
+        let error = writer.add("echo", &scan, &frame, &echo(&*dataset, 0).0).expect_err("another's");
         assert!(error.to_string().contains("its data set has no "), "{error}");
     }
     workplace.write("a.json", "{\"results\": {}}");

@@ -22,7 +22,8 @@ use crate::dataset::positioned_points::PositionedPoints;
 pub fn label_scan(
     id: ScanId,
     points: PositionedPoints,
-    (labels, path): (&[u32], &Path),
+    labels: &[u32],
+    path: &Path,
     classes: &mut ClassReader<'_>,
 ) -> LabeledScan {
     let labels = points.values_of_kept(labels);
@@ -101,7 +102,7 @@ mod tests {
         }
         let mut classes = ClassReader::new(rules, &[]);
         let id = ScanId { sequence: "00".to_owned(), index: 0 };
-        let scan = label_scan(id, points, (&labels, Path::new("a.label")), &mut classes);
+        let scan = label_scan(id, points, &labels, Path::new("a.label"), &mut classes);
         (scan, classes.unknown().clone())
     }
 
@@ -160,7 +161,7 @@ mod tests {
         let (rules, labels) = (ClassRules::default(), [40, 0xa | 1 << 16, 0xa | 2 << 16]);
         let id = ScanId { sequence: "00".to_owned(), index: 0 };
         let mut classes = ClassReader::new(&rules, &[]);
-        let scan = label_scan(id, points, (&labels, Path::new("a.label")), &mut classes);
+        let scan = label_scan(id, points, &labels, Path::new("a.label"), &mut classes);
         assert_eq!((scan.points_left_out, scan.point_regions.len()), (vec![1], 2));
         let [car] = &scan.annotations[..] else { panic!("{:?}", scan.annotations) };
         assert_eq!((car.track, &car.point_indices[..]), (Some(0xa | 2 << 16), &[1][..]));
