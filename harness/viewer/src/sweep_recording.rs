@@ -36,7 +36,8 @@ const SWEEP_RRD: &str = "sweep.rrd";
 /// If the scan cannot be read or the file not be written.
 pub fn record_sweep(
     directory: &RunDirectory,
-    (plan, swept): (&SweepPlan, &SweptDataset<'_>),
+    plan: &SweepPlan,
+    swept: &SweptDataset<'_>,
     scores: &SweepScores,
 ) -> Result<(), RecordingError> {
     let description = swept.dataset.description();

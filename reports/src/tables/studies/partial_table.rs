@@ -1,6 +1,6 @@
 //! The tables of how partly seen objects are classified.
 
-use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::fixed_decimals::{fixed_decimals, percent_or_dash};
 use crate::numbers::blocks::Interval;
 use crate::partial_study::partial_claims::{MeasuredClaim, PartialClaim};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
@@ -138,7 +138,7 @@ fn interval(within: Option<Interval>) -> Cell {
 }
 
 fn percent(share: Option<f64>) -> Cell {
-    Cell::new(share.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 1)))
+    Cell::new(percent_or_dash(share))
 }
 
 fn confusion(step: &PartialStep) -> Grid {

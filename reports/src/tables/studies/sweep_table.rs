@@ -1,6 +1,6 @@
 //! The table of a sweep: for every curve the best point.
 
-use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::fixed_decimals::{decimals_or_dash, percent, percent_or_dash};
 use crate::numbers::blocks::BlockKind;
 use crate::numbers::sweep_curve::SweepCurve;
 use crate::numbers::sweep_score::SweepScores;
@@ -48,7 +48,6 @@ fn line(sweep: &SweepScores, curve: &SweepCurve<'_>) -> Line {
     let subject = &first.subject;
     let name = format!("{}{}", subject.extent.name(), subject.origin.in_brackets());
     let undefined = || "–".to_owned();
-    let percent = |it: Option<f64>| it.map_or_else(undefined, |it| fixed_decimals(100.0 * it, 1));
     let best = curve.best().map(|it| &curve.points[it]);
     let lowest = curve.points.iter().filter_map(|it| it.reached.rate()).reduce(f64::min);
     let within = best.and_then(|it| it.reached.rate_within());
@@ -61,15 +60,15 @@ fn line(sweep: &SweepScores, curve: &SweepCurve<'_>) -> Line {
         first.n_scans.to_string(),
         first.counts.no().to_string(),
         best.map_or_else(undefined, |it| it.x_text.to_owned()),
-        percent(best.and_then(|it| it.reached.rate())),
+        percent_or_dash(best.and_then(|it| it.reached.rate())),
     ];
     let interval = within.map_or_else(
         || Cell::new(undefined()),
-        |it| Cell::interval(it.map(|it| percent(Some(it))).join(" to "), first.blocks),
+        |it| Cell::interval(it.map(percent).join(" to "), first.blocks),
     );
     let time = best.and_then(|it| sweep.time_of(&it.reached.subject));
-    let time = time.map_or_else(undefined, |it| fixed_decimals(it.typical_ms, 2));
-    let last = [interval, Cell::new(percent(lowest)), Cell::new(time)];
+    let time = decimals_or_dash(time.map(|it| it.typical_ms), 2);
+    let last = [interval, Cell::new(percent_or_dash(lowest)), Cell::new(time)];
     Line {
         kind: LineKind::of(&subject.extent),
         cells: texts.map(Cell::new).into_iter().chain(last).collect(),

@@ -28,8 +28,10 @@ impl WholeResult for WholePartial {
 
     fn write(
         _: Study,
-        (shards, manifests): (&[ShardDirectory<'_>], &[&PartialManifest]),
-        (directory, pieces): (&RunDirectory, Pieces),
+        shards: &[ShardDirectory<'_>],
+        manifests: &[&PartialManifest],
+        directory: &RunDirectory,
+        pieces: Pieces,
     ) -> Result<Self, Failure> {
         let manifest = whole_manifest(manifests, directory.target(), pieces);
         let mut rows: Vec<PartialRow> = Vec::new();

@@ -94,10 +94,11 @@ impl ScanRecorder for Recorder {
 /// Records one scan of a sweep, from its first data set, at all points of the plan.
 pub fn record_sweep(
     directory: &RunDirectory,
-    swept: (&SweepPlan, &SweptDataset<'_>),
+    plan: &SweepPlan,
+    swept: &SweptDataset<'_>,
     scores: &SweepScores,
 ) -> Result<(), Failure> {
-    Ok(sweep_recording::record_sweep(directory, swept, scores)?)
+    Ok(sweep_recording::record_sweep(directory, plan, swept, scores)?)
 }
 
 /// Whether objects that grow are recorded.

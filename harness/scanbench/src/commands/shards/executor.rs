@@ -31,8 +31,10 @@ pub trait WholeResult: Sized {
     /// Makes that of `shards`, whose manifests are `manifests`, both in order, in `directory`.
     fn write(
         study: Study,
-        shards: (&[ShardDirectory<'_>], &[&Self::Manifest]),
-        directory: (&RunDirectory, Pieces),
+        shards: &[ShardDirectory<'_>],
+        manifests: &[&Self::Manifest],
+        directory: &RunDirectory,
+        pieces: Pieces,
     ) -> Result<Self, Failure>;
 }
 
@@ -191,5 +193,5 @@ fn put_in_one_piece<W: SharedWork>(
     work.carry_over(remains, &manifest, directory)?;
     let record = manifest.shard().expect("its files were just written into it");
     let shards = [ShardDirectory { folder: remains.folder.clone(), record }];
-    W::Whole::write(study, (&shards, &[&manifest]), (directory, Pieces::One))
+    W::Whole::write(study, &shards, &[&manifest], directory, Pieces::One)
 }

@@ -41,8 +41,10 @@ impl WholeResult for WholeRun {
     /// Puts the rows of `shards` one after the other, and writes these and all numbers that are made of them.
     fn write(
         study: Study,
-        (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
-        (directory, pieces): (&RunDirectory, Pieces),
+        shards: &[ShardDirectory<'_>],
+        manifests: &[&Manifest],
+        directory: &RunDirectory,
+        pieces: Pieces,
     ) -> Result<Self, Failure> {
         let mut manifest = merged_manifest(manifests, directory.target(), pieces);
         let merged = merge_rows(shards, &manifest, directory)?;

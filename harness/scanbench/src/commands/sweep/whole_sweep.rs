@@ -35,8 +35,10 @@ impl WholeResult for WholeSweep {
 
     fn write(
         _: Study,
-        (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
-        (directory, pieces): (&RunDirectory, Pieces),
+        shards: &[ShardDirectory<'_>],
+        manifests: &[&Manifest],
+        directory: &RunDirectory,
+        pieces: Pieces,
     ) -> Result<Self, Failure> {
         let mut manifest = merged_manifest(manifests, directory.target(), pieces);
         let no_sweep = || shards[0].damaged("its manifest does not say what was swept".to_owned());
