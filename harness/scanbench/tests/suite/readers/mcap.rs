@@ -184,6 +184,11 @@ pub fn cloud_at(time_ns: u64) -> Logged {
     ("/top", CLOUD, "cdr", time_ns, organised_cloud(time_ns, "lidar", false))
 }
 
+/// Objects that somebody found, one of them as [`detections`] has it.
+pub fn found_at(time_ns: u64, frame: &str, center_m: [f64; 3]) -> Logged {
+    ("/found", DETECTIONS, "cdr", time_ns, detections(time_ns, frame, center_m, 0.0))
+}
+
 pub const SECOND: u64 = 1_000_000_000;
 
 #[test]
