@@ -141,7 +141,7 @@ fn patterns_of(clouds: &[&TrainingCloud], labeler: &Labeler, params: &PartialPar
             .iter()
             .map(|it| LabeledKeypoint { position_m: it.position_m, label: labeler.label_of(&it.descriptor) });
         let DescribedCloud { extents, shape, .. } = &cloud.described;
-        patterns.fill(&labeled.collect::<Vec<_>>(), (extents, shape), &params.patterns);
+        patterns.fill(&labeled.collect::<Vec<_>>(), extents, shape, &params.patterns);
         patterns.patterns().to_vec()
     };
     clouds.par_iter().map_init(Patterns::default, of_cloud).collect()

@@ -147,7 +147,7 @@ impl PartialRow {
     }
 
     /// The row with the answer of another method for the same part.
-    pub fn predicted_by(&self, by: (&str, &str), answer: &Answer) -> Self {
+    pub fn predicted_by(&self, method: &str, trained_on: &str, answer: &Answer) -> Self {
         let part = SeenPart {
             data: &self.data,
             object: &self.object,
@@ -157,7 +157,7 @@ impl PartialRow {
             n_points: self.n_points,
             share_of_points: self.share_of_points.0,
         };
-        Self::new(&part, by, answer)
+        Self::new(&part, method, trained_on, answer)
     }
 
     /// The method.
