@@ -164,41 +164,16 @@ impl NodeDescriber {
         n_points_of_scan: usize,
     ) -> [f32; N_NODE_VALUES] {
         let shape = self.shapes.of_node(node_idx);
-        let bounding_box = shape.bounding_box.expect("only such are described");
-        let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
+        let own = own_values(node, shape, surroundings.ground_m, n_points_of_scan);
         let n_points = node.statistics.n_points as f32;
-        let share = |n: u32| n as f32 / n_points;
-        let [mean_height_m, height_deviation_m] = heights(&node.statistics);
-        let center_above_m = bounding_box.center_m[2] - surroundings.ground_m;
         let n_beyond_ends = surroundings.n_beyond_ends as f32;
-        let [log_seen_area, over_expected, range_m, view_cosine] =
-            seen(&bounding_box, n_points, n_points_of_scan);
-        let above = node.statistics.n_above.map(share);
         let [n_parts, largest_part_share, second_part_share] = parts(tree, node);
         let [share_of_whole, length_of_whole_m, width_of_whole_m, whole_joined_at, log_n_points_of_whole] =
             self.whole(tree, node);
         let [wall_share, behind_wall_share, tall_share, covered_share, beside_tall_share, cut_off_share] =
-            shape.n_with_evidence.map(share);
-        // In the order of [`NODE_VALUES`]; the compiler counts them.
-        [
-            single::ln(n_points),
-            log_seen_area,
-            over_expected,
-            range_m,
-            length_m,
-            width_m,
-            height_m,
-            center_above_m - 0.5 * height_m,
-            center_above_m + 0.5 * height_m,
-            mean_height_m,
-            height_deviation_m,
-            above[0],
-            above[1],
-            above[2],
-            above[3],
-            view_cosine,
-            shape.n_cells as f32 * CELL_M * CELL_M / ((length_m + CELL_M) * (width_m + CELL_M)),
-            shape.hull.len() as f32,
+            shape.n_with_evidence.map(|n| n as f32 / n_points);
+        // In the order of [`NODE_VALUES`] from [`LEVEL`] on; the compiler counts them.
+        let others: [f32; N_NODE_VALUES - LEVEL] = [
             f32::from(node.level),
             f32::from(node.joined_at),
             f32::from(node.n_cuts),
@@ -223,7 +198,8 @@ impl NodeDescriber {
             cells_around.ground_before_share,
             cells_around.ground_behind_share,
             cells_around.tall_share,
-        ]
+        ];
+        std::array::from_fn(|idx| own.get(idx).copied().unwrap_or_else(|| others[idx - LEVEL]))
     }
 
     /// With what a node would be grouped: its share of that, its length and width, what it is joined at, and the logarithm
@@ -242,6 +218,38 @@ impl NodeDescriber {
             whole.map_or(0.0, |(it, _)| single::ln(it.statistics.n_points as f32)),
         ]
     }
+}
+
+/// The values of a node by itself: those before [`LEVEL`], in their order; the compiler counts them.
+fn own_values(node: &Node, shape: &Shape, ground_m: f32, n_points_of_scan: usize) -> [f32; LEVEL] {
+    let bounding_box = shape.bounding_box.expect("only such are described");
+    let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
+    let n_points = node.statistics.n_points as f32;
+    let [mean_height_m, height_deviation_m] = heights(&node.statistics);
+    let center_above_m = bounding_box.center_m[2] - ground_m;
+    let [log_seen_area, over_expected, range_m, view_cosine] =
+        seen(&bounding_box, n_points, n_points_of_scan);
+    let above = node.statistics.n_above.map(|n| n as f32 / n_points);
+    [
+        single::ln(n_points),
+        log_seen_area,
+        over_expected,
+        range_m,
+        length_m,
+        width_m,
+        height_m,
+        center_above_m - 0.5 * height_m,
+        center_above_m + 0.5 * height_m,
+        mean_height_m,
+        height_deviation_m,
+        above[0],
+        above[1],
+        above[2],
+        above[3],
+        view_cosine,
+        shape.n_cells as f32 * CELL_M * CELL_M / ((length_m + CELL_M) * (width_m + CELL_M)),
+        shape.hull.len() as f32,
+    ]
 }
 
 /// The mean height of points above the ground, and the standard deviation.
