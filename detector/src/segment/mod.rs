@@ -15,7 +15,6 @@ pub mod dense_level;
 pub mod connected_components;
 pub mod disjoint_sets;
 pub mod dense_reach;
-pub mod separation_params;
 pub mod expected_density;
 pub mod dense_separation;
 pub mod object_points;

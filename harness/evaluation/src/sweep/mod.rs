@@ -4,7 +4,6 @@ pub mod swept_values;
 pub mod sweep_plan;
 pub mod programs;
 pub mod scan_at_point;
-pub mod timed_scan;
 pub mod journal_entry;
 pub mod quality_pass;
 pub mod timing_pass;

@@ -18,8 +18,8 @@ use reports::vocabulary::extent::Extent;
 use reports::vocabulary::task::Task;
 
 use crate::metrics::counts::Counts;
+use crate::sweep::journal_entry::TimedScan;
 use crate::sweep::scan_at_point::{DetectorAtPoint, ScanAtPoint};
-use crate::sweep::timed_scan::TimedScan;
 
 /// Sums of a sweep.
 pub struct SweepTally<'a> {

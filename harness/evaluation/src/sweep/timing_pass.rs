@@ -7,10 +7,9 @@ use std::time::Duration;
 use detector::DetectorOutput;
 
 use crate::run::entrant::Entrant;
-use crate::sweep::journal_entry::JournalEntry;
+use crate::sweep::journal_entry::{JournalEntry, TimedScan};
 use crate::sweep::programs::Programs;
 use crate::sweep::quality_pass::{SweepError, SweepPass};
-use crate::sweep::timed_scan::TimedScan;
 
 /// Detections of a scan at a point that are timed, after one that is not.
 pub const DETECTIONS_PER_SCAN: usize = 3;

@@ -1,9 +1,9 @@
 //! A sweep made of the results of its shards.
 
 use evaluation::metrics::counts::Counts;
+use evaluation::sweep::journal_entry::TimedScan;
 use evaluation::sweep::scan_at_point::ScanAtPoint;
 use evaluation::sweep::sweep_tally::SweepTally;
-use evaluation::sweep::timed_scan::TimedScan;
 use reports::numbers::sweep_score::SweepScores;
 use reports::pages::sweep_page::SweepPage;
 use reports::run_folder::manifest::Manifest;
