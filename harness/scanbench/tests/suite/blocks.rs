@@ -46,8 +46,7 @@ fn scans_picked_out_of_drives_have_no_times_and_decide_nothing() {
         ("report.json", "\"caveat\":\"interval over scans that may be neighbours\""),
         ("report.html", "over scans that may be neighbours"),
     ] {
-        let text = workplace.read(&format!("run/{file}"));
-        assert!(text.contains(part), "no {part:?} in {file}\n{text}");
+        workplace.check_file(&format!("run/{file}"), &[part]);
     }
     workplace.succeed("data check street").check_stdout(&["12, no times known: they may be neighbours\n"]);
     // However large a loss is, it is not called sure.
@@ -136,8 +135,7 @@ fn a_file_names_the_blocks() {
     for (verb, more) in [("ablation", ""), ("sweep", "-d pca -P pca.cluster.min_points=20:30:10")] {
         workplace.succeed(&(verb, "street --blocks ten.csv -q -o", verb, more));
     }
-    let sweep = workplace.read("sweep/sweep.csv");
-    assert!(sweep.contains(",named blocks,"), "{sweep}");
+    workplace.check_file("sweep/sweep.csv", &[",named blocks,"]);
     // What is missing or there twice is refused.
     for (content, expected) in [
         (
@@ -165,6 +163,5 @@ fn recorded_objects_decide_nothing() {
     let root = root.to_str().unwrap();
     workplace.succeed(&["boxes", root, "-o", "boxes"]).check_stdout(&["¶ over scans that may be neighbours"]);
     workplace.succeed(&("run", [root], "-d pca --protocol kitti-object --no-rrd -q -o run"));
-    let report = workplace.read("run/table_protocol_kitti-object.md");
-    assert!(report.contains("¶ over scans that may be neighbours"), "{report}");
+    workplace.check_file("run/table_protocol_kitti-object.md", &["¶ over scans that may be neighbours"]);
 }

@@ -126,8 +126,7 @@ fn what_is_surely_worse_is_a_regression() {
     workplace.end_with("gate worse -b golden --allow-drift", 100, &[]);
     let verdict = workplace.json("verdict/gate.json");
     assert_eq!(verdict["conclusion"], "regression");
-    let junit = workplace.read("verdict/junit.xml");
-    assert!(junit.contains("type=\"regression\"") && junit.contains("type=\"drift\""), "{junit}");
+    workplace.check_file("verdict/junit.xml", &["type=\"regression\"", "type=\"drift\""]);
     assert!(workplace.read("verdict/gate.md").starts_with("**FAILED: worse**\n"));
     let smaller = workplace.json("verdict/custom-smaller-is-better.json");
     let is_f_rate = |it: &&Value| it["name"] == "objects/hierarchical/1 - f_rate";
@@ -237,9 +236,10 @@ fn a_first_baseline_gates_the_run_that_it_was_made_of() {
     workplace.refuse(&("baseline init first -o", ["a b/ci"]), 2, &["run\" exists; name another folder"]);
     // Words of the template.
     workplace.succeed("baseline init first -o RUN/BASELINE");
-    let workflow = workplace.read("RUN/BASELINE/scanbench.yml");
-    assert!(workflow.contains(again), "{workflow}");
-    assert!(workflow.contains("scanbench gate runs/gate --baseline RUN/BASELINE -o verdict\n"), "{workflow}");
+    workplace.check_file(
+        "RUN/BASELINE/scanbench.yml",
+        &[again, "scanbench gate runs/gate --baseline RUN/BASELINE -o verdict\n"],
+    );
 }
 
 #[test]
@@ -582,8 +582,8 @@ fn what_changed_in_a_detector_of_others_is_reported() {
         workplace.succeed(&("gate second -b first", full)).check_stdout(&["PASSED\n", said]);
     }
     workplace.succeed("compare first second").check_stdout(&[said]);
-    let page = workplace.read("second/report.html");
-    assert!(page.contains("<code>sh mine.sh</code>") && page.contains("<code>mine.sh</code> of SHA-256 "));
+    workplace
+        .check_file("second/report.html", &["<code>sh mine.sh</code>", "<code>mine.sh</code> of SHA-256 "]);
     let table = workplace.read("second/table_vehicles.md");
     let classified = "Vehicles classified by: mine: its own classes, else trees trained on kd-tree components; boxes of its own, else whole ones of ours.";
     assert!(table.contains(classified), "{table}");

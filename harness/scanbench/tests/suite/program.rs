@@ -230,6 +230,15 @@ impl Workplace {
         ended
     }
 
+    /// The file `name` has all `parts`.
+    #[track_caller]
+    pub fn check_file(&self, name: &str, parts: &[&str]) {
+        let text = self.read(name);
+        for part in parts {
+            assert!(text.contains(part), "no {part:?} in {name}:\n{text}");
+        }
+    }
+
     /// Size of the file `name` in bytes; 0 if it is not there.
     pub fn n_bytes(&self, name: &str) -> u64 {
         self.path(name).metadata().map_or(0, |it| it.len())

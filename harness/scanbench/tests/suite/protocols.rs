@@ -139,8 +139,7 @@ fn a_sweep_has_the_numbers_of_a_run_at_every_value() {
     for file in ["sweep_protocols.md", "sweep_protocols.tex", "protocol_nuscenes_street-narrow.pdf"] {
         assert!(workplace.path(&format!("out/{file}")).is_file(), "{file}");
     }
-    let svg = workplace.read("out/protocol_argoverse2_street-narrow.svg");
-    assert!(svg.contains("present cds") && svg.contains("ranked probability"), "{svg}");
+    workplace.check_file("out/protocol_argoverse2_street-narrow.svg", &["present cds", "ranked probability"]);
     let manifest = workplace.json("out/manifest.json");
     assert_eq!(manifest["protocols"], serde_json::json!(["nuscenes", "argoverse2"]));
     workplace.succeed("report out");

@@ -45,8 +45,7 @@ fn a_sweep_leaves_rows_with_what_they_are_made_of() {
     assert!(timed.iter().all(|it| it.parse::<f64>().is_ok_and(|it| it > 0.0)));
     for extent in ["street-narrow", "street-intersection", "overall"] {
         for plot in ["f_rate", "fitness", "pareto"] {
-            let svg = workplace.read(&format!("out/{plot}_{extent}.svg"));
-            assert!(svg.contains("(simulated)") && svg.contains("</svg>"), "{plot} of {extent}");
+            workplace.check_file(&format!("out/{plot}_{extent}.svg"), &["(simulated)", "</svg>"]);
         }
     }
     let manifest = workplace.json("out/manifest.json");
