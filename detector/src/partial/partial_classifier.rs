@@ -26,7 +26,9 @@ use super::patterns::{LabeledKeypoint, N_VERTICES, Patterns};
 /// let params = PartialParams::of_paper();
 /// let clouds: Vec<TrainingCloud> = objects
 ///     .iter()
-///     .map(|(class_idx, points_m, object_idx)| TrainingCloud::described(points_m.iter().copied(), *class_idx, *object_idx, 0, &params))
+///     .map(|(class_idx, points_m, object_idx)| {
+///         TrainingCloud::described(points_m.iter().copied(), *class_idx, *object_idx, 0, &params)
+///     })
 ///     .collect();
 /// let made = Provenance { command: "an example".into(), data: vec![], seed: 1, split: "none".into() };
 /// let classes = ["line".to_owned(), "sheet".to_owned()];

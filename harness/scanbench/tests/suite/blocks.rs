@@ -121,7 +121,7 @@ fn a_file_names_the_blocks() {
     workplace.succeed(&(RUN, "--blocks ten.csv -o ten"));
     assert_eq!(blocks(&workplace, "three"), ["3 named blocks, true"]);
     assert_eq!(blocks(&workplace, "ten"), ["10 named blocks, false"]);
-    assert!(workplace.read("ten/table_vehicles.md").contains("resamples of the blocks of --blocks"));
+    workplace.check_file("ten/table_vehicles.md", &["resamples of the blocks of --blocks"]);
     // What is decided is decided again from the files.
     workplace.succeed("gate ten -b ten");
     workplace.refuse("gate ten -b three", 5, &[]);

@@ -83,7 +83,7 @@ fn figures_hold_every_ring_and_the_units() {
         workplace
             .check_file(&format!("figures/{statistic}.svg"), &["range (m)", "measured, street, 3 scans"]);
     }
-    assert!(workplace.read("figures/ring_density.svg").contains("(points/m²)"));
+    workplace.check_file("figures/ring_density.svg", &["(points/m²)"]);
 }
 
 #[test]

@@ -221,10 +221,8 @@ fn a_first_baseline_gates_the_run_that_it_was_made_of() {
         .into();
     assert!(names.iter().all(|it| workplace.path(it).is_file()), "{:?}", workplace.names());
     let tolerances = workplace.read("a b/ci/tolerances.toml");
-    for part in ["detectors = [\"hierarchical\", \"pca\"]", "tasks = [\"objects\", \"vehicles\"]", "[speed]"]
-    {
-        assert!(tolerances.contains(part), "no {part} in\n{tolerances}");
-    }
+    let parts = ["detectors = [\"hierarchical\", \"pca\"]", "tasks = [\"objects\", \"vehicles\"]", "[speed]"];
+    workplace.check_file("a b/ci/tolerances.toml", &parts);
     assert!(tolerances.lines().any(|it| it.starts_with("# Recall, TP / NO")), "{tolerances}");
     let workflow = workplace.read("a b/ci/scanbench.yml");
     let again = "\n          scanbench run street-narrow --simulated-scans 20 ";
@@ -442,27 +440,20 @@ fn of_few_blocks_nothing_is_surely_worse() {
     let nine = "--simulated-scans 18 --scans 0..18:2";
     run(&workplace, "once", nine);
     run(&workplace, "worse", &format!("{nine} {WORSE}"));
-    let ended = workplace.end_with("gate worse -b once -t tolerances.toml --full", 101, &[]);
-    for part in [
+    workplace.end_with("gate worse -b once -t tolerances.toml --full", 101, &[]).check_stdout(&[
         "Only 9 blocks of scans: too few to show that anything is worse.",
         "inconclusive: 9 blocks",
         "§ from fewer than 10 blocks",
-    ] {
-        assert!(ended.stdout.contains(part), "no {part:?} in\n{}", ended.stdout);
-    }
+    ]);
     let text = workplace.succeed("compare once worse").stdout;
     assert!(text.contains('§') && text.contains("§ from fewer than 10 blocks"), "{text}");
     let table = workplace.read("once/table_objects.md");
     assert!(table.contains('§'), "{table}");
-    assert!(workplace.read("once/table_objects.tex").contains("\\S{}"));
+    workplace.check_file("once/table_objects.tex", &["\\S{}"]);
     let csv = workplace.read("once/table_objects.csv");
     assert!(csv.lines().nth(1).expect("a row").ends_with(",9,seconds,true"), "{csv}");
-    assert!(
-        workplace.read("once/report.html").contains("9 blocks of scans are too few to show which one leads")
-    );
-    assert!(
-        workplace.read("once/report.json").contains("\"caveat\":\"interval from only 9 blocks of scans\"")
-    );
+    workplace.check_file("once/report.html", &["9 blocks of scans are too few to show which one leads"]);
+    workplace.check_file("once/report.json", &["\"caveat\":\"interval from only 9 blocks of scans\""]);
 }
 
 #[test]

@@ -60,8 +60,9 @@ fn methods_are_trained_where_objects_are_named_for_it() {
     let set = &manifest["sets"][0];
     assert_eq!((&set["judged"]["simulated"], &set["halves"]), (&true.into(), &false.into()));
     assert_ne!(set["judged"]["simulation"], set["learned_from"]["simulation"], "no object is in both");
-    let compared = workplace.succeed(&["compare", "out", "-d", "extents,bag of graphs", "--markdown"]);
-    compared.check_stdout(&["bag of graphs − extents"]);
+    workplace
+        .succeed(&["compare", "out", "-d", "extents,bag of graphs", "--markdown"])
+        .check_stdout(&["bag of graphs − extents"]);
     workplace.end_with("compare out -d extents,esf", 2, &["no method \"esf\""]);
 }
 
@@ -165,14 +166,14 @@ fn results_are_compared_and_gated_object_by_object() {
     };
     changed(&|it| it.contains(",tree,tree,") || it.contains(",pole,pole,"), "worse");
     workplace.end_with("gate worse --baseline before -o verdict", 100, &[]);
-    assert!(workplace.read("verdict/gate.json").contains("regression"));
+    workplace.check_file("verdict/gate.json", &["regression"]);
     assert!(workplace.path("verdict/gate.md").exists());
     workplace.check_file("verdict/junit.xml", &["type=\"regression\"", "type=\"drift\""]);
     changed(&|it| it.contains("tree-0003,below,9"), "other");
     workplace.end_with("gate other --baseline before", 101, &[]).check_stdout(&["tree-0003 at step 9"]);
     workplace.succeed("gate other --baseline before --allow-drift");
     workplace.succeed("compare before worse -o comparison").check_stdout(&["Predictions changed"]);
-    assert!(workplace.read("comparison/comparison.csv").contains("mean_recall"));
+    workplace.check_file("comparison/comparison.csv", &["mean_recall"]);
     workplace.succeed("partial objects-vlp-16 --per-class 9 --no-rrd -o fewer");
     for verb in ["gate fewer --baseline before", "compare before fewer"] {
         workplace.end_with(verb, 5, &["not the same"]);
@@ -231,8 +232,7 @@ fn results_of_others_stand_beside_ours_if_they_are_of_the_same_parts() {
             .unwrap();
     }
     workplace.write("esf.csv", &table);
-    let ended = workplace.succeed(&(judge, "--peer-results esf=esf.csv -o out"));
-    ended.check_stdout(&["esf", "elsewhere"]);
+    workplace.succeed(&(judge, "--peer-results esf=esf.csv -o out")).check_stdout(&["esf", "elsewhere"]);
     assert_eq!(rows(&workplace, "out/partial.csv").len(), 2 * 4 * 3 * 20);
     let cut = table.lines().take(5).collect::<Vec<_>>().join("\n");
     workplace.write("cut.csv", &cut);
@@ -250,9 +250,9 @@ fn of_recorded_objects_half_is_learned_from_and_the_others_are_judged() {
     let workplace = Workplace::new();
     let folder = test_data("data/object_clouds");
     let folder = Path::new(&folder).to_str().unwrap();
-    let ended =
-        workplace.succeed(&["partial", folder, "--train", folder, "--trained-on", "whole", "-o", "out"]);
-    assert!(ended.stdout.contains("learned from object_clouds, the other half of it"), "{ended:#?}");
+    workplace
+        .succeed(&["partial", folder, "--train", folder, "--trained-on", "whole", "-o", "out"])
+        .check_stdout(&["learned from object_clouds, the other half of it"]);
     let found = rows(&workplace, "out/partial.csv");
     let ours: Vec<_> = found.iter().filter(|it| it[4] == "bag of graphs" && it[3] == "10").collect();
     // 25 of each of the three classes that are learned, from two ends.

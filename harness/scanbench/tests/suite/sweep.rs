@@ -217,5 +217,5 @@ fn where_false_objects_are_unknown_recall_is_swept() {
         assert_eq!(cells, [""; 4], "{row:?}");
         assert!(!row["recall"].is_empty(), "{row:?}");
     }
-    assert!(workplace.read("out/f_rate_street.svg").contains("recall (%)"));
+    workplace.check_file("out/f_rate_street.svg", &["recall (%)"]);
 }
