@@ -1,19 +1,16 @@
 //! The rival of the hierarchical grid: components of points over a kd-tree.
 
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
-use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::{DetectorOutput, DropReason};
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground_stages;
 use detector::pipeline::frame::Frame;
-use detector::pipeline::object_stages::{least_points, object_stages};
+use detector::pipeline::object_stages::{ObjectModels, least_points, object_stages};
 use detector::pipeline::stage_list::{Pipeline, Stage, Stages};
 use detector::stage_product::Shape;
 use detector::surface_class::SurfaceClass;
-use detector::whole::box_model::BoxModel;
 use detector::{OrientedBox, PointCloud, StageProduct, stage};
 
 use crate::COMPONENTS;
@@ -24,14 +21,14 @@ use crate::params::{ForegroundChoice, KdTreeParams};
 /// Objects as Euclidean components of points, for a sensor `sensor_height_m` above the road.
 ///
 /// Foreground, boxes and classes are those of the hierarchical detector, whose parameters are `shared`, so that a comparison
-/// of the two is about the clusters. All buffers but the tree are used again for the next scan. The models are those of
+/// of the two is about the clusters. All buffers but the tree are used again for the next scan. The models are for
 /// [`object_stages`].
 ///
 /// Paper: HG section 5, the method it compares with; boxes as VM section 4.
 pub fn kd_tree(
     params: &KdTreeParams,
     shared: &HierarchicalParams,
-    models: (Option<VehicleModel>, Option<Arc<BoxModel>>),
+    models: ObjectModels,
     sensor_height_m: f32,
 ) -> Pipeline {
     let mut shared = shared.clone();
@@ -39,7 +36,7 @@ pub fn kd_tree(
     // Of the whole scan there is no grid to complete clusters from.
     shared.completion.enabled &= params.foreground != ForegroundChoice::All;
     shared.cluster.min_points = params.min_points;
-    let n_points = least_points(&shared.cluster, models.0.as_ref())..=params.max_points;
+    let n_points = least_points(&shared.cluster, models.vehicles.as_ref())..=params.max_points;
     let foreground = match params.foreground {
         ForegroundChoice::Short | ForegroundChoice::Refined => foreground_stages(&shared),
         ForegroundChoice::All => Stages::default().then(stage::FOREGROUND, FinitePoints),
@@ -56,7 +53,7 @@ pub fn kd_tree(
 pub fn kd_tree_same_walls(
     params: &KdTreeParams,
     shared: &HierarchicalParams,
-    models: (Option<VehicleModel>, Option<Arc<BoxModel>>),
+    models: ObjectModels,
     sensor_height_m: f32,
 ) -> Pipeline {
     let params = KdTreeParams { foreground: ForegroundChoice::Refined, ..params.clone() };

@@ -69,7 +69,7 @@ impl Linkage for KdTreeLinkage {
         components.join(positions_m, self.tolerances_m[0], |_, _| ());
         labels.clear();
         labels.extend((0..positions_m.len() as u32).map(|it| components.component(it)));
-        dense.fill_apart(scan.cloud, (scan.grid, scan.terrain), scan.candidates, &self.labels);
+        dense.fill_apart(scan.cloud, scan.grid, scan.terrain, scan.candidates, &self.labels);
     }
 
     fn link(&mut self, _: &LinkedScan<'_>, dense: &DenseCells) {

@@ -5,6 +5,7 @@
 //! use baselines::params::BaselineParams;
 //! use baselines::pca_detector::pca;
 //! use detector::params::HierarchicalParams;
+//! use detector::pipeline::object_stages::ObjectModels;
 //! use detector::{Detector, DetectorOutput, PointCloud};
 //!
 //! // The sides of two cars, one ahead and one behind, and no road: a cell needs a point low and one high to stand out.
@@ -13,7 +14,7 @@
 //! let cloud: PointCloud = side(5.0).chain(side(-9.0)).collect();
 //!
 //! let (params, shared) = (BaselineParams::shipped(), HierarchicalParams::shipped());
-//! let by_size = (None, None);
+//! let by_size = ObjectModels::default();
 //! let mut output = DetectorOutput::default();
 //! for mut rival in [pca(&params.pca, &shared, None, 1.73), kd_tree(&params.kd_tree, &shared, by_size, 1.73)] {
 //!     rival.detect(&cloud, &mut output);

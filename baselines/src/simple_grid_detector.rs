@@ -1,18 +1,14 @@
 //! The ablation of the hierarchical grid: the same detector without its dense level.
 
-use std::sync::Arc;
-
-use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::DetectorOutput;
 use detector::params::HierarchicalParams;
 use detector::pipeline::blob_stages::{OutlineBoxes, fill_dense_level, linked_blocks, object_clusters};
 use detector::pipeline::foreground_stages::foreground_stages;
 use detector::pipeline::frame::Frame;
-use detector::pipeline::object_stages::{least_points, object_stages};
+use detector::pipeline::object_stages::{ObjectModels, least_points, object_stages};
 use detector::pipeline::stage_list::{Pipeline, Stage};
 use detector::segment::connected_components::{ConnectedComponentsParams, connected_components};
 use detector::segment::disjoint_sets::DisjointSets;
-use detector::whole::box_model::BoxModel;
 use detector::{PointCloud, StageProduct, stage};
 
 /// Objects as connected components of coarse cells, for a sensor `sensor_height_m` above the road.
@@ -22,16 +18,12 @@ use detector::{PointCloud, StageProduct, stage};
 /// dense cell, so ξ is 1 whatever the parameters say. The models are those of [`object_stages`].
 ///
 /// Paper: HG section 3.2 and Fig. 7, the *Simple Grid Model*; boxes as VM section 4.
-pub fn simple_grid(
-    shared: &HierarchicalParams,
-    models: (Option<VehicleModel>, Option<Arc<BoxModel>>),
-    sensor_height_m: f32,
-) -> Pipeline {
+pub fn simple_grid(shared: &HierarchicalParams, models: ObjectModels, sensor_height_m: f32) -> Pipeline {
     let mut shared = shared.clone();
     shared.grid.xi = 1;
     let max_height_difference_m = shared.grouping.gaps.max_height_difference_m;
     let params = ConnectedComponentsParams { max_height_difference_m };
-    let least_points = least_points(&shared.cluster, models.0.as_ref());
+    let least_points = least_points(&shared.cluster, models.vehicles.as_ref());
     let stages = foreground_stages(&shared)
         .then(stage::MERGE, Blobs { params, blobs: DisjointSets::default() })
         .then(stage::BOXES, OutlineBoxes::new(shared.grid.xi, least_points))
@@ -57,7 +49,7 @@ impl Stage for Blobs {
         }
         object_of_dense.clear();
         object_of_dense.extend((0..n_cells as u32).map(|cell| self.blobs.representative(cell)));
-        object_points.fill(cloud, foreground.point_indices(), dense, (object_of_dense, n_cells));
+        object_points.fill(cloud, foreground.point_indices(), dense, object_of_dense, n_cells);
     }
 
     fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {

@@ -14,6 +14,7 @@ use detector::group::grouping_tree::Node;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
 use detector::pipeline::frame::Groups;
+use detector::pipeline::object_stages::ObjectModels;
 use detector::pipeline::paper_detector::paper;
 use detector::pipeline::stage_list::Pipeline;
 use detector::pipeline::tree_detector::{GroupModels, VehiclesBy};
@@ -25,7 +26,7 @@ const SENSOR_HEIGHT_M: f32 = 1.73;
 fn kd_tree_over(foreground: ForegroundChoice, model: Option<VehicleModel>) -> Pipeline {
     let mut params = BaselineParams::shipped().kd_tree;
     params.foreground = foreground;
-    kd_tree(&params, &shared(), (model, None), SENSOR_HEIGHT_M)
+    kd_tree(&params, &shared(), ObjectModels { vehicles: model, boxes: None }, SENSOR_HEIGHT_M)
 }
 
 /// Boxes are those of what is seen: drawn cars are hollow, and look like no car that whole boxes were learned from.
@@ -40,7 +41,7 @@ fn pca_by(model: Option<PcaVehicleModel>) -> Pipeline {
 }
 
 fn simple_grid_by(model: Option<VehicleModel>) -> Pipeline {
-    simple_grid(&shared(), (model, None), SENSOR_HEIGHT_M)
+    simple_grid(&shared(), ObjectModels { vehicles: model, boxes: None }, SENSOR_HEIGHT_M)
 }
 
 fn every_detector() -> [Pipeline; 4] {
@@ -160,7 +161,7 @@ fn what_the_dense_level_separates_the_simple_grid_joins() {
     params.foreground.clearance_m = shared.foreground.clearance_m;
     let mut of_papers = paper(&params, &shared, None, SENSOR_HEIGHT_M);
     check_found(&detected(&mut of_papers, &cloud), &[([8.0, 2.05], 0.0), ([8.0, 4.25], 0.0)]);
-    let joined = detected(&mut simple_grid(&shared, (None, None), SENSOR_HEIGHT_M), &cloud);
+    let joined = detected(&mut simple_grid(&shared, ObjectModels::default(), SENSOR_HEIGHT_M), &cloud);
     let n_points: usize = joined.detections.iter().map(|it| it.point_indices.len()).sum();
     assert_eq!(joined.detections.len(), 1);
     let separate: usize =
@@ -173,7 +174,8 @@ fn the_simple_grid_has_one_level_whatever_the_parameters_say() {
     let detections_with = |xi| {
         let mut params = HierarchicalParams::shipped();
         params.grid.xi = xi;
-        detected(&mut simple_grid(&params, (None, None), SENSOR_HEIGHT_M), &two_close_cars()).detections
+        detected(&mut simple_grid(&params, ObjectModels::default(), SENSOR_HEIGHT_M), &two_close_cars())
+            .detections
     };
     assert_eq!(detections_with(1), detections_with(5));
 }

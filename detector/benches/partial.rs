@@ -49,7 +49,7 @@ fn trained(params: &PartialParams) -> Result<PartialClassifier, TrainingError> {
         .map(|object_idx| {
             let positions_m =
                 if object_idx % 2 == 0 { tree(600, object_idx) } else { board(600, object_idx) };
-            TrainingCloud::described(positions_m.into_iter(), object_idx % 2, (object_idx, 0), params)
+            TrainingCloud::described(positions_m.into_iter(), object_idx % 2, object_idx, 0, params)
         })
         .collect();
     let made = Provenance { command: "a benchmark".into(), data: Vec::new(), seed: 0, split: "none".into() };

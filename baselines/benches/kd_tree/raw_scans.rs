@@ -5,6 +5,7 @@ use std::io::Write;
 use baselines::kd_tree_detector::kd_tree;
 use baselines::params::{BaselineParams, ForegroundChoice};
 use detector::params::HierarchicalParams;
+use detector::pipeline::object_stages::ObjectModels;
 use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
 use detector::{Detector, DetectorOutput, PointCloud};
 
@@ -27,7 +28,7 @@ pub fn measure(out: &mut impl Write) -> std::io::Result<()> {
     let mut params = BaselineParams::shipped().kd_tree;
     params.foreground = ForegroundChoice::All;
     let shared = HierarchicalParams::shipped();
-    let mut kd_tree = kd_tree(&params, &shared, (None, None), SENSOR_HEIGHT_M);
+    let mut kd_tree = kd_tree(&params, &shared, ObjectModels::default(), SENSOR_HEIGHT_M);
     let mut grid = hierarchical(&shared, GroupModels::shipped(VehiclesBy::Model), SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();
     for scan in SCANS {

@@ -2,9 +2,7 @@
 
 pub mod surfaces;
 pub mod walls;
-pub mod merge_graph;
-pub mod cut_borders;
-pub mod object_cells;
+pub mod blobs;
 pub mod point_clusters;
 pub mod fitted_boxes;
 pub mod groups;

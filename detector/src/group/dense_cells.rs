@@ -135,7 +135,8 @@ impl DenseCells {
     pub fn fill_apart(
         &mut self,
         cloud: &PointCloud,
-        (grid, terrain): (&HierarchicalGrid, &Terrain),
+        grid: &HierarchicalGrid,
+        terrain: &Terrain,
         candidates: &Candidates,
         part_of_candidate: &[u32],
     ) {
@@ -294,7 +295,7 @@ mod tests {
             let as_one = dense.clone();
             let part_of = |index: usize| index as u32 % n_parts;
             let parts: Vec<u32> = (0..candidates.point_indices().len()).map(part_of).collect();
-            dense.fill_apart(&cloud, (&grid, &terrain), &candidates, &parts);
+            dense.fill_apart(&cloud, &grid, &terrain, &candidates, &parts);
             let mut part_of_dense = vec![None; dense.statistics().len()];
             for ((&dense_idx, &part), &whole_idx) in dense.dense_of_point().iter().zip(&parts).zip(as_one.dense_of_point()) {
                 let known = part_of_dense[dense_idx as usize].get_or_insert(part);

@@ -78,7 +78,7 @@ impl DenseGaps {
         Self {
             xi: grid.xi,
             n_along: 0,
-            expected: ExpectedDensity::new((object_density_ratio, single_gap_points), grid, weighting),
+            expected: ExpectedDensity::new(object_density_ratio, single_gap_points, grid, weighting),
             params,
             reached: Vec::new(),
             steps: Vec::new(),

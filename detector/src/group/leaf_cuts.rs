@@ -117,7 +117,7 @@ impl LeafCuts {
         let along = principal_axis(cells, dense);
         let mut best: Option<(f32, Plane)> = None;
         for (normal, least_m) in [(along, params.min_length_m), ([-along[1], along[0]], params.min_width_m)] {
-            if let Some(found) = self.cheapest(cells, dense, (normal, least_m), params.min_end_m)
+            if let Some(found) = self.cheapest(cells, dense, normal, least_m, params.min_end_m)
                 && best.is_none_or(|(least, _)| found.0 < least)
             {
                 best = Some(found);
@@ -132,7 +132,8 @@ impl LeafCuts {
         &mut self,
         cells: &[u32],
         dense: &DenseCells,
-        (normal, least_m): ([f32; 2], f32),
+        normal: [f32; 2],
+        least_m: f32,
         min_end_m: f32,
     ) -> Option<(f32, Plane)> {
         let along_m = |cell: u32| {

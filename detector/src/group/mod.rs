@@ -8,6 +8,7 @@ pub mod grouping_tree;
 #[cfg(test)]
 pub mod drawn_trees;
 pub mod leaf_cuts;
+pub mod node_shapes;
 pub mod node_values;
 pub mod node_context;
 pub mod best_cut;

@@ -26,7 +26,8 @@ impl NodePoints {
         &mut self,
         cloud: &PointCloud,
         candidates: &Candidates,
-        (dense, tree): (&DenseCells, &GroupingTree),
+        dense: &DenseCells,
+        tree: &GroupingTree,
         nodes: impl Iterator<Item = u32>,
     ) {
         self.group_of_dense.clear();
@@ -83,7 +84,7 @@ mod tests {
     /// The points of `nodes`.
     fn points_of(drawn: &DrawnGroups, nodes: &[u32]) -> NodePoints {
         let mut points = NodePoints::default();
-        points.fill(&drawn.cloud, &drawn.candidates, (&drawn.dense, &drawn.tree), nodes.iter().copied());
+        points.fill(&drawn.cloud, &drawn.candidates, &drawn.dense, &drawn.tree, nodes.iter().copied());
         points
     }
 
@@ -108,7 +109,7 @@ mod tests {
     fn nothing_stays_of_what_was_asked_before() {
         let drawn = groups_over(&[[0, 0], [6, 0]]);
         let mut points = points_of(&drawn, &[0, 1]);
-        points.fill(&drawn.cloud, &drawn.candidates, (&drawn.dense, &drawn.tree), [1].into_iter());
+        points.fill(&drawn.cloud, &drawn.candidates, &drawn.dense, &drawn.tree, [1].into_iter());
         assert_eq!(
             (points.n_groups(), points.point_indices(0)),
             (1, points_of(&drawn, &[1]).point_indices(0))

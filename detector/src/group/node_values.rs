@@ -1,20 +1,13 @@
 //! What the groups of a tree look like.
 
-use std::ops::Range;
-
 use crate::describe::cells_around::CellsAround;
-use crate::describe::surroundings::{ObjectRaster, Surroundings};
-use crate::fit::convex_hull_box::ConvexHullBox;
-use crate::grid::hierarchical_grid::HierarchicalGrid;
-use crate::group::candidates::{Candidates, Evidence, N_EVIDENCE};
-use crate::group::dense_cells::{CellStatistics, DenseCells};
+use crate::describe::surroundings::Surroundings;
+use crate::group::dense_cells::CellStatistics;
 use crate::group::grouping_tree::{GroupingTree, Node};
 use crate::group::linkage::N_LEVELS;
+use crate::group::node_shapes::{LARGEST_WHOLE_M, NodeScene, NodeShapes, Shape};
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::single;
-use crate::segment::terrain::Terrain;
-use crate::segment::wall_refinement::WallRefinement;
-use crate::surface_class::SurfaceClass;
 
 /// Number of the values of a node.
 pub const N_NODE_VALUES: usize = NODE_VALUES.len();
@@ -107,50 +100,9 @@ pub struct DescribedNode {
 /// Describes the nodes of one tree after another.
 #[derive(Debug, Clone, Default)]
 pub struct NodeDescriber {
-    box_fit: ConvexHullBox,
-    order: Vec<u32>,
-    outline_m: Vec<[f32; 2]>,
-    hulls_m: Vec<[f32; 2]>,
-    shapes: Vec<Shape>,
+    shapes: NodeShapes,
     described: Vec<DescribedNode>,
 }
-
-/// What is known of every node before it is described.
-#[derive(Debug, Clone, Default)]
-struct Shape {
-    // Of what is too large none is taken.
-    hull: Range<usize>,
-    bounding_box: Option<OrientedBox>,
-    // Cells, and points of cells of which each [`Evidence`] holds.
-    n_cells: u32,
-    n_with_evidence: [u32; N_EVIDENCE],
-    // The length of the longest wall that one of its cells lies on.
-    wall_length_m: f32,
-}
-
-/// The scan that the nodes lie in.
-#[derive(Debug, Clone, Copy)]
-pub struct NodeScene<'a> {
-    /// The grid.
-    pub grid: &'a HierarchicalGrid,
-    /// The ground.
-    pub terrain: &'a Terrain,
-    /// The points.
-    pub candidates: &'a Candidates,
-    /// Their cells.
-    pub dense: &'a DenseCells,
-    /// Where other points are; `None` if nothing is to be said of what stands around a group.
-    pub raster: Option<&'a ObjectRaster>,
-    /// What each cell of the grid is.
-    pub classes: &'a [SurfaceClass],
-    /// The walls.
-    pub walls: &'a WallRefinement,
-    /// Number of points of the scan.
-    pub n_points: usize,
-}
-
-/// Wholes larger than this are large, in metres.
-const LARGEST_WHOLE_M: f32 = 30.0;
 
 impl NodeDescriber {
     /// Describes the nodes of `tree` that may be objects by their size and have `min_points`.
@@ -158,12 +110,14 @@ impl NodeDescriber {
         &mut self,
         tree: &GroupingTree,
         scene: &NodeScene<'_>,
-        (bounds, min_points): (&NodeBoundsParams, usize),
+        bounds: &NodeBoundsParams,
+        min_points: usize,
     ) {
-        self.find_shapes(tree, scene, (bounds, min_points));
+        let most_m = single::hypot(bounds.max_length_m, bounds.max_width_m).max(LARGEST_WHOLE_M);
+        self.shapes.find(tree, scene, most_m, min_points);
         self.described.clear();
         for (node, node_idx) in tree.nodes().iter().zip(0..) {
-            let Shape { bounding_box: Some(bounding_box), .. } = self.shapes[node_idx as usize] else {
+            let Shape { bounding_box: Some(bounding_box), .. } = *self.shapes.of_node(node_idx) else {
                 continue;
             };
             let [x_m, y_m, z_m] = bounding_box.center_m;
@@ -183,8 +137,7 @@ impl NodeDescriber {
                         CellsAround::default(),
                     ),
                 };
-                let around = (&surroundings, &cells_around);
-                let values = self.values(tree, (node, node_idx), around, scene.n_points);
+                let values = self.values(tree, node, node_idx, &surroundings, &cells_around, scene.n_points);
                 self.described.push(DescribedNode { node_idx, bounding_box, surroundings, values });
             }
         }
@@ -201,121 +154,26 @@ impl NodeDescriber {
         &self.described
     }
 
-    fn find_shapes(
-        &mut self,
-        tree: &GroupingTree,
-        scene: &NodeScene<'_>,
-        (bounds, min_points): (&NodeBoundsParams, usize),
-    ) {
-        self.shapes.clear();
-        self.shapes.resize(tree.nodes().len(), Shape::default());
-        self.hulls_m.clear();
-        let most_m = (single::hypot(bounds.max_length_m, bounds.max_width_m)).max(LARGEST_WHOLE_M);
-        tree.upward(&mut self.order);
-        for &node_idx in &self.order {
-            let node = &tree.nodes()[node_idx as usize];
-            let mut shape = self.sums(tree, node, scene);
-            let [across_m, along_m] =
-                [0, 1].map(|axis| node.statistics.high_m[axis] - node.statistics.low_m[axis]);
-            if single::hypot(across_m, along_m) <= most_m {
-                self.outline_m.clear();
-                match node.first_child {
-                    None => {
-                        let statistics =
-                            tree.cells(node).iter().map(|&it| &scene.dense.statistics()[it as usize]);
-                        self.outline_m.extend(statistics.flat_map(CellStatistics::corners_m));
-                    }
-                    Some(_) => {
-                        for part in tree.parts_of(node) {
-                            self.outline_m
-                                .extend_from_slice(&self.hulls_m[self.shapes[part as usize].hull.clone()]);
-                        }
-                    }
-                }
-                let start = self.hulls_m.len();
-                if node.statistics.n_points as usize >= min_points {
-                    let outline_m = self.outline_m.iter().copied();
-                    shape.bounding_box = self.box_fit.fit(outline_m, node.statistics.z_range_m);
-                    self.hulls_m.extend_from_slice(self.box_fit.hull_m());
-                } else {
-                    // It is not looked at. What it is a part of takes all of it for its outline.
-                    self.hulls_m.extend_from_slice(&self.outline_m);
-                }
-                shape.hull = start..self.hulls_m.len();
-            }
-            self.shapes[node_idx as usize] = shape;
-        }
-    }
-
-    fn sums(&self, tree: &GroupingTree, node: &Node, scene: &NodeScene<'_>) -> Shape {
-        let mut shape = Shape::default();
-        if node.first_child.is_some() {
-            for part in tree.parts_of(node) {
-                let part = &self.shapes[part as usize];
-                shape.n_cells += part.n_cells;
-                shape.wall_length_m = shape.wall_length_m.max(part.wall_length_m);
-                for (sum, n) in shape.n_with_evidence.iter_mut().zip(part.n_with_evidence) {
-                    *sum += n;
-                }
-            }
-            return shape;
-        }
-        for &dense_idx in tree.cells(node) {
-            let cell_idx = scene.dense.cell_of_block()[scene.dense.block_of_dense(dense_idx)];
-            let against = scene.candidates.evidence_against(cell_idx);
-            let n_points = scene.dense.statistics()[dense_idx as usize].n_points;
-            shape.n_cells += 1;
-            shape.wall_length_m = shape.wall_length_m.max(scene.walls.length_of_wall_m(cell_idx));
-            for (sum, evidence) in shape.n_with_evidence.iter_mut().zip(Evidence::ALL) {
-                *sum += if against.has(evidence) { n_points } else { 0 };
-            }
-        }
-        shape
-    }
-
     fn values(
         &self,
         tree: &GroupingTree,
-        (node, node_idx): (&Node, u32),
-        (surroundings, cells_around): (&Surroundings, &CellsAround),
+        node: &Node,
+        node_idx: u32,
+        surroundings: &Surroundings,
+        cells_around: &CellsAround,
         n_points_of_scan: usize,
     ) -> [f32; N_NODE_VALUES] {
-        let shape = &self.shapes[node_idx as usize];
-        let bounding_box = shape.bounding_box.expect("only such are described");
-        let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
+        let shape = self.shapes.of_node(node_idx);
+        let own = own_values(node, shape, surroundings.ground_m, n_points_of_scan);
         let n_points = node.statistics.n_points as f32;
-        let share = |n: u32| n as f32 / n_points;
-        let [mean_height_m, height_deviation_m] = heights(&node.statistics);
-        let center_above_m = bounding_box.center_m[2] - surroundings.ground_m;
         let n_beyond_ends = surroundings.n_beyond_ends as f32;
-        let [log_seen_area, over_expected, range_m, view_cosine] =
-            seen(&bounding_box, n_points, n_points_of_scan);
-        let above = node.statistics.n_above.map(share);
         let [n_parts, largest_part_share, second_part_share] = parts(tree, node);
         let [share_of_whole, length_of_whole_m, width_of_whole_m, whole_joined_at, log_n_points_of_whole] =
             self.whole(tree, node);
         let [wall_share, behind_wall_share, tall_share, covered_share, beside_tall_share, cut_off_share] =
-            shape.n_with_evidence.map(share);
-        // In the order of [`NODE_VALUES`]; the compiler counts them.
-        [
-            single::ln(n_points),
-            log_seen_area,
-            over_expected,
-            range_m,
-            length_m,
-            width_m,
-            height_m,
-            center_above_m - 0.5 * height_m,
-            center_above_m + 0.5 * height_m,
-            mean_height_m,
-            height_deviation_m,
-            above[0],
-            above[1],
-            above[2],
-            above[3],
-            view_cosine,
-            shape.n_cells as f32 * CELL_M * CELL_M / ((length_m + CELL_M) * (width_m + CELL_M)),
-            shape.hull.len() as f32,
+            shape.n_with_evidence.map(|n| n as f32 / n_points);
+        // In the order of [`NODE_VALUES`] from [`LEVEL`] on; the compiler counts them.
+        let others: [f32; N_NODE_VALUES - LEVEL] = [
             f32::from(node.level),
             f32::from(node.joined_at),
             f32::from(node.n_cuts),
@@ -340,13 +198,14 @@ impl NodeDescriber {
             cells_around.ground_before_share,
             cells_around.ground_behind_share,
             cells_around.tall_share,
-        ]
+        ];
+        std::array::from_fn(|idx| own.get(idx).copied().unwrap_or_else(|| others[idx - LEVEL]))
     }
 
     /// With what a node would be grouped: its share of that, its length and width, what it is joined at, and the logarithm
     /// of its points.
     fn whole(&self, tree: &GroupingTree, node: &Node) -> [f32; 5] {
-        let whole = node.parent.map(|it| (&tree.nodes()[it as usize], &self.shapes[it as usize]));
+        let whole = node.parent.map(|it| (&tree.nodes()[it as usize], self.shapes.of_node(it)));
         let of_whole = |axis: usize| {
             let size_m = |it: &OrientedBox| it.length_width_height_m[axis].min(LARGEST_WHOLE_M);
             whole.map_or(0.0, |(_, it)| it.bounding_box.as_ref().map_or(LARGEST_WHOLE_M, size_m))
@@ -359,6 +218,38 @@ impl NodeDescriber {
             whole.map_or(0.0, |(it, _)| single::ln(it.statistics.n_points as f32)),
         ]
     }
+}
+
+/// The values of a node by itself: those before [`LEVEL`], in their order; the compiler counts them.
+fn own_values(node: &Node, shape: &Shape, ground_m: f32, n_points_of_scan: usize) -> [f32; LEVEL] {
+    let bounding_box = shape.bounding_box.expect("only such are described");
+    let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
+    let n_points = node.statistics.n_points as f32;
+    let [mean_height_m, height_deviation_m] = heights(&node.statistics);
+    let center_above_m = bounding_box.center_m[2] - ground_m;
+    let [log_seen_area, over_expected, range_m, view_cosine] =
+        seen(&bounding_box, n_points, n_points_of_scan);
+    let above = node.statistics.n_above.map(|n| n as f32 / n_points);
+    [
+        single::ln(n_points),
+        log_seen_area,
+        over_expected,
+        range_m,
+        length_m,
+        width_m,
+        height_m,
+        center_above_m - 0.5 * height_m,
+        center_above_m + 0.5 * height_m,
+        mean_height_m,
+        height_deviation_m,
+        above[0],
+        above[1],
+        above[2],
+        above[3],
+        view_cosine,
+        shape.n_cells as f32 * CELL_M * CELL_M / ((length_m + CELL_M) * (width_m + CELL_M)),
+        shape.hull.len() as f32,
+    ]
 }
 
 /// The mean height of points above the ground, and the standard deviation.
@@ -404,6 +295,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::describe::surroundings::ObjectRaster;
     use crate::group::drawn_trees::{DrawnGroups, corner_m, groups_of, groups_over};
     use crate::params::HierarchicalParams;
     use crate::point_cloud::PointCloud;
@@ -416,7 +308,7 @@ mod tests {
         let scene =
             NodeScene { grid, terrain, candidates, dense, raster: Some(&raster), classes, walls, n_points };
         let mut describer = NodeDescriber::default();
-        describer.describe(tree, &scene, (&HierarchicalParams::shipped().grouping.bounds, min_points));
+        describer.describe(tree, &scene, &HierarchicalParams::shipped().grouping.bounds, min_points);
         describer.described().to_vec()
     }
 

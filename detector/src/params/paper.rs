@@ -6,9 +6,9 @@ use super::bounds::{HIERARCHICAL_BOUNDS, check_bounds};
 use super::{HierarchicalParams, ParamsError};
 use crate::grid::hierarchical_grid::GridParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
+use crate::segment::dense_separation::DenseSeparationParams;
 use crate::segment::ground_segmentation::GroundSegmentationParams;
 use crate::segment::hough_lines::HoughParams;
-use crate::segment::separation_params::DenseSeparationParams;
 use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 

@@ -23,7 +23,8 @@ pub struct TrainingBag {
 /// take part; the weights are the same to the bit with any number of them.
 pub fn learn_class_weights(
     bags: &[TrainingBag],
-    (n_classes, n_columns): (usize, usize),
+    n_classes: usize,
+    n_columns: usize,
     params: &WeightParams,
 ) -> Vec<ClassWeights> {
     // For each column the numbers of all classes, then the offsets.
@@ -36,7 +37,7 @@ pub fn learn_class_weights(
         of_weights: vec![0.0; n_weights],
     };
     for step in 0..params.n_steps {
-        slopes.fill(&descent.weights, bags, (n_classes, params.penalty));
+        slopes.fill(&descent.weights, bags, n_classes, params.penalty);
         let left = 1.0 - step as f64 / params.n_steps as f64;
         descent.step(&slopes.of_weights, step, params.step_size * left);
     }
@@ -117,7 +118,7 @@ struct Slopes {
 
 impl Slopes {
     /// Every thread adds up whole columns, each in the order of the bags, so that the number of threads changes nothing.
-    fn fill(&mut self, weights: &[f64], bags: &[TrainingBag], (n_classes, penalty): (usize, f64)) {
+    fn fill(&mut self, weights: &[f64], bags: &[TrainingBag], n_classes: usize, penalty: f64) {
         let Self { by_column, excess, of_weights } = self;
         let n_of_columns = weights.len() - n_classes;
         let (of_columns, offsets) = weights.split_at(n_of_columns);
@@ -191,7 +192,7 @@ mod tests {
             bag(1, &[(1, 1.0)]),
         ];
         let params = WeightParams { penalty: 1e-3, n_steps: 400, step_size: 0.1 };
-        let [first, second] = learn_class_weights(&bags, (2, 3), &params).try_into().unwrap();
+        let [first, second] = learn_class_weights(&bags, 2, 3, &params).try_into().unwrap();
         assert!(first.of_columns[0] > 1.0 && first.of_columns[1] < -1.0, "{first:?}");
         assert!(first.of_columns[2].abs() < 0.01 && first.offset.abs() < 0.01, "{first:?}");
         assert!((first.of_columns[0] + second.of_columns[0]).abs() < 1e-4, "{second:?}");
@@ -208,7 +209,7 @@ mod tests {
         let params = WeightParams { penalty: 1e-3, n_steps: 20, step_size: 0.1 };
         let learned = |n_threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-            pool.install(|| learn_class_weights(&bags, (3, 312), &params))
+            pool.install(|| learn_class_weights(&bags, 3, 312, &params))
         };
         assert_eq!(learned(1), learned(5));
         assert!(learned(1)[0].of_columns.iter().any(|it| it.abs() > 0.1));
@@ -217,7 +218,7 @@ mod tests {
     #[test]
     fn without_bags_nothing_is_learned() {
         let params = WeightParams { penalty: 0.0, n_steps: 5, step_size: 0.1 };
-        let weights = learn_class_weights(&[], (2, 1), &params);
+        let weights = learn_class_weights(&[], 2, 1, &params);
         assert_eq!(weights, vec![ClassWeights { offset: 0.0, of_columns: vec![0.0] }; 2]);
     }
 }

@@ -71,8 +71,14 @@ impl KeypointDescriber {
         };
         described.keypoints.clear();
         described.keypoints.extend(keypoints.point_indices().iter().map(|&point_idx| {
-            let of_stages = (surface, keypoint_params, descriptor);
-            let descriptor = patches.describe(around, surfaces.surfaces(), point_idx, of_stages);
+            let descriptor = patches.describe(
+                around,
+                surfaces.surfaces(),
+                point_idx,
+                surface,
+                keypoint_params,
+                descriptor,
+            );
             DescribedKeypoint { position_m: around.points_m()[point_idx as usize], descriptor }
         }));
         described

@@ -26,7 +26,9 @@ use super::patterns::{LabeledKeypoint, N_VERTICES, Patterns};
 /// let params = PartialParams::of_paper();
 /// let clouds: Vec<TrainingCloud> = objects
 ///     .iter()
-///     .map(|(class_idx, points_m, object_idx)| TrainingCloud::described(points_m.iter().copied(), *class_idx, (*object_idx, 0), &params))
+///     .map(|(class_idx, points_m, object_idx)| {
+///         TrainingCloud::described(points_m.iter().copied(), *class_idx, *object_idx, 0, &params)
+///     })
 ///     .collect();
 /// let made = Provenance { command: "an example".into(), data: vec![], seed: 1, split: "none".into() };
 /// let classes = ["line".to_owned(), "sheet".to_owned()];
@@ -85,7 +87,7 @@ impl PartialClassifier {
             let label = labeler.label_of(&it.descriptor);
             LabeledKeypoint { position_m: it.position_m, label }
         }));
-        self.patterns.fill(&self.keypoints, (&described.extents, &described.shape), &params.patterns);
+        self.patterns.fill(&self.keypoints, &described.extents, &described.shape, &params.patterns);
         vocabulary.fill_bag(self.patterns.patterns(), &params.bag, &mut self.bag);
         let by = DecidedBy { params: &params.decision, rejected_idx: self.rejected_idx, choice: self.choice };
         decision.judge(&self.bag, self.keypoints.len(), &by, &mut self.judgement);

@@ -113,8 +113,7 @@ impl PartialModel {
         }
         let labeler = labeler_of(&file, params.labels.n_labels)?;
         let vocabulary = vocabulary_of(&file)?;
-        let decision =
-            decision_of(&file, &params, (n_classes, &center_classes), vocabulary.patterns().len())?;
+        let decision = decision_of(&file, &params, n_classes, &center_classes, vocabulary.patterns().len())?;
         Ok(Self { made: file.made().clone(), params, classes, labeler, vocabulary, decision })
     }
 }
@@ -142,7 +141,8 @@ fn vocabulary_of(file: &ModelFile) -> Result<Vocabulary, ModelFileError> {
 fn decision_of(
     file: &ModelFile,
     params: &PartialParams,
-    (n_classes, center_classes): (usize, &[usize]),
+    n_classes: usize,
+    center_classes: &[usize],
     n_columns: usize,
 ) -> Result<Decision, ModelFileError> {
     let n_weights = match params.decision.rule {

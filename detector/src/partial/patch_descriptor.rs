@@ -63,7 +63,9 @@ impl PatchDescriber {
         around: &Neighborhoods,
         surfaces: &[LocalSurface],
         point_idx: u32,
-        (surface, keypoint, params): (&SurfaceParams, &KeypointParams, &DescriptorParams),
+        surface: &SurfaceParams,
+        keypoint: &KeypointParams,
+        params: &DescriptorParams,
     ) -> Descriptor {
         let center_m = around.points_m()[point_idx as usize];
         let cosine = self.normal_cosine(
@@ -157,8 +159,8 @@ mod tests {
         let mut surfaces = LocalSurfaces::default();
         surfaces.fill(&around, &surface);
         let mut describer = PatchDescriber::default();
-        let of_stages = (&surface, &keypoint, &params);
-        let mut describe = |it: u32| describer.describe(&around, surfaces.surfaces(), it, of_stages);
+        let mut describe =
+            |it: u32| describer.describe(&around, surfaces.surfaces(), it, &surface, &keypoint, &params);
         (0..).zip(around.points_m()).map(|(it, at_m)| (dot(*at_m, *at_m), describe(it))).collect()
     }
 

@@ -129,7 +129,8 @@ impl Patterns {
     pub fn fill(
         &mut self,
         keypoints: &[LabeledKeypoint],
-        (extents, shape): (&SeenExtents, &ShapeStatistics),
+        extents: &SeenExtents,
+        shape: &ShapeStatistics,
         params: &PatternParams,
     ) {
         self.graphs.clear();
@@ -300,7 +301,7 @@ mod tests {
     #[track_caller]
     fn check(keypoints: &[LabeledKeypoint], kind: PatternKind, expected: &[[u8; 6]]) {
         let mut patterns = Patterns::default();
-        patterns.fill(keypoints, (&SeenExtents::default(), &ShapeStatistics::default()), &params(kind));
+        patterns.fill(keypoints, &SeenExtents::default(), &ShapeStatistics::default(), &params(kind));
         let found: Vec<[u8; 6]> = patterns
             .patterns()
             .iter()
@@ -325,7 +326,8 @@ mod tests {
         let mut patterns = Patterns::default();
         patterns.fill(
             &row,
-            (&SeenExtents::default(), &ShapeStatistics::default()),
+            &SeenExtents::default(),
+            &ShapeStatistics::default(),
             &params(PatternKind::Graph),
         );
         assert_eq!(patterns.graphs()[0], [0, 1, 2, 3]);
@@ -355,11 +357,12 @@ mod tests {
         };
         patterns.fill(
             &[keypoint(0.0, 5.0, 2)],
-            (&SeenExtents::default(), &ShapeStatistics::default()),
+            &SeenExtents::default(),
+            &ShapeStatistics::default(),
             &nothing,
         );
         assert_eq!(patterns.patterns(), [Pattern::new(PatternKind::Graph, [ANY, ANY], [2, 255, 255, 255])]);
-        patterns.fill(&[], (&SeenExtents::default(), &ShapeStatistics::default()), &nothing);
+        patterns.fill(&[], &SeenExtents::default(), &ShapeStatistics::default(), &nothing);
         assert_eq!(patterns.patterns(), []);
     }
 
@@ -378,7 +381,8 @@ mod tests {
         let mut patterns = Patterns::default();
         patterns.fill(
             &[keypoint(0.0, 0.0, 9)],
-            (&extents, &ShapeStatistics::default()),
+            &extents,
+            &ShapeStatistics::default(),
             &params(PatternKind::Extents),
         );
         let labels: Vec<[u8; 3]> = patterns
@@ -391,7 +395,7 @@ mod tests {
             .collect();
         assert_eq!(labels, [[0, 0, 1], [1, 1, 2], [2, 1, 1], [3, 2, 1]]);
         assert_eq!(patterns.patterns()[0].kind_number(), 3);
-        patterns.fill(&[], (&extents, &ShapeStatistics::default()), &params(PatternKind::Extents));
+        patterns.fill(&[], &extents, &ShapeStatistics::default(), &params(PatternKind::Extents));
         assert!(patterns.patterns().is_empty());
     }
 
@@ -405,7 +409,7 @@ mod tests {
         shape.slices[2].share = 1.5;
         shape.slices[5].share = 2.5;
         let mut patterns = Patterns::default();
-        patterns.fill(&[keypoint(0.0, 0.0, 9)], (&extents, &shape), &params);
+        patterns.fill(&[keypoint(0.0, 0.0, 9)], &extents, &shape, &params);
         assert_eq!(patterns.patterns().len(), 18 * 3);
         let numbers = |it: usize| patterns.patterns()[it].0.to_be_bytes();
         // The top, the length and the width exceed 6, 5 and 3 edges.
@@ -422,7 +426,7 @@ mod tests {
         // Shares of the first and the last slice, and the top; of the third, the fifth and the last.
         assert_eq!(numbers(3 * 16), [0, 4, 2, 255, 48, 0, 0, 255]);
         assert_eq!(numbers(3 * 17 + 2), [0, 4, 1, 255, 53, 1, 0, 255]);
-        patterns.fill(&[], (&extents, &shape), &params);
+        patterns.fill(&[], &extents, &shape, &params);
         assert!(patterns.patterns().is_empty());
     }
 }

@@ -36,7 +36,8 @@ impl TrainingCloud {
     pub fn described(
         positions_m: impl Iterator<Item = [f32; 3]>,
         class_idx: usize,
-        (object_idx, part): (usize, usize),
+        object_idx: usize,
+        part: usize,
         params: &PartialParams,
     ) -> Self {
         let described = KeypointDescriber::default().describe(positions_m, params).clone();
@@ -140,7 +141,7 @@ fn patterns_of(clouds: &[&TrainingCloud], labeler: &Labeler, params: &PartialPar
             .iter()
             .map(|it| LabeledKeypoint { position_m: it.position_m, label: labeler.label_of(&it.descriptor) });
         let DescribedCloud { extents, shape, .. } = &cloud.described;
-        patterns.fill(&labeled.collect::<Vec<_>>(), (extents, shape), &params.patterns);
+        patterns.fill(&labeled.collect::<Vec<_>>(), extents, shape, &params.patterns);
         patterns.patterns().to_vec()
     };
     clouds.par_iter().map_init(Patterns::default, of_cloud).collect()
@@ -190,7 +191,7 @@ impl Learner<'_> {
             DecisionRule::Nearest => Vec::new(),
             DecisionRule::Weighted => {
                 let bags = self.training_bags(cloud_indices);
-                learn_class_weights(&bags, (self.n_classes, self.n_columns), &self.params.decision.weights)
+                learn_class_weights(&bags, self.n_classes, self.n_columns, &self.params.decision.weights)
             }
         };
         Decision {

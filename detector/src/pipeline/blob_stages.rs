@@ -1,10 +1,8 @@
 //! From the foreground to objects with boxes, by the cells that they lie in.
 
 use crate::detector::{DetectorOutput, DropReason, DroppedCluster};
-use crate::drawn::cut_borders::cut_borders;
+use crate::drawn::blobs::{cut_borders, merge_graph, object_cells};
 use crate::drawn::fitted_boxes::fitted_boxes;
-use crate::drawn::merge_graph::merge_graph;
-use crate::drawn::object_cells::object_cells;
 use crate::drawn::point_clusters::point_clusters;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::outline::Outline;
@@ -42,8 +40,7 @@ impl Stage for DenseSeparation {
         self.separate(grid, dense, links);
         object_of_dense.clear();
         object_of_dense.extend_from_slice(self.object_of_dense());
-        let objects = (&object_of_dense[..], self.n_parts());
-        object_points.fill(cloud, foreground.point_indices(), dense, objects);
+        object_points.fill(cloud, foreground.point_indices(), dense, object_of_dense, self.n_parts());
     }
 
     fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {

@@ -6,7 +6,7 @@ use crate::drawn::groups::{candidate_classes, smallest_groups};
 use crate::grid::hierarchical_grid::GridParams;
 use crate::group::leaf_cuts::{LeafCuts, LeafCutsParams};
 use crate::group::linkage::LinkedScan;
-use crate::group::node_values::NodeScene;
+use crate::group::node_shapes::NodeScene;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::{cells_and_walls, fill_grid, ground};
 use crate::pipeline::frame::{Frame, Groups};
@@ -124,6 +124,6 @@ fn description(params: &HierarchicalParams) -> impl Stage + use<> {
         let raster = surroundings.then_some(&raster);
         let n_points = cloud.len();
         let scene = NodeScene { grid, terrain, candidates, dense, raster, classes, walls, n_points };
-        describer.describe(tree, &scene, (&bounds, min_points));
+        describer.describe(tree, &scene, &bounds, min_points);
     }
 }

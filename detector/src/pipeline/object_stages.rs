@@ -24,14 +24,19 @@ use crate::stage_product::StageProduct;
 use crate::whole::box_model::BoxModel;
 use crate::whole::reported_boxes::ReportedBoxes;
 
-/// Classes, completion and reported boxes. `model` classifies vehicles; without one, their size does. Whole boxes come from
-/// `box_model`, or from the model of the program if there is none.
-pub fn object_stages(
-    params: &HierarchicalParams,
-    (model, box_model): (Option<VehicleModel>, Option<Arc<BoxModel>>),
-) -> Stages {
+/// The models of detectors that look at objects with boxes.
+#[derive(Debug, Clone, Default)]
+pub struct ObjectModels {
+    /// Classifies vehicles; without it, their size does.
+    pub vehicles: Option<VehicleModel>,
+    /// Makes whole boxes; without it, the model of the program does.
+    pub boxes: Option<Arc<BoxModel>>,
+}
+
+/// Classes, completion and reported boxes.
+pub fn object_stages(params: &HierarchicalParams, models: ObjectModels) -> Stages {
     let mut stages = Stages::default();
-    if let Some(model) = model {
+    if let Some(model) = models.vehicles {
         let (bounds, cluster) = (params.vehicle_bounds, params.cluster.clone());
         let model = model.within(bounds);
         let raster = ObjectRaster::new(params.grid.extent_m);
@@ -39,7 +44,7 @@ pub fn object_stages(
             .then(stage::FEATURES, Features { model: model.clone(), bounds, raster })
             .then(stage::CLASSIFICATION, Decisions { model, bounds, cluster });
     }
-    stages.and(completion_stages(params, box_model))
+    stages.and(completion_stages(params, models.boxes))
 }
 
 /// The last two of them.

@@ -162,7 +162,7 @@ impl Stage for GroupBoxes {
     fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
         let Frame { groups: Groups { candidates, dense, tree, taken, low_iou, points, .. }, fitted, .. } =
             frame;
-        points.fill(cloud, candidates, (dense, tree), taken.iter().copied());
+        points.fill(cloud, candidates, dense, tree, taken.iter().copied());
         fitted.clear();
         for (group, &node_idx) in taken.iter().enumerate() {
             let positions_m = points.positions_m(group);

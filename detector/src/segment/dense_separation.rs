@@ -1,12 +1,27 @@
 //! Blobs of several objects, cut where their dense cells are empty.
 
+use serde::Deserialize;
+
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::segment::dense_level::DenseLevel;
 use crate::segment::dense_reach::DenseReach;
 use crate::segment::disjoint_sets::DisjointSets;
 use crate::segment::expected_density::ExpectedDensity;
-use crate::segment::separation_params::DenseSeparationParams;
+
+/// Tuning of [`DenseSeparation::separate`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DenseSeparationParams {
+    /// Whether blobs are cut at all; otherwise each stays one object, as a grid without dense cells leaves it.
+    pub enabled: bool,
+    /// A dense cell with less than this share of the points it could be expected to hold is near-empty.
+    pub low_density_share: f32,
+    /// What upright objects hold, as a multiple of what all points together put into a dense cell at their range.
+    pub object_density_ratio: f32,
+    /// Where all points together put this many into a dense cell, a single empty dense cell separates.
+    pub single_gap_points: f32,
+}
 
 /// Decides for every dense cell which object it belongs to.
 ///
@@ -42,7 +57,8 @@ impl DenseSeparation {
     pub fn new(params: DenseSeparationParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
         Self {
             expected: ExpectedDensity::new(
-                (params.object_density_ratio, params.single_gap_points),
+                params.object_density_ratio,
+                params.single_gap_points,
                 grid,
                 weighting,
             ),

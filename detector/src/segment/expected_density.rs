@@ -28,7 +28,8 @@ impl ExpectedDensity {
     /// Of dense cells of grids of the geometry `grid`. Upright objects hold `object_density_ratio` times what all points
     /// together put into a dense cell at their range; where that is `single_gap_points`, a single empty dense cell is a gap.
     pub fn new(
-        (object_density_ratio, single_gap_points): (f32, f32),
+        object_density_ratio: f32,
+        single_gap_points: f32,
         grid: &GridParams,
         weighting: &DensityWeighting,
     ) -> Self {

@@ -40,7 +40,8 @@ impl ObjectPoints {
         cloud: &PointCloud,
         point_indices: &[u32],
         dense: &DenseLevel,
-        (object_of_dense, n_objects): (&[u32], usize),
+        object_of_dense: &[u32],
+        n_objects: usize,
     ) {
         self.order_objects(dense, object_of_dense, n_objects);
         let nowhere = ObjectPoint { position_m: [0.0; 3], dense_idx: 0 };

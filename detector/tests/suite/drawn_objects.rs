@@ -61,7 +61,7 @@ pub fn drawn_model(params: &PartialParams) -> PartialModel {
     let clouds: Vec<TrainingCloud> = objects
         .map(|(class_idx, object_idx)| {
             let positions_m = drawn_object(class_idx, 400, object_idx as u64);
-            TrainingCloud::described(positions_m.into_iter(), class_idx, (object_idx, 0), params)
+            TrainingCloud::described(positions_m.into_iter(), class_idx, object_idx, 0, params)
         })
         .collect();
     train(&CLASSES.map(str::to_owned), &clouds, params, Provenance::default())

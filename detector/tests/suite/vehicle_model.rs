@@ -4,9 +4,8 @@ use detector::classify::paper_model::PaperModel;
 use detector::params::HierarchicalParams;
 use detector::pipeline::paper_detector::paper;
 use detector::pipeline::stage_list::Pipeline;
-use detector::stage;
 use detector::stage_product::{Shape, StageProduct};
-use detector::{DetectedClass, Detector, DetectorOutput, PointCloud};
+use detector::{DetectedClass, Detector, DetectorOutput, PointCloud, stage};
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M};
 use crate::same_as_reference::beyond_papers;

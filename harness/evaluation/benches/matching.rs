@@ -16,7 +16,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::task::Task;
-use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use scans::annotation::{Annotation, LabeledScan, ScanId};
 use scans::dataset::AnnotatedClasses;
 
 const N_ANNOTATIONS: usize = 200;
@@ -98,14 +98,8 @@ fn drawn(scene: Scene) -> (LabeledScan, Detections) {
                 let [dx_m, dy_m] = [0, 1].map(|_| rng.random_range(-0.6_f32..0.6));
                 cloud.push([at_m[0] + dx_m, at_m[1] + dy_m, rng.random_range(-1.6..-0.2)], 0.0);
             }
-            Annotation {
-                class: AnnotationClass::Car,
-                bounding_box: Some(bounding_box),
-                point_indices: (first..first + 60).collect(),
-                track: None,
-                occlusion: None,
-                truncation: None,
-            }
+            let (bounding_box, point_indices) = (Some(bounding_box), (first..first + 60).collect());
+            Annotation { bounding_box, point_indices, ..Annotation::of(AnnotationClass::Car) }
         })
         .collect();
     let n_object_points = cloud.len();
@@ -127,13 +121,6 @@ fn drawn(scene: Scene) -> (LabeledScan, Detections) {
         let (class, score) = (DetectedClass::Vehicle, Some(rng.random_range(0.0..0.1)));
         detections.push(Detection::new(&point_indices, bounding_box, class, score));
     }
-    let scan = LabeledScan {
-        id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-        annotations,
-        point_regions: vec![PointRegion::Labeled; cloud.len()],
-        labeled_area: LabeledArea::Everywhere,
-        points_left_out: Vec::new(),
-        cloud,
-    };
-    (scan, detections)
+    let id = ScanId { sequence: "drawn".to_owned(), index: 0 };
+    (LabeledScan::everywhere(id, cloud, annotations), detections)
 }

@@ -25,7 +25,7 @@ use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::extent::OVERALL;
 use reports::vocabulary::protocol::Protocol;
 use reports::vocabulary::task::Task;
-use scans::annotation::{Annotation, LabeledArea, LabeledScan, ScanId};
+use scans::annotation::{Annotation, LabeledScan, ScanId};
 use scans::dataset::official::OfficialObject;
 
 const N_SCANS: u32 = 6_019;
@@ -128,28 +128,14 @@ fn drawn(scan: u32) -> (LabeledScan, Vec<OfficialObject>) {
         let score = Some(rng.random_range(0.0..1.0) * if index < N_LABELS { 1.0 } else { 0.5 });
         objects.push(OfficialObject { score, ..OfficialObject::new(class.name(), &pose, [4.0, 2.0, 1.5]) });
     }
-    let scan = LabeledScan {
-        id: ScanId { sequence: format!("{:04}", scan * N_DRIVES / N_SCANS), index: scan },
-        cloud: PointCloud::default(),
-        annotations,
-        point_regions: Vec::new(),
-        labeled_area: LabeledArea::Everywhere,
-        points_left_out: Vec::new(),
-    };
-    (scan, objects)
+    let id = ScanId { sequence: format!("{:04}", scan * N_DRIVES / N_SCANS), index: scan };
+    (LabeledScan::everywhere(id, PointCloud::default(), annotations), objects)
 }
 
 fn annotation(class: AnnotationClass, [x_m, y_m]: [f32; 2]) -> Annotation {
     let bounding_box =
         OrientedBox { center_m: [x_m, y_m, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.3 };
-    Annotation {
-        class,
-        bounding_box: Some(bounding_box),
-        point_indices: vec![0],
-        track: None,
-        occlusion: None,
-        truncation: None,
-    }
+    Annotation { bounding_box: Some(bounding_box), point_indices: vec![0], ..Annotation::of(class) }
 }
 
 /// The most memory that this process ever held; 0 where the system does not report it.

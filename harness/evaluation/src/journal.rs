@@ -87,7 +87,8 @@ impl Journal {
     /// [`JournalError`] if the file is of something else than `identity`, in use, or cannot be written.
     pub fn open<Entry: DeserializeOwned>(
         path: &Path,
-        (kind, identity): (JournalKind, &JournalIdentity),
+        kind: JournalKind,
+        identity: &JournalIdentity,
         other: OtherJournal,
         on_entry: impl FnMut(Entry),
     ) -> Result<Self, JournalError> {
@@ -194,7 +195,7 @@ fn differences(head: &[u8], identity: &JournalIdentity) -> Option<Vec<String>> {
     const MOST: usize = 6;
     let found: JournalIdentity = serde_json::from_slice(head).ok()?;
     let mut names = Vec::new();
-    add_differences("", (&found, identity), &mut names);
+    add_differences("", &found, identity, &mut names);
     if names.len() > MOST {
         names.truncate(MOST);
         names.push("…".to_owned());
@@ -202,12 +203,12 @@ fn differences(head: &[u8], identity: &JournalIdentity) -> Option<Vec<String>> {
     Some(names)
 }
 
-fn add_differences(table: &str, (one, other): (&JournalIdentity, &JournalIdentity), names: &mut Vec<String>) {
+fn add_differences(table: &str, one: &JournalIdentity, other: &JournalIdentity, names: &mut Vec<String>) {
     let keys: BTreeSet<&String> = one.keys().chain(other.keys()).collect();
     for key in keys {
         match (one.get(key), other.get(key)) {
             (Some(Value::Object(one)), Some(Value::Object(other))) => {
-                add_differences(&format!("{table}{key}."), (one, other), names);
+                add_differences(&format!("{table}{key}."), one, other, names);
             }
             (one, other) if one != other => names.push(format!("{table}{key}")),
             _ => {}
@@ -255,8 +256,7 @@ mod tests {
 
     fn open_or(path: &Path, seed: u64, other: OtherJournal) -> Result<(Journal, Vec<String>), JournalError> {
         let mut entries = Vec::new();
-        let identity = ("sweep", &identity(seed));
-        let journal = Journal::open(path, identity, other, |it| entries.push(it))?;
+        let journal = Journal::open(path, "sweep", &identity(seed), other, |it| entries.push(it))?;
         Ok((journal, entries))
     }
 

@@ -5,34 +5,24 @@ use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::fit::outline_box::{OutlineBox, box_along};
 use detector::fit::principal_axes_box::principal_axes_box;
 use detector::portable_math::single::sin_cos;
+use reports::vocabulary::named::named;
 
-/// A way to fit a box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ObjectBox {
-    /// Closest to the convex hull, as the hierarchical detector does it (VM section 4).
-    ConvexHull,
-    /// Along the principal axes, as its rival does it (VM section 1, \[5\]).
-    PrincipalAxes,
-    /// Closest to all points, in steps of a degree (Zhang et al. 2017, *Efficient L-shape fitting for vehicle detection*).
-    Closeness,
-    /// Along the outline that the sensor sees, as `hierarchical` does it.
-    Outline,
+named! {
+    /// A way to fit a box: the paper's and its rival's first.
+    pub enum ObjectBox {
+        /// Closest to the convex hull, as the hierarchical detector does it (VM section 4).
+        ConvexHull = "hull box",
+        /// Along the principal axes, as its rival does it (VM section 1, \[5\]).
+        PrincipalAxes = "PCA box",
+        /// Closest to all points, in steps of a degree (Zhang et al. 2017, *Efficient L-shape fitting for vehicle
+        /// detection*).
+        Closeness = "closeness box",
+        /// Along the outline that the sensor sees, as `hierarchical` does it.
+        Outline = "outline box",
+    }
 }
 
 impl ObjectBox {
-    /// All of them: the paper's and its rival's first.
-    pub const ALL: [Self; 4] = [Self::ConvexHull, Self::PrincipalAxes, Self::Closeness, Self::Outline];
-
-    /// The name used in files and on screens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::ConvexHull => "hull box",
-            Self::PrincipalAxes => "PCA box",
-            Self::Closeness => "closeness box",
-            Self::Outline => "outline box",
-        }
-    }
-
     /// The box around finite points. `None` without points.
     pub fn around(self, positions_m: &[[f32; 3]]) -> Option<OrientedBox> {
         match self {

@@ -72,18 +72,7 @@ const SMALL: BodyStyle = BodyStyle {
 /// What stands in the streets of a European town: mostly small cars.
 pub const EUROPEAN: [BodyStyle; 6] = [
     // Small hatchback.
-    BodyStyle {
-        percent: 34,
-        length_m: 3.5..4.0,
-        height_m: 1.42..1.55,
-        width_m: 1.58..1.68,
-        windscreen_foot: 0.25,
-        roof_front: 0.43,
-        roof_rear: 0.89,
-        rear_window_foot: 0.99,
-        tail: 0.98,
-        ..SMALL
-    },
+    BodyStyle { percent: 34, ..SMALL },
     // Hatchback.
     BodyStyle {
         percent: 26,
@@ -93,8 +82,6 @@ pub const EUROPEAN: [BodyStyle; 6] = [
         windscreen_foot: 0.27,
         roof_front: 0.44,
         roof_rear: 0.88,
-        rear_window_foot: 0.99,
-        tail: 0.98,
         ..SMALL
     },
     // Saloon.
@@ -107,7 +94,6 @@ pub const EUROPEAN: [BodyStyle; 6] = [
         roof_front: 0.44,
         roof_rear: 0.70,
         rear_window_foot: 0.85,
-        tail: 0.98,
         ..SMALL
     },
     // Estate.

@@ -5,13 +5,12 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::facade::{FacadePattern, PlacedFacade};
-use super::furniture_shape;
 use super::material::Material;
 use super::roadside::{Roadside, Side};
 use super::scene::{Leaf, LeafForm};
 use super::solid::Solid;
-use super::vegetation_shape;
 use super::world::{World, rotation_from_axes};
+use super::{furniture_shape, vegetation_shape};
 
 /// How closely a roadside is built up.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -42,9 +42,9 @@ pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Worl
     for side in [Side::Left, Side::Right] {
         let [main, crossing] = [&plans.main, &plans.crossing].map(|plan| plan.roadside(side));
         let along_main = [plans.crossed_at_m, crossing.kerb_m, crossing.building_line_m];
-        furnish(&mut world, &plans.main, (side, conditions.avenue), along_main, rng);
+        furnish(&mut world, &plans.main, side, conditions.avenue, along_main, rng);
         let along_crossing = [0.0, main.kerb_m, main.building_line_m + CORNER_HOUSE_M];
-        furnish(&mut world, &plans.crossing, (side, conditions.avenue), along_crossing, rng);
+        furnish(&mut world, &plans.crossing, side, conditions.avenue, along_crossing, rng);
     }
     corner_posts(&mut world, &plans, rng);
     traffic(&mut world, &plans, rng);
@@ -102,7 +102,8 @@ fn ground(plans: &Plans, conditions: &StreetConditions, rng: &mut ChaCha8Rng) ->
 fn furnish(
     world: &mut World,
     plan: &RoadPlan,
-    (side, avenue): (Side, bool),
+    side: Side,
+    avenue: bool,
     [middle_m, kerb_m, houses_m]: [f32; 3],
     rng: &mut ChaCha8Rng,
 ) {

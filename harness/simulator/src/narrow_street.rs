@@ -30,7 +30,7 @@ pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Wor
     let (ground, ego) = (ground(&plan, conditions, rng), plan.drive(0.0, speed_m_per_s));
     let mut world = World::new(ground, ego, DRIVE_DURATION_S, conditions.vehicle_mix());
     for side in [Side::Left, Side::Right] {
-        furnish(&mut world, &plan, (side, conditions.avenue), rng);
+        furnish(&mut world, &plan, side, conditions.avenue, rng);
     }
     traffic(&mut world, &plan, rng);
     world
@@ -56,7 +56,7 @@ fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) 
     plan.ground(shape, conditions, rng)
 }
 
-fn furnish(world: &mut World, plan: &RoadPlan, (side, avenue): (Side, bool), rng: &mut ChaCha8Rng) {
+fn furnish(world: &mut World, plan: &RoadPlan, side: Side, avenue: bool, rng: &mut ChaCha8Rng) {
     let roadside = plan.roadside(side);
     let parked = ParkedRowParams {
         parking: plan.parking(side),

@@ -4,6 +4,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume as _};
 use parry3d::math::Pose;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::named::named;
 
 use super::furniture_shape::{bin, sign};
 use super::object_shape::ObjectShape;
@@ -12,46 +13,31 @@ use super::staged_scene::{StagedObject, on_the_road};
 use super::vehicle_shape::car;
 use super::world::sine_and_cosine;
 
-/// What stands next to each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum PairKind {
-    /// Two cars, bumper to bumper.
-    Cars,
-    /// A car and a person, at its side or at one of its ends.
-    CarAndPedestrian,
-    /// Two people.
-    Pedestrians,
-    /// A car and a traffic sign.
-    CarAndSign,
-    /// A car and a bin.
-    CarAndBin,
-}
+named! {
+    /// What stands next to each other.
+    pub enum PairKind {
+        /// Two cars, bumper to bumper.
+        Cars = "cars",
+        /// A car and a person, at its side or at one of its ends.
+        CarAndPedestrian = "car-pedestrian",
+        /// Two people.
+        Pedestrians = "pedestrians",
+        /// A car and a traffic sign.
+        CarAndSign = "car-sign",
+        /// A car and a bin.
+        CarAndBin = "car-bin",
+    }
 
-/// How a pair stands as the sensor sees it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum PairLayout {
-    /// Side by side: the sensor looks into the gap.
-    Beside,
-    /// One behind the other: the sensor looks across the gap.
-    Behind,
+    /// How a pair stands as the sensor sees it.
+    pub enum PairLayout {
+        /// Side by side: the sensor looks into the gap.
+        Beside = "beside",
+        /// One behind the other: the sensor looks across the gap.
+        Behind = "behind",
+    }
 }
 
 impl PairKind {
-    /// All kinds, in the order of tables and pictures.
-    pub const ALL: [Self; 5] =
-        [Self::Cars, Self::CarAndPedestrian, Self::Pedestrians, Self::CarAndSign, Self::CarAndBin];
-
-    /// The name used in files and on screens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Cars => "cars",
-            Self::CarAndPedestrian => "car-pedestrian",
-            Self::Pedestrians => "pedestrians",
-            Self::CarAndSign => "car-sign",
-            Self::CarAndBin => "car-bin",
-        }
-    }
-
     fn shapes(self, rng: &mut ChaCha8Rng) -> [ObjectShape; 2] {
         let person = |rng: &mut ChaCha8Rng| pedestrian(&any_build(rng), 0.0);
         match self {
@@ -60,19 +46,6 @@ impl PairKind {
             Self::Pedestrians => [person(rng), person(rng)],
             Self::CarAndSign => [car(rng), sign(rng)],
             Self::CarAndBin => [car(rng), bin(rng)],
-        }
-    }
-}
-
-impl PairLayout {
-    /// Both layouts, in the order of tables and pictures.
-    pub const ALL: [Self; 2] = [Self::Beside, Self::Behind];
-
-    /// The name used in files and on screens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Beside => "beside",
-            Self::Behind => "behind",
         }
     }
 }

@@ -3,12 +3,10 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::furniture_shape;
 use super::object_shape::ObjectShape;
-use super::person_shape;
 use super::roadside::Roadside;
-use super::vegetation_shape;
 use super::world::World;
+use super::{furniture_shape, person_shape, vegetation_shape};
 
 /// How a pavement is furnished.
 #[derive(Debug, Clone, Copy, PartialEq)]

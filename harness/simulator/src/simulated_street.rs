@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use reports::vocabulary::named::named;
 use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use scans::dataset::checksum::sha256;
 use scans::dataset::simulation::Simulation;
@@ -46,24 +47,15 @@ pub struct StreetDrive {
     pub labeled_to_either_side_deg: Option<f32>,
 }
 
-/// How a scan is taken.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Shutter {
-    /// All at once, as in recordings whose motion was compensated.
-    #[default]
-    Instant,
-    /// Beam by beam, while car and street move on.
-    Rolling,
-}
-
-impl Shutter {
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Instant => "instant",
-            Self::Rolling => "rolling",
-        }
+named! {
+    /// How a scan is taken.
+    #[derive(Default)]
+    pub enum Shutter {
+        /// All at once, as in recordings whose motion was compensated.
+        #[default]
+        Instant = "instant",
+        /// Beam by beam, while car and street move on.
+        Rolling = "rolling",
     }
 }
 

@@ -7,6 +7,7 @@ use std::time::Duration;
 use parry3d::math::{Pose, Vector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::named::named;
 use scans::annotation::{Annotation, LabeledScan, ScanId};
 
 use super::intersection::intersection;
@@ -27,33 +28,19 @@ use super::world::{Motion, World, world_from_placement};
 /// Bumped whenever the same street, seed and sensor give other scans.
 pub const SIMULATOR_VERSION: u32 = 2;
 
-/// The kinds of streets there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-pub enum StreetKind {
-    /// Traffic both ways, parked rows, pavements with trees, houses on both sides.
-    #[serde(rename = "street-main-road")]
-    MainRoad,
-    /// One way between close houses, parked rows, slim pavements.
-    #[serde(rename = "street-narrow")]
-    NarrowStreet,
-    /// Two roads that cross; vehicles wait on one of them.
-    #[serde(rename = "street-intersection")]
-    Intersection,
+named! {
+    /// The kinds of streets there are.
+    pub enum StreetKind {
+        /// Traffic both ways, parked rows, pavements with trees, houses on both sides.
+        MainRoad = "street-main-road",
+        /// One way between close houses, parked rows, slim pavements.
+        NarrowStreet = "street-narrow",
+        /// Two roads that cross; vehicles wait on one of them.
+        Intersection = "street-intersection",
+    }
 }
 
 impl StreetKind {
-    /// All kinds, in the order in which tables list them.
-    pub const ALL: [Self; 3] = [Self::MainRoad, Self::NarrowStreet, Self::Intersection];
-
-    /// The name used on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::MainRoad => "street-main-road",
-            Self::NarrowStreet => "street-narrow",
-            Self::Intersection => "street-intersection",
-        }
-    }
-
     /// The beginning of the names of its drives.
     fn sequence_prefix(self) -> &'static str {
         self.name().trim_start_matches("street-")

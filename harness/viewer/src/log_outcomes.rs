@@ -4,15 +4,18 @@ use std::collections::BTreeSet;
 
 use detector::detection::SeenOfVehicle;
 use detector::{Detection, Detections, OrientedBox};
+use evaluation::matching::mistake::{Mistake, MistakeKind};
 use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
-use re_sdk_types::components::Radius;
+use re_sdk_types::archetypes::TextLog;
+use re_sdk_types::components::{Radius, TextLogLevel};
+use reports::vocabulary::task::Task;
 use rerun::{EntityPath, RecordingStream};
 use scans::annotation::LabeledScan;
 
-use super::error::StreamError;
-use super::legend::OutcomeLayer;
-use super::log_scan::drawn_box;
-use super::{archetypes, entity_paths, recording};
+use crate::error::StreamError;
+use crate::legend::OutcomeLayer;
+use crate::log_scan::drawn_box;
+use crate::{archetypes, entity_paths, legend, palette, recording};
 
 /// A box of a layer and what is written beside it.
 struct LabeledBox {
@@ -137,4 +140,28 @@ fn line_radius_px(layer: OutcomeLayer) -> f32 {
         // So thin that it does not fill the gaps between the dashes of the detection that found it.
         OutcomeLayer::Found => 0.35,
     }
+}
+
+/// Logs a line for each of the `mistakes` of `detector` at the current time.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_mistakes(
+    stream: &RecordingStream,
+    detector: &str,
+    task: Task,
+    mistakes: &[Mistake],
+) -> Result<(), StreamError> {
+    for mistake in mistakes {
+        let (level, color) = match mistake.kind {
+            MistakeKind::Missed => ("MISSED", palette::MISSED),
+            MistakeKind::False => ("FALSE", palette::FALSE),
+        };
+        let line = TextLog::new(mistake.text.as_str())
+            .with_level(TextLogLevel::from(level))
+            .with_color(legend::rgba(color));
+        recording::log(stream, entity_paths::mistakes(detector, task), &line)?;
+    }
+    Ok(())
 }

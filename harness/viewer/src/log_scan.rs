@@ -2,15 +2,17 @@
 
 use detector::{OrientedBox, PointCloud};
 use evaluation::run::scan_recorder::Mark;
-use re_sdk_types::archetypes::Arrows3D;
+use nalgebra::Isometry3;
+use re_sdk_types::archetypes::{Arrows3D, Clear, LineStrips3D, Transform3D};
 use re_sdk_types::components::Radius;
+use re_sdk_types::datatypes::Quaternion;
 use rerun::RecordingStream;
 use scans::annotation::Annotation;
 
-use super::drawn_points::DrawnPoints;
-use super::error::StreamError;
-use super::scan_views::ScanView;
-use super::{archetypes, entity_paths, legend, palette, recording};
+use crate::drawn_points::DrawnPoints;
+use crate::error::StreamError;
+use crate::scan_views::ScanView;
+use crate::{archetypes, entity_paths, legend, palette, recording};
 
 /// Radius of a point, in pixels of a screen of normal density.
 const POINT_RADIUS_PX: f32 = 1.1;
@@ -94,4 +96,29 @@ pub fn drawn_box(annotation: &Annotation, cloud: &PointCloud) -> Option<Oriented
         yaw_rad: 0.0,
     };
     around.length_width_height_m.iter().all(|side_m| side_m.is_finite()).then_some(around)
+}
+
+/// Logs the pose of the sensor at the current time, and where it was lately; where it is not known the frame of the sensor
+/// is the world's.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_pose(
+    stream: &RecordingStream,
+    world_from_sensor: Option<&Isometry3<f64>>,
+    drive_m: &[[f32; 3]],
+) -> Result<(), StreamError> {
+    let Some(pose) = world_from_sensor else {
+        recording::log(stream, entity_paths::DRIVE, &Clear::flat())?;
+        return recording::log(stream, entity_paths::SENSOR, &Clear::flat());
+    };
+    let position_m: [f32; 3] = pose.translation.vector.cast::<f32>().into();
+    let turn: [f32; 4] = pose.rotation.coords.cast::<f32>().into();
+    let transform = Transform3D::from_translation_rotation(position_m, Quaternion::from_xyzw(turn));
+    recording::log(stream, entity_paths::SENSOR, &transform)?;
+    let drive = LineStrips3D::new([drive_m])
+        .with_radii([Radius::new_ui_points(1.5)])
+        .with_colors([legend::rgba(palette::SKY_BLUE)]);
+    recording::log(stream, entity_paths::DRIVE, &drive)
 }

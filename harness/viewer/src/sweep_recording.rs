@@ -36,7 +36,8 @@ const SWEEP_RRD: &str = "sweep.rrd";
 /// If the scan cannot be read or the file not be written.
 pub fn record_sweep(
     directory: &RunDirectory,
-    (plan, swept): (&SweepPlan, &SweptDataset<'_>),
+    plan: &SweepPlan,
+    swept: &SweptDataset<'_>,
     scores: &SweepScores,
 ) -> Result<(), RecordingError> {
     let description = swept.dataset.description();
@@ -85,7 +86,7 @@ pub fn record_sweep(
             let detector = entrant.begin(description);
             let of_detector = there.iter().filter(|it| it.subject.detector == entrant.name);
             let f_rates = of_detector.map(|it| it.counts.f_rate());
-            look_again(&mut stream, (&scan, description), detector, &config.matching, f_rates)?;
+            look_again(&mut stream, &scan, description, detector, &config.matching, f_rates)?;
         }
     }
     stream.finish()?;
@@ -96,7 +97,8 @@ pub fn record_sweep(
 /// tasks.
 fn look_again(
     stream: &mut Stream,
-    (scan, dataset): (&LabeledScan, &DatasetDescription),
+    scan: &LabeledScan,
+    dataset: &DatasetDescription,
     mut detector: Box<dyn RunningDetector>,
     matching: &MatchingParams,
     f_rates: impl Iterator<Item = Option<f64>>,

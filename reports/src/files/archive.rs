@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 /// Version of the layout of `report.json`, `manifest.json` and the CSV files; raised when a reader of the old layout
 /// would misread the new one.
@@ -72,6 +72,11 @@ pub enum ArchiveError {
         /// The columns of the file.
         found: String,
     },
+}
+
+/// The content of a JSON file that people read, too.
+pub fn pretty_json(value: &(impl Serialize + ?Sized)) -> String {
+    serde_json::to_string_pretty(value).expect("keys are text and numbers finite") + "\n"
 }
 
 /// Reads a JSON file whose top level says under `schema` which layout it has.

@@ -16,7 +16,17 @@ pub fn percent(share: f64) -> String {
     fixed_decimals(100.0 * share, 1)
 }
 
-/// The same with its sign, such as `+12.5`.
+/// `value` with `decimals` decimals; a dash where there is none.
+pub fn decimals_or_dash(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, decimals))
+}
+
+/// A share in percent with one decimal; a dash where there is none.
+pub fn percent_or_dash(share: Option<f64>) -> String {
+    decimals_or_dash(share.map(|it| 100.0 * it), 1)
+}
+
+/// A share in percent with its sign, such as `+12.5`.
 pub fn signed_percent(share: f64) -> String {
     format!("{}{}", if share > 0.0 { "+" } else { "" }, percent(share))
 }

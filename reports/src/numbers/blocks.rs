@@ -44,7 +44,7 @@ impl DriveSecond {
 
     /// What scan number `scan` of `drive` belongs to, as far as is known: `block` is what has been said about it, `time_s`
     /// when it was taken.
-    pub fn of_scan((drive, scan): (&str, u32), block: Option<&str>, time_s: Option<f64>) -> Self {
+    pub fn of_scan(drive: &str, scan: u32, block: Option<&str>, time_s: Option<f64>) -> Self {
         match (block, time_s) {
             (_, Some(time_s)) => Self::of(block.unwrap_or(drive), time_s),
             (Some(block), None) => Self { drive: block.to_owned(), part: DrivePart::Whole },
@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn scans_without_times_stand_alone_and_decide_nothing() {
-        let alone = |n: u32| (0..n).map(|scan| DriveSecond::of_scan(("training", scan), None, None));
+        let alone = |n: u32| (0..n).map(|scan| DriveSecond::of_scan("training", scan, None, None));
         let many = Blocks::of(alone(30));
         check(&many, 30, BlockKind::Scans);
         assert!(many.count().decide_nothing() && !many.count().are_too_few());
@@ -332,7 +332,7 @@ mod tests {
         let named = |n: u32, n_blocks: u32| {
             let block = move |scan: u32| format!("block {}", scan % n_blocks);
             Blocks::of(
-                (0..n).map(move |scan| DriveSecond::of_scan(("training", scan), Some(&block(scan)), None)),
+                (0..n).map(move |scan| DriveSecond::of_scan("training", scan, Some(&block(scan)), None)),
             )
         };
         check(&named(30, 4), 4, BlockKind::Named);
@@ -340,7 +340,7 @@ mod tests {
         assert_eq!([4, 12].map(|it| named(30, it).count().decide_nothing()), [true, false]);
         // A drive of its own with a time is a drive, as that of a raw scan.
         let raw =
-            |scan: u32| DriveSecond::of_scan(("training", scan), Some("0005"), Some(f64::from(scan) / 10.0));
+            |scan: u32| DriveSecond::of_scan("training", scan, Some("0005"), Some(f64::from(scan) / 10.0));
         check(&Blocks::of((0..25).map(raw)), 3, BlockKind::Seconds);
     }
 

@@ -10,6 +10,7 @@ pub(crate) mod times;
 pub mod average_precision;
 pub mod precision_recall_row;
 pub mod pools;
+pub(crate) mod gathered;
 pub mod tally;
 pub(crate) mod number_record;
 pub mod run_report;

@@ -31,7 +31,7 @@ pub(crate) struct NumberRecord {
 
 impl NumberRecord {
     /// `value`, made of `n`, in `unit`.
-    pub(crate) fn new(value: Option<f64>, (unit, direction): (&str, Direction), n: u64) -> Self {
+    pub(crate) fn new(value: Option<f64>, unit: &str, direction: Direction, n: u64) -> Self {
         Self {
             value,
             unit: unit.to_owned(),

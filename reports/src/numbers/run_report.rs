@@ -248,7 +248,7 @@ impl From<MetricRow> for RowRecord {
             detector,
             slice,
             metric: row.metric.id(),
-            number: NumberRecord::new(row.value, (row.metric.unit(), row.metric.direction()), row.n)
+            number: NumberRecord::new(row.value, row.metric.unit(), row.metric.direction(), row.n)
                 .within(row.interval, row.metric.caveat(row.n)),
         }
     }

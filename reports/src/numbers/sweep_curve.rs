@@ -1,54 +1,81 @@
 //! The points of a sweep as curves over its first parameter.
 
-use crate::numbers::sweep_score::{SweepScore, SweepScores, SweepTime};
+use crate::numbers::sweep_score::{SweepScore, SweepScores, SweepSubject, SweepTime};
 use crate::vocabulary::extent::Extent;
 
-/// What one detector reaches in one task over the values of the first parameter, all others being the same.
+/// What is reached over the values of the first parameter, all others being the same.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SweepCurve<'a> {
+pub struct Curve<'a, T> {
     /// The other swept parameters, as `name = value`.
     pub others: Vec<String>,
-    /// One for each value of the first parameter.
-    pub points: Vec<CurvePoint<'a>>,
+    /// One for each value of the first parameter, at least one.
+    pub points: Vec<CurvePoint<'a, T>>,
 }
 
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurvePoint<'a> {
+pub struct CurvePoint<'a, T> {
     /// The value of the first parameter as a number; its index among the values if one of these is none.
     pub x: f64,
     /// The value as it is written.
     pub x_text: &'a str,
-    /// What was reached.
-    pub score: &'a SweepScore,
-    /// How long it took.
-    pub time: Option<&'a SweepTime>,
+    /// What is reached.
+    pub reached: T,
+}
+
+/// What one detector reaches in one task.
+pub type SweepCurve<'a> = Curve<'a, &'a SweepScore>;
+
+impl<T: Copy> Curve<'_, T> {
+    /// What is reached at the first point.
+    pub fn first(&self) -> T {
+        self.points[0].reached
+    }
+
+    /// `name` with the other swept parameters behind it.
+    pub(crate) fn named(&self, name: &str) -> String {
+        [&[name.to_owned()], &self.others[..]].concat().join(", ")
+    }
+}
+
+/// What is reached at points of a sweep as curves, in the order of their first points. With it come the values of the first
+/// `n_swept` of `parameters` and what tells curves apart beside these.
+pub(crate) fn curves<'a, T, K: PartialEq>(
+    parameters: &[String],
+    n_swept: usize,
+    reached: impl Iterator<Item = (&'a [String], K, T)> + Clone,
+) -> Vec<Curve<'a, T>> {
+    let is_numeric = reached.clone().all(|(values, ..)| number(&values[0]).is_some());
+    let (mut keys, mut curves) = (Vec::new(), Vec::<Curve<'_, T>>::new());
+    for (values, key, reached) in reached {
+        let swept = parameters.iter().zip(values).take(n_swept).skip(1);
+        let others: Vec<String> = swept.map(|(name, value)| format!("{} = {value}", short(name))).collect();
+        let index = curves.iter().zip(&keys).position(|(curve, it)| *it == key && curve.others == others);
+        let index = index.unwrap_or_else(|| {
+            keys.push(key);
+            curves.push(Curve { others, points: Vec::new() });
+            curves.len() - 1
+        });
+        let (x_text, points) = (values[0].as_str(), &mut curves[index].points);
+        let x = number(x_text).filter(|_| is_numeric).unwrap_or(points.len() as f64);
+        points.push(CurvePoint { x, x_text, reached });
+    }
+    curves
 }
 
 impl SweepScores {
     /// The curves of all extents, detectors and tasks, in this order.
     pub fn curves(&self) -> Vec<SweepCurve<'_>> {
-        let is_numeric = self.scores.iter().all(|it| number(&it.subject.values[0]).is_some());
-        let mut curves: Vec<SweepCurve<'_>> = Vec::new();
-        for score in &self.scores {
-            let others = other_values((&self.parameters, self.n_swept), &score.subject.values);
-            let fits = |curve: &SweepCurve<'_>| {
-                let first = curve.points[0].score;
-                curve.others == others
-                    && first.task == score.task
-                    && first.subject.detector == score.subject.detector
-                    && first.subject.extent == score.subject.extent
-            };
-            let index = curves.iter().position(fits).unwrap_or_else(|| {
-                curves.push(SweepCurve { others, points: Vec::new() });
-                curves.len() - 1
-            });
-            let x_text = score.subject.values[0].as_str();
-            let x = number(x_text).filter(|_| is_numeric).unwrap_or(curves[index].points.len() as f64);
-            let time = self.times.iter().find(|it| it.subject == score.subject);
-            curves[index].points.push(CurvePoint { x, x_text, score, time });
-        }
-        curves
+        let scores = self.scores.iter().map(|it| {
+            let subject = &it.subject;
+            (&subject.values[..], (&subject.extent, &subject.detector, it.task), it)
+        });
+        curves(&self.parameters, self.n_swept, scores)
+    }
+
+    /// How long it took to find what was found there; `None` where nothing was timed.
+    pub fn time_of(&self, subject: &SweepSubject) -> Option<&SweepTime> {
+        self.times.iter().find(|it| it.subject == *subject)
     }
 
     /// The extents, in the order of the rows.
@@ -75,14 +102,8 @@ pub(crate) fn axis_title(parameters: &[String]) -> String {
     with_unit.unwrap_or_else(|| name.replace('_', " "))
 }
 
-/// The values of all of the first `n_swept` of `parameters` but the first, as `name = value`.
-pub(crate) fn other_values((parameters, n_swept): (&[String], usize), values: &[String]) -> Vec<String> {
-    let swept = parameters.iter().zip(values).take(n_swept).skip(1);
-    swept.map(|(name, value)| format!("{} = {value}", short(name))).collect()
-}
-
 /// The number that a value is; `None` of a word.
-pub(crate) fn number(text: &str) -> Option<f64> {
+fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|it: &f64| it.is_finite())
 }
 
@@ -94,13 +115,13 @@ fn short(name: &str) -> &str {
 impl SweepCurve<'_> {
     /// Index of the point with the highest rate, the first of several.
     pub fn best(&self) -> Option<usize> {
-        highest(self.points.iter().map(|it| it.score.rate()))
+        highest(self.points.iter().map(|it| it.reached.rate()))
     }
 
     /// Whether every point has cells, not all of one size.
     pub fn sweeps_cells(&self) -> bool {
         let sizes: Option<Vec<f64>> =
-            self.points.iter().map(|it| it.score.cells.as_ref().map(|it| it.cell_size_m)).collect();
+            self.points.iter().map(|it| it.reached.cells.as_ref().map(|it| it.cell_size_m)).collect();
         sizes.is_some_and(|sizes| sizes.iter().any(|it| *it != sizes[0]))
     }
 }
@@ -130,7 +151,7 @@ mod tests {
         assert_eq!(curves.len(), 2);
         let xs: Vec<f64> = curves[0].points.iter().map(|it| it.x).collect();
         assert_eq!(xs, [0.2, 0.4, 0.6]);
-        assert!(curves[0].points.iter().all(|it| it.time.is_some()));
+        assert!(curves[0].points.iter().all(|it| sweep.time_of(&it.reached.subject).is_some()));
         // The first of two that are equally good.
         assert_eq!((curves[0].best(), curves[0].sweeps_cells()), (Some(1), true));
         assert_eq!(sweep.axis_title(), "cell size (m)");

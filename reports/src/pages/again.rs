@@ -20,26 +20,14 @@ pub(super) struct Made<'a> {
 impl<'a> Made<'a> {
     /// A run.
     pub(super) fn run(it: &'a Manifest) -> Self {
-        let note = format!("scoring version {}", it.scoring_version);
-        Self {
-            argv: &it.argv,
-            version: &it.scanbench_version,
-            created: &it.created,
-            git: it.git.as_ref(),
-            note,
-        }
+        let Manifest { argv, scanbench_version: version, created, git, scoring_version, .. } = it;
+        Self { argv, version, created, git: git.as_ref(), note: format!("scoring version {scoring_version}") }
     }
 
     /// A result of `scanbench partial`.
     pub(super) fn partial(it: &'a PartialManifest) -> Self {
-        let note = "partial clouds".to_owned();
-        Self {
-            argv: &it.argv,
-            version: &it.scanbench_version,
-            created: &it.created,
-            git: it.git.as_ref(),
-            note,
-        }
+        let PartialManifest { argv, scanbench_version: version, created, git, .. } = it;
+        Self { argv, version, created, git: git.as_ref(), note: "partial clouds".to_owned() }
     }
 
     /// The command for whoever has the program, the same for whoever has the source, and what to cite.
@@ -84,6 +72,7 @@ impl<'a> Made<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
     use crate::run_folder::partial_manifest::tests::manifest;
 
     #[test]
@@ -95,8 +84,7 @@ mod tests {
         let command = "<code>scanbench partial 'it'\\''s &lt;here&gt;'</code>";
         assert!(text.contains(command) && text.contains("git checkout f00d"), "{text}");
         let bibtex = made.bibtex();
-        for part in ["version = {0.1.0}", "urldate = {2026-01-01}", "year    = {2026}", "commit f00d}"] {
-            assert!(bibtex.contains(part), "no {part} in {bibtex}");
-        }
+        let parts = ["version = {0.1.0}", "urldate = {2026-01-01}", "year    = {2026}", "commit f00d}"];
+        check_holds(&bibtex, &parts);
     }
 }

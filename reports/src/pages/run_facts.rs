@@ -142,9 +142,7 @@ impl RunFacts {
             // Every task has a row about the same detection.
             let is_first = *first_task.get_or_insert(row.task) == row.task;
             if let Some(reason) = row.numbers().and_then(|it| it.failure.clone()) {
-                let scan =
-                    ScanName { dataset: row.dataset.clone(), sequence: row.sequence.clone(), scan: row.scan };
-                failures.entry(row.detector.clone()).or_insert((scan, reason));
+                failures.entry(row.detector.clone()).or_insert_with(|| (row.scan_name(), reason));
             }
             let is_timed = is_first && manifest.is_of_like_processors();
             let pool_idx = pools.iter().position(|it| it.datasets.contains(&row.dataset));
@@ -167,7 +165,7 @@ impl RunFacts {
             reasons.add_match(&row);
         })?;
         let draws = tally.draw();
-        let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, (&tally, &draws), &report);
+        let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, &tally, &draws, &report);
         let agreement = agreement_of(directory)?;
         let standings = standings(&tally, &manifest, &report);
         Ok(Self {
@@ -232,7 +230,8 @@ impl PoolFacts {
     fn of(
         pool: Pool,
         mut times_ms: Vec<(String, Vec<f64>)>,
-        (tally, draws): (&Tally, &[Draw]),
+        tally: &Tally,
+        draws: &[Draw],
         report: &RunReport,
     ) -> Self {
         for (_, times) in &mut times_ms {
@@ -240,8 +239,7 @@ impl PoolFacts {
         }
         let detectors: Vec<String> = times_ms.iter().map(|(name, _)| name.clone()).collect();
         let indices = tally.datasets_in(pool.extent.name()).into_iter();
-        let ranges =
-            tally.tasks().iter().filter_map(|it| task_ranges((tally, draws), &pool, *it, &detectors));
+        let ranges = tally.tasks().iter().filter_map(|it| task_ranges(tally, draws, &pool, *it, &detectors));
         Self {
             blocks: indices.map(|it| draws[it].blocks()).reduce(BlockCount::with),
             ranges: ranges.collect(),
@@ -263,7 +261,8 @@ impl PoolFacts {
 }
 
 fn task_ranges(
-    (tally, draws): (&Tally, &[Draw]),
+    tally: &Tally,
+    draws: &[Draw],
     pool: &Pool,
     task: Task,
     detectors: &[String],

@@ -70,21 +70,7 @@ impl SweepPage {
                     div.verdict { @for text in best.lines() { p { (text) } } }
                 }
             }
-            @for (number, (beginning, title, about)) in PLOTS.iter().enumerate() {
-                @let of_kind: Vec<_> = plots.iter().filter(|(name, _)| name.starts_with(beginning)).collect();
-                @if !of_kind.is_empty() {
-                    section #{ "plots-" (number) } aria-label=(title) {
-                        h2 { (title) }
-                        @for (name, svg) in of_kind {
-                            @if is_whole(svg) {
-                                (wide_picture(name, svg, &html! { (about) " " code { (name) } }))
-                            } @else {
-                                p { (name) " is damaged." }
-                            }
-                        }
-                    }
-                }
-            }
+            (sections_of_plots(&plots))
             section #table aria-label="All numbers" {
                 h2 { "All numbers" }
                 details { summary { "sweep.csv" } (scores.markup(SWEEP_CSV)) }
@@ -112,6 +98,27 @@ impl SweepPage {
     /// [`ArchiveError::Write`] if it cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), ArchiveError> {
         write_whole(&directory.join(REPORT_HTML), self.html.as_bytes())
+    }
+}
+
+/// A section for each kind of plots, given by their names and contents.
+fn sections_of_plots(plots: &[(String, String)]) -> Markup {
+    html! {
+        @for (number, (beginning, title, about)) in PLOTS.iter().enumerate() {
+            @let of_kind: Vec<_> = plots.iter().filter(|(name, _)| name.starts_with(beginning)).collect();
+            @if !of_kind.is_empty() {
+                section #{ "plots-" (number) } aria-label=(title) {
+                    h2 { (title) }
+                    @for (name, svg) in of_kind {
+                        @if is_whole(svg) {
+                            (wide_picture(name, svg, &html! { (about) " " code { (name) } }))
+                        } @else {
+                            p { (name) " is damaged." }
+                        }
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -14,8 +14,7 @@ use crate::verdicts::standing::origin_of_run;
 use crate::verdicts::times_doubt::times_doubts;
 
 pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
-    let times = TimesTable::new(&facts.report, &facts.manifest);
-    let sheet = times.sheet();
+    let sheet = TimesTable::new(&facts.report, &facts.manifest).sheet();
     let origin = origin_of_run(&facts.manifest).name();
     let stages = facts.pools.iter().flat_map(|it| {
         let [_, on] = facts.of_pool(&it.pool);

@@ -118,7 +118,7 @@ pub fn read_peer_rows(
             }
         };
         let answer = Answer { predicted, errors: [None; 5], chances: [None; 5] };
-        rows.push(part.predicted_by((method, ELSEWHERE), &answer));
+        rows.push(part.predicted_by(method, ELSEWHERE, &answer));
     }
     Ok(rows)
 }

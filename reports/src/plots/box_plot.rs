@@ -32,12 +32,12 @@ fn row(lines: &[BoxErrorLine], error: BoxError) -> Vec<Panel> {
     let greatest = numbers.map(|it| it.within.map_or(it.value, |it| it.ends[1])).fold(0.0_f64, f64::max);
     let panel_by = |by: &str| {
         let of_panel: Vec<&BoxErrorLine> = of_error().filter(|it| it.by == by).collect();
-        panel(&of_panel, (error, by), 1.05 * greatest.max(1e-3))
+        panel(&of_panel, error, by, 1.05 * greatest.max(1e-3))
     };
     DRAWN.map(panel_by).into()
 }
 
-fn panel(lines: &[&BoxErrorLine], (error, by): (BoxError, &str), top: f64) -> Panel {
+fn panel(lines: &[&BoxErrorLine], error: BoxError, by: &str, top: f64) -> Panel {
     let Some(first) = lines.first() else { return Panel::default() };
     let mut marks = Vec::new();
     for series in 0..first.fits.len() {

@@ -14,8 +14,8 @@ use crate::vocabulary::extent::Extent;
 pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
     let curves: Vec<_> = curves_of(sweep, extent).into_iter().filter(SweepCurve::sweeps_cells).collect();
     let first = curves.first()?;
-    let best = first.best().map(|best| (&first.points[best], first.points[best].score));
-    let n_readings = first.points[0].score.cells.as_ref().map_or(0, |it| it.readings.len());
+    let best = first.best().map(|best| (&first.points[best], first.points[best].reached));
+    let n_readings = first.first().cells.as_ref().map_or(0, |it| it.readings.len());
     let panels = (0..n_readings).map(|reading_idx| {
         let mut series: Vec<Series> = Vec::new();
         for curve in &curves {
@@ -23,8 +23,8 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
                 readings(curve, reading_idx).map(|(x, it)| fitness_position(x, it)).collect();
             // Tasks, and parameters that are none of the grid's, have the same cells.
             if series.iter().all(|it| it.positions != positions) {
-                let subject = &curve.points[0].score.subject;
-                let name = [vec![subject.detector.clone()], curve.others.clone()].concat().join(", ");
+                let subject = &curve.first().subject;
+                let name = curve.named(&subject.detector);
                 series.push(Series { name, positions });
             }
         }
@@ -67,7 +67,7 @@ fn readings<'a>(
     curve: &'a SweepCurve<'_>,
     reading_idx: usize,
 ) -> impl Iterator<Item = (f64, &'a FitnessValue)> {
-    curve.points.iter().filter_map(move |it| Some((it.x, &it.score.cells.as_ref()?.readings[reading_idx])))
+    curve.points.iter().filter_map(move |it| Some((it.x, &it.reached.cells.as_ref()?.readings[reading_idx])))
 }
 
 fn fitness_position(x: f64, value: &FitnessValue) -> Option<Position> {

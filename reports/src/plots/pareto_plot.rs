@@ -13,22 +13,24 @@ use crate::vocabulary::task::Task;
 /// and better than. A panel for each task. `None` if nothing was timed.
 pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
     let curves = curves_of(sweep, extent);
-    let tasks: BTreeSet<Task> = curves.iter().map(|it| it.points[0].score.task).collect();
+    let tasks: BTreeSet<Task> = curves.iter().map(|it| it.first().task).collect();
     let mut panels = Vec::new();
     for task in tasks {
-        let of_task: Vec<_> = curves.iter().filter(|it| it.points[0].score.task == task).collect();
+        let of_task: Vec<_> = curves.iter().filter(|it| it.first().task == task).collect();
         let mut detectors: Vec<&str> = Vec::new();
         let mut points: Vec<(f64, f64, usize, String)> = Vec::new();
         for curve in &of_task {
-            let detector = curve.points[0].score.subject.detector.as_str();
+            let detector = curve.first().subject.detector.as_str();
             let detector_idx = detectors.iter().position(|it| *it == detector).unwrap_or_else(|| {
                 detectors.push(detector);
                 detectors.len() - 1
             });
             for point in &curve.points {
-                let Some((time, rate)) = point.time.zip(point.score.rate()) else { continue };
-                let text = [vec![point.x_text.to_owned()], curve.others.clone()].concat().join(", ");
-                points.push((time.typical_ms, 100.0 * rate, detector_idx, text));
+                let Some((time, rate)) = sweep.time_of(&point.reached.subject).zip(point.reached.rate())
+                else {
+                    continue;
+                };
+                points.push((time.typical_ms, 100.0 * rate, detector_idx, curve.named(point.x_text)));
             }
         }
         if points.is_empty() {
@@ -51,7 +53,7 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
             series: series.collect(),
             notes,
             thread: front.iter().map(|&it| (points[it].0, points[it].1)).collect(),
-            ..CurvePanel::over(x_title, format!("{} (%)", of_task[0].points[0].score.rate_name()))
+            ..CurvePanel::over(x_title, format!("{} (%)", of_task[0].first().rate_name()))
         });
     }
     let title = format!("{}. Ring and {}: Pareto front", heading(&curves), sweep.axis_title());

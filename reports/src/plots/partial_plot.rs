@@ -91,20 +91,14 @@ fn positions(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::texts::check_holds;
     use crate::partial_study::partial_curves::tests::rows;
-
-    #[track_caller]
-    fn check(svg: &str, parts: &[&str]) {
-        for part in parts {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
-    }
 
     #[test]
     fn every_class_has_a_panel_and_every_axis_a_unit() {
         let curves = PartialCurve::all(&rows());
         let errors = partial_error_plot(&curves[0], "Errors (simulated)").svg();
-        check(
+        check_holds(
             &errors,
             &[
                 "objects that are: tree",
@@ -115,11 +109,11 @@ mod tests {
                 "Errors (simulated)",
             ],
         );
-        check(
+        check_holds(
             &partial_accuracy_plot(&curves, "Accuracy").svg(),
             &["mean of recalls (%)", "street from below"],
         );
-        check(
+        check_holds(
             &partial_calibration_plot(&curves, "Calibration").svg(),
             &["chance of the predicted class (%)"],
         );

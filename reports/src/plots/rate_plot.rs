@@ -4,7 +4,7 @@ use super::curve_panels::{CurvePanel, curve_figure};
 use super::series::{Position, Series};
 use super::sweep_panels::{about_bars, add_series, curves_of, heading, words};
 use crate::numbers::sweep_curve::CurvePoint;
-use crate::numbers::sweep_score::SweepScores;
+use crate::numbers::sweep_score::{SweepScore, SweepScores};
 use crate::vocabulary::extent::Extent;
 
 /// The rates of `extent` over the first parameter, in percent with 95 % intervals: a panel for each task and each
@@ -13,19 +13,19 @@ use crate::vocabulary::extent::Extent;
 /// Paper: HG Fig. 6 b.
 pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
     let mut curves = curves_of(sweep, extent);
-    curves.sort_by_key(|it| it.points[0].score.task);
+    curves.sort_by_key(|it| it.first().task);
     let mut panels = Vec::new();
     for curve in &curves {
-        let first = curve.points[0].score;
+        let first = curve.first();
         let panel = CurvePanel {
-            title: [vec![first.task.name().to_owned()], curve.others.clone()].concat().join(", "),
+            title: curve.named(first.task.name()),
             x_words: words(curve.points.iter().map(|it| it.x_text)),
             ..CurvePanel::over(sweep.axis_title(), format!("{} (%)", first.rate_name()))
         };
-        let position = |it: &CurvePoint<'_>| {
+        let position = |it: &CurvePoint<'_, &SweepScore>| {
             let percent = |it: f64| 100.0 * it;
-            let within = it.score.rate_within().map(|it| it.map(percent));
-            Some(Position { x: it.x, y: percent(it.score.rate()?), within })
+            let within = it.reached.rate_within().map(|it| it.map(percent));
+            Some(Position { x: it.x, y: percent(it.reached.rate()?), within })
         };
         let positions = curve.points.iter().map(position).collect();
         let best = curve.best().map(|it| (it, curve.points[it].x_text));

@@ -36,7 +36,8 @@ impl SvgBackend<'_> {
     fn element(
         &mut self,
         name: &str,
-        (paint, color): (Paint, BackendColor),
+        paint: Paint,
+        color: BackendColor,
         attributes: &Attributes<'_>,
         content: Option<&str>,
     ) -> Written {
@@ -92,7 +93,7 @@ impl DrawingBackend for SvgBackend<'_> {
         let (stroke, opacity) = (hex(color.rgb.into()), color.alpha);
         let style: &Attributes<'_> = &[("opacity", &opacity), ("stroke", &stroke), ("stroke-width", &width)];
         let ends: &Attributes<'_> = &[("x1", &from.0), ("y1", &from.1), ("x2", &to.0), ("y2", &to.1)];
-        self.element("line", (Paint::Stroke, color), &[style, ends].concat(), None)
+        self.element("line", Paint::Stroke, color, &[style, ends].concat(), None)
     }
 
     fn draw_rect<S: BackendStyle>(
@@ -106,7 +107,7 @@ impl DrawingBackend for SvgBackend<'_> {
         let (width, height, opacity) = (right - left, bottom - top, style.color().alpha);
         let position: &Attributes<'_> = &[("x", &left), ("y", &top), ("width", &width), ("height", &height)];
         let style_of: &Attributes<'_> = &[("opacity", &opacity), ("fill", &fill), ("stroke", &stroke)];
-        self.element("rect", (painted, style.color()), &[position, style_of].concat(), None)
+        self.element("rect", painted, style.color(), &[position, style_of].concat(), None)
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
@@ -125,7 +126,7 @@ impl DrawingBackend for SvgBackend<'_> {
             ("stroke-width", &width),
             ("points", &points),
         ];
-        self.element("polyline", (Paint::Stroke, color), attributes, None)
+        self.element("polyline", Paint::Stroke, color, attributes, None)
     }
 
     fn draw_circle<S: BackendStyle>(
@@ -139,7 +140,7 @@ impl DrawingBackend for SvgBackend<'_> {
         let (opacity, width) = (style.color().alpha, style.stroke_width());
         let position: &Attributes<'_> = &[("cx", &x), ("cy", &y), ("r", &radius_px), ("opacity", &opacity)];
         let style_of: &Attributes<'_> = &[("fill", &fill), ("stroke", &stroke), ("stroke-width", &width)];
-        self.element("circle", (painted, style.color()), &[position, style_of].concat(), None)
+        self.element("circle", painted, style.color(), &[position, style_of].concat(), None)
     }
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Written {
@@ -166,6 +167,6 @@ impl DrawingBackend for SvgBackend<'_> {
         if matches!(style.transform(), FontTransform::Rotate270) {
             attributes.push(("transform", &turned));
         }
-        self.element("text", (Paint::Fill, color), &attributes, Some(text))
+        self.element("text", Paint::Fill, color, &attributes, Some(text))
     }
 }

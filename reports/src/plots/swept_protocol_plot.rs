@@ -3,11 +3,10 @@
 use super::curve_panels::{CurvePanel, curve_figure};
 use super::series::{Position, Series};
 use super::sweep_panels::{add_series, words};
-use crate::numbers::sweep_curve::axis_title;
-use crate::protocols::swept_number_curves::{NumberCurve, NumberPoint};
-use crate::protocols::swept_numbers::SweptNumbers;
+use crate::numbers::sweep_curve::{CurvePoint, axis_title};
+use crate::protocols::swept_number_curves::NumberCurve;
+use crate::protocols::swept_numbers::{SweptNumber, SweptNumbers};
 use crate::vocabulary::extent::Extent;
-use crate::vocabulary::origin::Origin;
 use crate::vocabulary::protocol::Protocol;
 
 /// The principal numbers under `protocol` on `extent`, with 95 % intervals: a panel for each number and each combination of
@@ -21,8 +20,8 @@ pub fn swept_protocol_plot(swept: &SweptNumbers, protocol: Protocol, extent: &Ex
     let title = title(curves.first()?);
     let mut panels = Vec::new();
     for curve in &curves {
-        let position = |it: &NumberPoint<'_>| {
-            let number = &it.swept.number;
+        let position = |it: &CurvePoint<'_, &SweptNumber>| {
+            let number = &it.reached.number;
             Some(Position { x: it.x, y: number.value?, within: number.interval.map(|it| it.ends) })
         };
         let positions = curve.points.iter().map(position).collect();
@@ -35,10 +34,7 @@ pub fn swept_protocol_plot(swept: &SweptNumbers, protocol: Protocol, extent: &Ex
 
 fn title(first: &NumberCurve<'_>) -> String {
     let first = first.first();
-    let origin = match first.subject.origin {
-        Origin::Recorded => String::new(),
-        origin => format!(" ({})", origin.name()),
-    };
+    let origin = first.subject.origin.in_brackets();
     let caveat = first.number.interval.and_then(|it| it.blocks.caveat_of_conclusions());
     let caveat = caveat.map_or_else(String::new, |it| format!(", interval {it}"));
     let (protocol, dataset) = (first.number.protocol, &first.number.dataset);
@@ -48,7 +44,7 @@ fn title(first: &NumberCurve<'_>) -> String {
 fn panel(curve: &NumberCurve<'_>, parameters: &[String]) -> CurvePanel {
     let metric = &curve.first().number.metric;
     CurvePanel {
-        title: [vec![format!("{} {}", metric.class, metric.id)], curve.others.clone()].concat().join(", "),
+        title: curve.named(&format!("{} {}", metric.class, metric.id)),
         x_words: words(curve.points.iter().map(|it| it.x_text)),
         ..CurvePanel::over(axis_title(parameters), format!("{} ({})", metric.id, metric.unit))
     }

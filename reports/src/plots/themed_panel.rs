@@ -136,6 +136,7 @@ mod tests {
     use quick_xml::events::Event;
 
     use super::*;
+    use crate::files::texts::check_holds;
 
     #[test]
     fn a_sheet_stands_alone() {
@@ -149,9 +150,10 @@ mod tests {
         let svg = sheet(&panels, Arrangement::Row, &key, "Both <simulated>");
         let mut reader = Reader::from_str(&svg);
         while reader.read_event().unwrap() != Event::Eof {}
-        let parts = ["prefers-color-scheme: dark", "a &amp; b", "Both &lt;simulated&gt;", "one", "other"];
-        for part in parts.into_iter().chain(["<title>a &lt; b</title>"]) {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
+        check_holds(
+            &svg,
+            &["prefers-color-scheme: dark", "a &amp; b", "Both &lt;simulated&gt;", "one", "other"],
+        );
+        check_holds(&svg, &["<title>a &lt; b</title>"]);
     }
 }

@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn what_is_never_found_has_the_largest_errors() {
         let rows =
-            [labelled(HERE, 0, "SIGN"), labelled(HERE, 1, "SIGN"), found(HERE, (0, 0), "SIGN", 0.5, None)];
+            [labelled(HERE, 0, "SIGN"), labelled(HERE, 1, "SIGN"), found(HERE, 0, 0, "SIGN", 0.5, None)];
         check(&rows, "SIGN", "ap", 0.0);
         check(&rows, "SIGN", "aoe_rad", PI);
         check(&rows, "SIGN", "cds", 0.0);
@@ -219,7 +219,7 @@ mod tests {
             let mut rows: Vec<RankedBoxRow> = (0..n as u32).map(|it| labelled(HERE, it, "DOG")).collect();
             let numbered = is_right.iter().zip(0..);
             rows.extend(numbered.map(|(right, id)| {
-                found(HERE, (0, id), "DOG", 1.0 - f64::from(id) / 64.0, right.then_some(0))
+                found(HERE, 0, id, "DOG", 1.0 - f64::from(id) / 64.0, right.then_some(0))
             }));
             let value = number(&rows, &vec![1; n], "DOG", "ap").unwrap();
             prop_assert!((value - slow_average(&is_right, n)).abs() < 1e-12);
@@ -232,7 +232,7 @@ mod tests {
             let mut rows: Vec<RankedBoxRow> = (0..8).map(|it| labelled(HERE, it % 4, "DOG")).collect();
             let numbered = drawn.iter().zip(0..);
             rows.extend(numbered.map(|((scan, score, right), id)| {
-                found(HERE, (*scan, id), "DOG", f64::from(*score), right.then_some(0))
+                found(HERE, *scan, id, "DOG", f64::from(*score), right.then_some(0))
             }));
             check_draws(&rows, &times);
         }

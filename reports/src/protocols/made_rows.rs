@@ -34,7 +34,8 @@ pub(super) fn labelled(protocol: RankedProtocol, scan: u32, class: &'static str)
 /// A detection, which finds an annotation at all distances, half a metre off and turned by 0.3, or none.
 pub(super) fn found(
     protocol: RankedProtocol,
-    (scan, id): (u32, u32),
+    scan: u32,
+    id: u32,
     class: &'static str,
     score: f64,
     annotation: Option<u32>,
@@ -58,9 +59,9 @@ pub(super) fn right_false_right(protocol: RankedProtocol, class: &'static str) -
     vec![
         labelled(protocol, 0, class),
         labelled(protocol, 1, class),
-        found(protocol, (0, 0), class, 0.9, Some(0)),
-        found(protocol, (0, 1), class, 0.8, None),
-        found(protocol, (1, 0), class, 0.7, Some(0)),
+        found(protocol, 0, 0, class, 0.9, Some(0)),
+        found(protocol, 0, 1, class, 0.8, None),
+        found(protocol, 1, 0, class, 0.7, Some(0)),
     ]
 }
 

@@ -225,7 +225,7 @@ mod tests {
     #[test]
     fn too_low_a_recall_has_the_largest_errors() {
         let mut rows: Vec<RankedBoxRow> = (0..20).map(|scan| labelled(HERE, scan, "bus")).collect();
-        rows.push(found(HERE, (0, 0), "bus", 0.5, Some(0)));
+        rows.push(found(HERE, 0, 0, "bus", 0.5, Some(0)));
         assert_eq!(number(&rows, &[1; 20], "bus", "ate_m"), Some(1.0));
         assert_eq!(number(&rows, &[1; 20], "bus", "ap"), Some(0.0));
     }
@@ -238,7 +238,7 @@ mod tests {
             let numbered = detections.iter().zip(0..);
             rows.extend(numbered.map(|((scan, score, is_right), id)| {
                 let class = ["car", "bus"][id as usize % 2];
-                found(HERE, (*scan, id), class, f64::from(*score) / 4.0, is_right.then_some(0))
+                found(HERE, *scan, id, class, f64::from(*score) / 4.0, is_right.then_some(0))
             }));
             rows
         })
@@ -259,7 +259,7 @@ mod tests {
         fn what_finds_all_and_nothing_else_has_a_precision_of_one(scores in prop::collection::vec(1..9_u8, 4)) {
             let mut rows: Vec<RankedBoxRow> = (0..4).map(|it| labelled(HERE, it, "car")).collect();
             let numbered = scores.iter().zip(0..);
-            rows.extend(numbered.map(|(score, scan)| found(HERE, (scan, 0), "car", f64::from(*score), Some(0))));
+            rows.extend(numbered.map(|(score, scan)| found(HERE, scan, 0, "car", f64::from(*score), Some(0))));
             prop_assert_eq!(number(&rows, &[1; 4], "present", "ap"), Some(1.0));
         }
 

@@ -77,8 +77,7 @@ impl From<ProtocolNumber> for RowRecord {
             detector,
             class: metric.class,
             metric: metric.id,
-            number: NumberRecord::new(value, (metric.unit, metric.direction), metric.n)
-                .within(interval, None),
+            number: NumberRecord::new(value, metric.unit, metric.direction, metric.n).within(interval, None),
         }
     }
 }

@@ -160,7 +160,7 @@ impl ProtocolTally {
             for (dataset, scans) in drawn {
                 for detector in detectors {
                     if let Some(rows) = self.rows(ProtocolQuestion { protocol, detector }, scans) {
-                        numbers.extend(numbers_of(&*rows, scans, (protocol, dataset, detector)));
+                        numbers.extend(numbers_of(&*rows, scans, protocol, dataset, detector));
                     }
                 }
             }
@@ -173,7 +173,9 @@ impl ProtocolTally {
 fn numbers_of(
     rows: &dyn UnderProtocol,
     scans: &DrawnScans,
-    (protocol, dataset, detector): (Protocol, &str, &str),
+    protocol: Protocol,
+    dataset: &str,
+    detector: &str,
 ) -> Vec<ProtocolNumber> {
     let drawn = DrawnValues::new(rows, scans);
     let number = |(index, metric)| ProtocolNumber {

@@ -1,54 +1,24 @@
 //! Numbers of protocols of a sweep as curves over its first parameter.
 
-use std::collections::BTreeMap;
-
 use super::protocol_number::ProtocolNumber;
 use super::swept_numbers::{SweptNumber, SweptNumbers};
-use crate::numbers::sweep_curve::{highest, number, other_values};
+use crate::numbers::sweep_curve::{Curve, curves, highest};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::protocol::Protocol;
 
-/// One number of one detector over the values of the first parameter, all others being the same.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NumberCurve<'a> {
-    /// The other swept parameters, as `name = value`.
-    pub others: Vec<String>,
-    /// One for each value of the first parameter, at least one.
-    pub points: Vec<NumberPoint<'a>>,
-}
-
-/// One point of a curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NumberPoint<'a> {
-    /// The value of the first parameter as a number; its index among the values if one of these is none.
-    pub x: f64,
-    /// The value as it is written.
-    pub x_text: &'a str,
-    /// What was reached.
-    pub swept: &'a SweptNumber,
-}
+/// One number of one detector.
+pub type NumberCurve<'a> = Curve<'a, &'a SweptNumber>;
 
 impl SweptNumbers {
     /// The curves of those principal numbers that are defined somewhere, in the order of their first points.
     pub fn principal_curves(&self) -> Vec<NumberCurve<'_>> {
-        let is_numeric = self.numbers.iter().all(|it| number(&it.subject.values[0]).is_some());
-        let mut curves: Vec<NumberCurve<'_>> = Vec::new();
-        let mut indices = BTreeMap::new();
-        for swept in self.numbers.iter().filter(|it| it.number.is_principal()) {
-            let SweptNumber { subject, number: of } = swept;
-            let others = other_values((&self.parameters, self.n_swept), &subject.values);
-            let key =
-                (of.protocol, &of.dataset, &of.detector, &of.metric.class, &of.metric.id, others.clone());
-            let index = *indices.entry(key).or_insert(curves.len());
-            if index == curves.len() {
-                curves.push(NumberCurve { others, points: Vec::new() });
-            }
-            let x_text = subject.values[0].as_str();
-            let x = number(x_text).filter(|_| is_numeric).unwrap_or(curves[index].points.len() as f64);
-            curves[index].points.push(NumberPoint { x, x_text, swept });
-        }
-        curves.retain(|it| it.points.iter().any(|it| it.swept.number.value.is_some()));
+        let principal = self.numbers.iter().filter(|it| it.number.is_principal()).map(|it| {
+            let ProtocolNumber { protocol, dataset, detector, metric, .. } = &it.number;
+            (&it.subject.values[..], (protocol, dataset, detector, &metric.class, &metric.id), it)
+        });
+        let mut curves = curves(&self.parameters, self.n_swept, principal);
+        curves.retain(|it| it.points.iter().any(|it| it.reached.number.value.is_some()));
         curves
     }
 
@@ -66,11 +36,6 @@ impl SweptNumbers {
 }
 
 impl NumberCurve<'_> {
-    /// What is measured, at the first point.
-    pub fn first(&self) -> &SweptNumber {
-        self.points[0].swept
-    }
-
     /// Index of the point with the best value, the first of several; `None` without a value, or where neither way is better.
     pub fn best(&self) -> Option<usize> {
         self.extreme(1.0)
@@ -88,7 +53,7 @@ impl NumberCurve<'_> {
             Direction::Neither => return None,
         };
         let value = |it: &ProtocolNumber| it.value.map(|it| sign * it);
-        highest(self.points.iter().map(|it| value(&it.swept.number)))
+        highest(self.points.iter().map(|it| value(&it.reached.number)))
     }
 }
 

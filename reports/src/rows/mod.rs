@@ -1,6 +1,7 @@
 //! What was seen, one row for every scan, object, detection or point: all that numbers are made of.
 
 pub mod counts;
+pub mod scan_name;
 pub mod scan_row;
 pub mod stage_row;
 pub mod match_outcome;
@@ -11,7 +12,6 @@ pub mod cluster_of_point;
 pub mod training_row;
 pub mod agreement_row;
 pub mod partial_row;
-pub mod scan_name;
 pub mod kitti_object_row;
 pub mod ranked_box_row;
 pub mod label_score_row;

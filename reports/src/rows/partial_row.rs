@@ -117,7 +117,7 @@ row! {
 
 impl PartialRow {
     /// The row with the answer of `method`, trained on `trained_on` clouds, for `part`.
-    pub fn new(part: &SeenPart<'_>, (method, trained_on): (&str, &str), answer: &Answer) -> Self {
+    pub fn new(part: &SeenPart<'_>, method: &str, trained_on: &str, answer: &Answer) -> Self {
         let [error_tree, error_car, error_pole, error_pedestrian, error_other] =
             answer.errors.map(|it| it.map(Fixed));
         let [chance_tree, chance_car, chance_pole, chance_pedestrian, chance_other] =
@@ -147,7 +147,7 @@ impl PartialRow {
     }
 
     /// The row with the answer of another method for the same part.
-    pub fn predicted_by(&self, by: (&str, &str), answer: &Answer) -> Self {
+    pub fn predicted_by(&self, method: &str, trained_on: &str, answer: &Answer) -> Self {
         let part = SeenPart {
             data: &self.data,
             object: &self.object,
@@ -157,7 +157,7 @@ impl PartialRow {
             n_points: self.n_points,
             share_of_points: self.share_of_points.0,
         };
-        Self::new(&part, by, answer)
+        Self::new(&part, method, trained_on, answer)
     }
 
     /// The method.
@@ -217,11 +217,7 @@ pub(crate) mod tests {
         };
         let [a, b, c, d] = errors.map(Some);
         let chances = [Some(0.7), Some(0.1), Some(0.1), Some(0.1), None];
-        PartialRow::new(
-            &part,
-            ("graphs", "parts"),
-            &Answer { predicted, errors: [a, b, c, d, None], chances },
-        )
+        PartialRow::new(&part, "graphs", "parts", &Answer { predicted, errors: [a, b, c, d, None], chances })
     }
 
     #[test]

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::rows::counts::Counts;
+use crate::rows::scan_name::ScanName;
 use crate::vocabulary::task::Task;
 
 /// What one detector made of one scan in one task.
@@ -124,6 +125,11 @@ impl ScanRow {
     /// The row as it is read back from its file: with as many decimals as it is written with.
     pub fn as_written(self) -> Self {
         Self::try_from(ScanRecord::from(self)).expect("what was made of a row makes one")
+    }
+
+    /// Which scan it is about.
+    pub fn scan_name(&self) -> ScanName {
+        ScanName { dataset: self.dataset.clone(), sequence: self.sequence.clone(), scan: self.scan }
     }
 
     /// Its numbers; `None` if it was not evaluated.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::files::archive::pretty_json;
 use crate::run_folder::manifest::{DatasetEntry, GitState};
 
 /// Everything that decides the numbers of a comparison.
@@ -41,9 +42,7 @@ pub struct ComparedScans {
 impl ComparisonManifest {
     /// The content of `manifest.json`.
     pub fn to_json(&self) -> String {
-        let mut json = serde_json::to_string_pretty(self).expect("a manifest has text keys only");
-        json.push('\n');
-        json
+        pretty_json(self)
     }
 }
 

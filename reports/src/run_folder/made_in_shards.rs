@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::files::archive::pretty_json;
 use crate::run_folder::detector_changes::detector_changes;
 use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, GitState, Manifest};
 use crate::run_folder::partial_manifest::PartialManifest;
@@ -11,8 +12,7 @@ use crate::run_folder::shard_record::ShardRecord;
 pub trait MadeInShards: Serialize {
     /// The content of `manifest.json`.
     fn to_json(&self) -> String {
-        let text = serde_json::to_string_pretty(self).expect("a manifest has text keys only");
-        format!("{text}\n")
+        pretty_json(self)
     }
 
     /// Which part it is; `None` of a whole.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::archive::{ArchiveError, read_json};
+use crate::files::archive::{ArchiveError, pretty_json, read_json};
 use crate::numbers::pools::{Pool, pools};
 use crate::numbers::tally::{Processors, Tally};
 use crate::run_folder::seen_labels::SeenLabels;
@@ -346,9 +346,7 @@ impl Manifest {
 
     /// The content of `manifest.json`.
     pub fn to_json(&self) -> String {
-        let mut json = serde_json::to_string_pretty(self).expect("a manifest has text keys only");
-        json.push('\n');
-        json
+        pretty_json(self)
     }
 
     /// Reads a `manifest.json`.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::archive::{ArchiveError, read_json};
+use crate::files::archive::{ArchiveError, pretty_json, read_json};
 use crate::run_folder::manifest::GitState;
 use crate::run_folder::shard_record::ShardRecord;
 
@@ -113,8 +113,7 @@ impl PartialManifest {
 
     /// The file.
     pub fn to_json(&self) -> String {
-        let text = serde_json::to_string_pretty(self).expect("text and numbers are JSON");
-        format!("{text}\n")
+        pretty_json(self)
     }
 
     /// What was done, in words.

@@ -1,6 +1,6 @@
 //! Why detectors are wrong, and what repairing each reason alone would gain.
 
-use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::fixed_decimals::{fixed_decimals, percent_or_dash};
 use crate::rows::error_row::ErrorRow;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
@@ -71,8 +71,7 @@ impl ErrorTable<'_> {
                     None => Some(0.0),
                     Some(row) => row.f_rate_gain.map(|it| it.0),
                 };
-                let text = gain.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 1));
-                cells.push(Cell::new(text));
+                cells.push(Cell::new(percent_or_dash(gain)));
             }
             Line { kind, cells }
         });

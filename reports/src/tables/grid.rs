@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use crate::numbers::blocks::BlockCount;
+use crate::vocabulary::extent::Extent;
 
 /// A table ready to be laid out.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +45,13 @@ pub(crate) enum LineKind {
     Overall,
     /// A paper's figures.
     Paper,
+}
+
+impl LineKind {
+    /// Of a line about `extent`.
+    pub(crate) fn of(extent: &Extent) -> Self {
+        if extent.is_overall() { Self::Overall } else { Self::Dataset }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -137,6 +145,13 @@ impl Cell {
 }
 
 impl Grid {
+    /// With a rule above the first of the lines about all data sets alone.
+    pub(crate) fn with_one_rule(columns: Vec<Column>, mut lines: Vec<Line>) -> Self {
+        let overall = lines.iter_mut().filter(|it| it.kind == LineKind::Overall);
+        overall.skip(1).for_each(|it| it.kind = LineKind::Dataset);
+        Self { columns, lines }
+    }
+
     /// Neighbouring columns with the same group: the group and the number of columns.
     pub(crate) fn groups(&self) -> Vec<(Option<&str>, usize)> {
         let same_group = self.columns.chunk_by(|left, right| left.group == right.group);

@@ -52,7 +52,7 @@ fn counts_grid(table: &TaskTable) -> Grid {
         let by_detector = table.detectors.iter().zip(&row.scores).enumerate();
         by_detector.map(|(detector_idx, (detector, score))| {
             let is_first = detector_idx == 0;
-            let kind = if is_first { line_kind(row) } else { LineKind::Detail };
+            let kind = if is_first { LineKind::of(&row.extent) } else { LineKind::Detail };
             let label = if is_first { label(row) } else { Cell::default() };
             Line { kind, cells: counts_cells(label, detector, score) }
         })
@@ -76,13 +76,6 @@ fn counts_cells(label: Cell, detector: &str, score: &Score) -> Vec<Cell> {
         count(score.n_ignored_annotations),
         count(score.n_ignored_detections),
     ]
-}
-
-fn line_kind(row: &MeasuredRow) -> LineKind {
-    match row.extent {
-        Extent::Dataset(_) => LineKind::Dataset,
-        Extent::Overall | Extent::OverallOf(_) => LineKind::Overall,
-    }
 }
 
 fn label(row: &MeasuredRow) -> Cell {
@@ -110,7 +103,7 @@ fn measured_line(row: &MeasuredRow) -> Line {
             score.fps().map_or(Cell::undefined(Undefined::NotTimed), |it| Cell::new(fps_text(it))),
         ]);
     }
-    Line { kind: line_kind(row), cells }
+    Line { kind: LineKind::of(&row.extent), cells }
 }
 
 /// How sure the rates of the line above are; `None` if that is known of none.

@@ -305,7 +305,7 @@ fn overall_rows(
     let several = pools.iter().filter(|it| it.is_of_several());
     let rows = several.map(|pool| {
         let rows = datasets.iter().map(|(_, row)| row).filter(|it| it.origin == pool.origin);
-        overall_row(report, task, detectors, (&pool.extent, rows))
+        overall_row(report, task, detectors, &pool.extent, rows)
     });
     rows.flatten().collect()
 }
@@ -315,7 +315,8 @@ fn overall_row<'a>(
     report: &RunReport,
     task: Task,
     detectors: &[String],
-    (extent, mut datasets): (&Extent, impl Iterator<Item = &'a MeasuredRow>),
+    extent: &Extent,
+    mut datasets: impl Iterator<Item = &'a MeasuredRow>,
 ) -> Option<MeasuredRow> {
     let mut overall = MeasuredRow { extent: extent.clone(), ..datasets.next()?.clone() };
     for dataset in datasets {

@@ -56,11 +56,7 @@ impl TimesTable {
                 };
                 let is_first = detector_idx == 0;
                 let label = if is_first { extent_cell(&extent, origin) } else { Cell::default() };
-                let kind = match extent {
-                    _ if !is_first => LineKind::Detail,
-                    Extent::Overall | Extent::OverallOf(_) => LineKind::Overall,
-                    Extent::Dataset(_) => LineKind::Dataset,
-                };
+                let kind = if is_first { LineKind::of(&extent) } else { LineKind::Detail };
                 lines.push(Line { kind, cells: cells(row, &of_some, &detector.name, label) });
             }
         }

@@ -93,10 +93,10 @@ pub fn run_of_baseline(directory: &Path) -> PathBuf {
 pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) -> Result<String, AcceptError> {
     refuse_uncommitted(run.manifest.git.as_ref())?;
     let target = directory.join(ACCEPTED_RUN);
-    let before = if target.exists() { Some(predecessor(&target, run)) } else { None };
+    let before = predecessor("run", &target, RunArchive::read, |before| check_comparable(before, run));
     let line = line_after(before, acceptance.succession, |before| {
         let git = run.manifest.git.as_ref();
-        history_line((acceptance, git), &scores(before, run))
+        history_line(acceptance, git, &scores(before, run))
     })?;
     let history = history_with(&directory.join(SCORES_MD), SCORES_HEAD, &line)?;
 
@@ -160,16 +160,23 @@ pub(super) fn line_after<B>(
     }
 }
 
-/// The accepted run in `target`, which `run` is to follow; or why it cannot.
-fn predecessor(target: &Path, run: &RunArchive) -> Result<RunArchive, String> {
-    let before = RunArchive::read(target)
-        .map_err(|error| format!("cannot read the accepted run {}: {error}", target.display()))?;
-    match check_comparable(&before, run) {
+/// What was accepted in `target`, if anything was: a `noun` that `check` lets another follow, or why none can.
+pub(super) fn predecessor<A>(
+    noun: &str,
+    target: &Path,
+    read: impl FnOnce(&Path) -> Result<A, ArchiveError>,
+    check: impl FnOnce(&A) -> Result<(), NotComparable>,
+) -> Option<Result<A, String>> {
+    if !target.exists() {
+        return None;
+    }
+    let unread = |error| format!("cannot read the accepted {noun} {}: {error}", target.display());
+    Some(read(target).map_err(unread).and_then(|before| match check(&before) {
         Ok(()) => Ok(before),
         Err(NotComparable { reasons }) => {
-            Err(format!("the run cannot be compared with the accepted one: {}", reasons.join(", ")))
+            Err(format!("the {noun} cannot be compared with the accepted one: {}", reasons.join(", ")))
         }
-    }
+    }))
 }
 
 /// Whether a number of the report is made of it: what is tall has a slice of its own.
@@ -197,7 +204,7 @@ pub(super) fn history_with(path: &Path, head: &str, line: &str) -> Result<String
 }
 
 /// A line of a history: when, what commit, which scores, and why.
-pub(super) fn history_line((acceptance, git): (Acceptance<'_>, Option<&GitState>), scores: &str) -> String {
+pub(super) fn history_line(acceptance: Acceptance<'_>, git: Option<&GitState>, scores: &str) -> String {
     let commit = git.map_or_else(String::new, |it| {
         let short: String = it.commit.chars().take(7).collect();
         format!(", {short}")

@@ -12,9 +12,8 @@ use crate::run_folder::run_directory::{PARTIAL_CSV, RunDirectory};
 use crate::run_folder::run_target::{ExistingTarget, LatestPointer, MANIFEST_JSON};
 use crate::verdicts::accept::{
     ACCEPTED_RUN, AcceptError, Acceptance, SCORES_MD, forget_program_path, history_line, history_with,
-    line_after, refuse_uncommitted,
+    line_after, predecessor, refuse_uncommitted,
 };
-use crate::verdicts::comparability::NotComparable;
 use crate::verdicts::partial_difference::check_comparable_results;
 
 const SCORES_HEAD: &str = "# Accepted scores\n\nMeans of recalls in % of the accepted result at its middle and last step, \
@@ -33,11 +32,12 @@ pub fn accept_partial(
 ) -> Result<String, AcceptError> {
     refuse_uncommitted(result.manifest.git.as_ref())?;
     let target = directory.join(ACCEPTED_RUN);
-    let before = if target.exists() { Some(predecessor(&target, result)) } else { None };
+    let is_comparable = |before: &_| check_comparable_results(before, result);
+    let before = predecessor("result", &target, PartialArchive::read, is_comparable);
     let curves = PartialCurve::all(&result.rows);
     let line = line_after(before, acceptance.succession, |before: Option<&PartialArchive>| {
         let before = before.map_or_else(Vec::new, |it| PartialCurve::all(&it.rows));
-        history_line((acceptance, result.manifest.git.as_ref()), &scores(&before, &curves))
+        history_line(acceptance, result.manifest.git.as_ref(), &scores(&before, &curves))
     })?;
     let history = history_with(&directory.join(SCORES_MD), SCORES_HEAD, &line)?;
 
@@ -51,18 +51,6 @@ pub fn accept_partial(
     written.finish()?;
     write_whole(&directory.join(SCORES_MD), history.as_bytes())?;
     Ok(line)
-}
-
-/// The accepted result in `target`, which `result` is to follow; or why it cannot.
-fn predecessor(target: &Path, result: &PartialArchive) -> Result<PartialArchive, String> {
-    let before = PartialArchive::read(target)
-        .map_err(|error| format!("cannot read the accepted result {}: {error}", target.display()))?;
-    match check_comparable_results(&before, result) {
-        Ok(()) => Ok(before),
-        Err(NotComparable { reasons }) => {
-            Err(format!("the result cannot be compared with the accepted one: {}", reasons.join(", ")))
-        }
-    }
 }
 
 /// Of every curve the numbers at its middle and last step, and what they were before.

@@ -72,7 +72,7 @@ fn of_curve(curve: &SweepCurve<'_>, configured: Option<f64>) -> Vec<FitnessVerdi
     let index =
         configured.and_then(|configured| curve.points.iter().position(|it| (it.x - configured).abs() < 1e-6));
     if let (Some(index), Some(first)) = (index, verdicts.first().cloned()) {
-        let point = curve.points[index].score;
+        let point = curve.points[index].reached;
         let size_m = point.cells.as_ref().map(|it| Fixed(it.cell_size_m));
         verdicts.push(FitnessVerdict {
             reading: CONFIGURED.to_owned(),
@@ -90,15 +90,15 @@ fn of_curve(curve: &SweepCurve<'_>, configured: Option<f64>) -> Vec<FitnessVerdi
 }
 
 fn n_readings(curve: &SweepCurve<'_>) -> usize {
-    curve.points[0].score.cells.as_ref().map_or(0, |it| it.readings.len())
+    curve.first().cells.as_ref().map_or(0, |it| it.readings.len())
 }
 
 fn verdict(curve: &SweepCurve<'_>, reading_idx: usize) -> FitnessVerdict {
-    let first = curve.points[0].score;
-    let cells = curve.points.iter().filter_map(|it| it.score.cells.as_ref());
+    let first = curve.first();
+    let cells = curve.points.iter().filter_map(|it| it.reached.cells.as_ref());
     let readings: Vec<_> = cells.clone().map(|it| &it.readings[reading_idx]).collect();
     let sizes_m: Vec<f64> = cells.map(|it| it.cell_size_m).collect();
-    let rate = |index: usize| curve.points[index].score.rate();
+    let rate = |index: usize| curve.points[index].reached.rate();
     let best = curve.best();
     let recommended = highest(readings.iter().map(|it| it.in_range()));
     let ends = sizes_m.iter().fold([f64::INFINITY, 0.0_f64], |[low, high], it| [low.min(*it), high.max(*it)]);

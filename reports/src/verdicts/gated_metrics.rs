@@ -40,10 +40,12 @@ impl GatedMetric {
     /// A number of this subject, on these data sets if there are others, held to the rule of this index, which tolerates so
     /// much.
     pub(super) fn new(
-        (subject, on): (GatedSubject<'_>, Option<&str>),
+        subject: GatedSubject<'_>,
+        on: Option<&str>,
         metric: &Metric,
         difference: Result<PairedDifference, Missing>,
-        (rule_idx, tolerance): (usize, f64),
+        rule_idx: usize,
+        tolerance: f64,
     ) -> Self {
         let finding = difference
             .as_ref()
@@ -122,7 +124,7 @@ impl Sides<'_> {
                 for detector in self.before.detectors() {
                     for &slice in &slices {
                         let question = Question { dataset: &dataset, task, detector, slice };
-                        gated.extend(self.held(&tolerances.quality, &metrics, (&question, on.as_deref())));
+                        gated.extend(self.held(&tolerances.quality, &metrics, &question, on.as_deref()));
                     }
                 }
             }
@@ -147,7 +149,7 @@ impl Sides<'_> {
             for detector in self.before.detectors() {
                 let question = Question { dataset: &dataset, task, detector, slice: Slice::All };
                 let rules = std::slice::from_ref(rule);
-                gated.extend(self.held(rules, &[Metric::TimeRatio], (&question, on.as_deref())));
+                gated.extend(self.held(rules, &[Metric::TimeRatio], &question, on.as_deref()));
             }
         }
         gated
@@ -159,7 +161,8 @@ impl Sides<'_> {
         &self,
         rules: &[Rule],
         metrics: &[Metric],
-        (question, on): (&Question<'_>, Option<&str>),
+        question: &Question<'_>,
+        on: Option<&str>,
     ) -> Vec<GatedMetric> {
         let part = question.slice.name();
         let subject = GatedSubject { task: question.task.name(), detector: question.detector, part: &part };
@@ -181,7 +184,7 @@ impl Sides<'_> {
             let difference = both.and_then(|(before, after)| paired_difference(before, after, metric));
             let difference = difference.ok_or_else(|| Missing::of(values.map(|it| it.is_some())));
             let tolerance = rule.tolerance(metric, values[0].unwrap_or(0.0));
-            Some(GatedMetric::new((subject, on), metric, difference, (rule_idx, tolerance)))
+            Some(GatedMetric::new(subject, on, metric, difference, rule_idx, tolerance))
         };
         wanted.into_iter().filter_map(of_metric).collect()
     }

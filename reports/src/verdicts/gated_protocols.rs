@@ -44,7 +44,7 @@ pub(super) fn gated_protocols(
             };
             gated.extend(pairs.into_iter().filter_map(|it| {
                 let subject = GatedSubject { task: protocol.name(), detector, part: &it.class };
-                gated_number(&it, (subject, on.as_deref()), tolerances)
+                gated_number(&it, subject, on.as_deref(), tolerances)
             }));
         }
     }
@@ -57,15 +57,16 @@ pub(super) fn gated_protocols(
 /// `None` if no rule is about it, it has no better way, or neither side has the number.
 fn gated_number(
     ProtocolPair { metric, is_there, difference, .. }: &ProtocolPair,
-    subject: (GatedSubject<'_>, Option<&str>),
+    subject: GatedSubject<'_>,
+    on: Option<&str>,
     tolerances: &Tolerances,
 ) -> Option<GatedMetric> {
-    let rule_idx = tolerances.protocols.iter().position(|it| it.is_about(&metric.id(), subject.0))?;
+    let rule_idx = tolerances.protocols.iter().position(|it| it.is_about(&metric.id(), subject))?;
     if *is_there == [false; 2] || metric.direction() == Direction::Neither {
         return None;
     }
     let difference = difference.clone().ok_or_else(|| Missing::of(*is_there));
     let before = difference.as_ref().map_or(0.0, |it| it.before);
     let tolerance = tolerances.protocols[rule_idx].tolerance(metric, before);
-    Some(GatedMetric::new(subject, metric, difference, (rule_idx, tolerance)))
+    Some(GatedMetric::new(subject, on, metric, difference, rule_idx, tolerance))
 }

@@ -121,13 +121,8 @@ impl PartialVerdict {
     pub fn conclusion(&self) -> Conclusion {
         if self.n(Finding::Regression) > 0 {
             Conclusion::Regression
-        } else if self.drift.is_empty() {
-            Conclusion::Same
         } else {
-            match self.tolerances.drift {
-                DriftRule::Fail => Conclusion::Drift,
-                DriftRule::Warn => Conclusion::AllowedDrift,
-            }
+            Conclusion::without_loss(!self.drift.is_empty(), self.tolerances.drift)
         }
     }
 

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::files::fixed_decimals::Fixed;
+use crate::numbers::gathered::{slices_of_annotation, slices_of_detection};
 use crate::numbers::sums::{FalseObjects, Term};
-use crate::numbers::tally::{Tally, slices_of_annotation, slices_of_detection};
+use crate::numbers::tally::Tally;
 use crate::rows::counts::Counts;
 use crate::rows::error_row::ErrorRow;
 use crate::rows::match_outcome::MatchOutcome;

@@ -162,8 +162,7 @@ impl Standing {
     fn about(&self) -> String {
         let on = match self.pool.origin {
             _ if self.has_others => format!(" on {}", self.pool.in_words()),
-            Origin::Recorded => String::new(),
-            origin => format!(" ({})", origin.name()),
+            origin => origin.in_brackets(),
         };
         format!("Task {}{on}: ", self.task)
     }

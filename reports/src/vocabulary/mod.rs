@@ -1,6 +1,6 @@
 //! What numbers are about: the words that rows, numbers, verdicts and tables share.
 
-pub(crate) mod named;
+pub mod named;
 pub mod task;
 pub mod study;
 pub mod shard;
@@ -17,6 +17,3 @@ pub mod ranked_protocol;
 pub mod thing_class;
 pub mod ground_definition;
 pub mod claim_verdict;
-
-#[cfg(test)]
-pub(crate) mod tests;

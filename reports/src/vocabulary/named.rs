@@ -1,6 +1,7 @@
 //! Enums whose variants have names in files: each variant is declared once, with its name.
 
 /// Declares enums with the name of each variant, by which it is written, read and printed: all of them in order are `ALL`.
+#[macro_export]
 macro_rules! named {
     ($($(#[$of_enum:meta])* $visible:vis enum $enum:ident {
         $($(#[$of_variant:meta])* $variant:ident = $name:literal,)*
@@ -34,7 +35,7 @@ macro_rules! named {
         }
     )+};
 }
-pub(crate) use named;
+pub use named;
 
 #[cfg(test)]
 mod tests {

@@ -19,4 +19,12 @@ impl Origin {
     pub fn with(self, other: Self) -> Self {
         if self == other { self } else { Self::PartlySimulated }
     }
+
+    /// What follows a name: nothing where scans were recorded.
+    pub fn in_brackets(self) -> String {
+        match self {
+            Self::Recorded => String::new(),
+            Self::Simulated | Self::PartlySimulated => format!(" ({})", self.name()),
+        }
+    }
 }

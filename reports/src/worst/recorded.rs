@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::archive::{ArchiveError, SCHEMA, read_json};
+use crate::files::archive::{ArchiveError, SCHEMA, pretty_json, read_json};
 use crate::worst::objects::ObjectName;
 
 /// The recordings of a run that was put together.
@@ -38,9 +38,7 @@ impl Recordings {
 
     /// The content of the file.
     pub fn to_json(&self) -> String {
-        let mut json = serde_json::to_string_pretty(self).expect("names and numbers are JSON");
-        json.push('\n');
-        json
+        pretty_json(self)
     }
 
     /// Reads the file; `None` if there is none.

@@ -54,7 +54,8 @@ pub fn strips_m(vertices: &[Vertex], graphs: &[Vec<usize>]) -> Vec<Vec<[f32; 3]>
 pub fn bag(
     vertices: &[Vertex],
     graphs: &[Vec<usize>],
-    (points_m, all_points_m): (&[[f64; 3]], &[[f64; 3]]),
+    points_m: &[[f64; 3]],
+    all_points_m: &[[f64; 3]],
     model: &PartialModel,
 ) -> BTreeMap<Pattern, f64> {
     let params = &model.params;

@@ -55,7 +55,7 @@ fn judged(model: &PartialModel, positions_m: &[[f32; 3]]) -> Judged {
         })
         .collect();
     let graphs = graphs::graphs(&vertices);
-    let bag = graphs::bag(&vertices, &graphs, (&points_m, &points::all(positions_m)), model);
+    let bag = graphs::bag(&vertices, &graphs, &points_m, &points::all(positions_m), model);
     Judged {
         strips_m: graphs::strips_m(&vertices, &graphs),
         distances: graphs::distances(&bag, model),

@@ -53,7 +53,7 @@ impl Terrain {
                 block,
             };
             let it = if params.terrain.enabled {
-                terrain.looked_at(&seen_block, &params.terrain, (block_size_m, sensor_height_m))
+                terrain.looked_at(&seen_block, &params.terrain, block_size_m, sensor_height_m)
             } else {
                 Block { elevation_m: -sensor_height_m, n_unseen: 0, plane_weight: 0.0 }
             };
@@ -66,7 +66,8 @@ impl Terrain {
         &self,
         seen_block: &SeenBlock,
         params: &TerrainParams,
-        (block_size_m, sensor_height_m): (f32, f32),
+        block_size_m: f32,
+        sensor_height_m: f32,
     ) -> Block {
         let seen = |elevation_m: f32| Block { elevation_m, n_unseen: 0, plane_weight: 1.0 };
         let (level_m, n_unseen) = self.expectation(seen_block.block).unwrap_or((-sensor_height_m, 0));

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use detector::{DetectedClass, Detection, Detections, OrientedBox, PointCloud};
+use detector::{DetectedClass, Detection, Detections, OrientedBox};
 use reports::vocabulary::class::AnnotationClass;
-use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use scans::annotation::{Annotation, LabeledScan, ScanId};
 
 use super::assign::MatchingParams;
 use super::criterion::Criterion;
@@ -27,7 +27,7 @@ pub(crate) fn annotation(
     point_indices: impl IntoIterator<Item = u32>,
 ) -> Annotation {
     let point_indices = point_indices.into_iter().collect();
-    Annotation { class, bounding_box, point_indices, track: None, occlusion: None, truncation: None }
+    Annotation { bounding_box, point_indices, ..Annotation::of(class) }
 }
 
 /// A scan in which everything is labelled.
@@ -35,15 +35,8 @@ pub(crate) fn labeled(
     positions_m: impl IntoIterator<Item = [f32; 3]>,
     annotations: impl IntoIterator<Item = Annotation>,
 ) -> LabeledScan {
-    let cloud: PointCloud = positions_m.into_iter().collect();
-    LabeledScan {
-        id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-        annotations: annotations.into_iter().collect(),
-        point_regions: vec![PointRegion::Labeled; cloud.len()],
-        labeled_area: LabeledArea::Everywhere,
-        points_left_out: Vec::new(),
-        cloud,
-    }
+    let id = ScanId { sequence: "drawn".to_owned(), index: 0 };
+    LabeledScan::everywhere(id, positions_m.into_iter().collect(), annotations.into_iter().collect())
 }
 
 /// So many points along x, 10 cm apart.
@@ -77,8 +70,10 @@ pub(crate) fn detections_in_row(parts: &[(DetectedClass, Range<u32>)], score: Op
 /// of the same letter are one object, and a dot is no object.
 pub(crate) fn drawn_in_letters(
     n_per_letter: usize,
-    (class, annotations): (AnnotationClass, &str),
-    (detected_class, detections): (DetectedClass, &str),
+    class: AnnotationClass,
+    annotations: &str,
+    detected_class: DetectedClass,
+    detections: &str,
 ) -> (LabeledScan, Detections) {
     assert_eq!(annotations.len(), detections.len());
     let objects_in = |drawing: &str| {

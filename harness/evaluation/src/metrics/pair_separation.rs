@@ -80,7 +80,7 @@ mod tests {
     #[track_caller]
     fn check(objects: &str, detections: &str, expected: PairOutcome) {
         let (mut scan, found) =
-            drawn_in_letters(10, (AnnotationClass::Pedestrian, objects), (DetectedClass::Object, detections));
+            drawn_in_letters(10, AnnotationClass::Pedestrian, objects, DetectedClass::Object, detections);
         for (annotation, track) in scan.annotations.iter_mut().zip(0..) {
             annotation.track = Some(track);
         }

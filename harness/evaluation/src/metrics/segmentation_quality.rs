@@ -3,64 +3,48 @@
 //! The entropies are those of Oh et al.: TRAVEL, 2022. Points without a detection, or without an annotation, give no term.
 
 use detector::Detections;
+use reports::rows::scan_row::SegmentationNumbers;
 use scans::annotation::LabeledScan;
 
 use crate::matching::outcome::{AnnotationOutcome, Assignment};
 use crate::matching::point_overlap::PointOverlap;
 
-/// Over- and under-segmentation over any number of scans.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct SegmentationQuality {
-    /// Annotations that count.
-    pub n_annotations: u64,
-    /// Of these, those of which at least two detections each hold a tenth of the points or more.
-    pub n_split: u64,
-    /// Detections that hold more than half of the points of at least one annotation that counts.
-    pub n_holding: u64,
-    /// Of these, those that do so for several annotations.
-    pub n_joining: u64,
-    /// Detections that hold a point of an annotation that counts.
-    pub n_touching: u64,
-    /// OSE, summed over annotations: −p ln p of every detection, where p is its share of the annotation's points.
-    pub over_entropy_nats: f64,
-    /// USE, summed over detections: −p ln p of every annotation that counts, where p is its share of the detection's points.
-    pub under_entropy_nats: f64,
-}
-
-impl SegmentationQuality {
-    /// Judges one scan. Detections of every class are looked at; annotations are those that `assignment` counts.
-    pub fn of(scan: &LabeledScan, detections: &Detections, assignment: &Assignment) -> Self {
-        let overlap = PointOverlap::count(scan, detections);
-        let mut quality = Self::default();
-        let (mut over_nats, mut under_nats) = (Vec::new(), Vec::new());
-        let mut n_held = vec![0_u32; detections.len()];
-        let mut is_touching = vec![false; detections.len()];
-        for (annotation_idx, outcome) in assignment.annotations.iter().enumerate() {
-            if !matches!(outcome, AnnotationOutcome::Matched { .. } | AnnotationOutcome::Missed(_)) {
-                continue;
-            }
-            let n_points = scan.annotations[annotation_idx].point_indices.len();
-            let shared = overlap.of_annotation(annotation_idx);
-            quality.n_annotations += 1;
-            over_nats.extend(shared.iter().map(|&(_, n_shared)| entropy_nats(n_shared, n_points)));
-            let n_pieces = shared.iter().filter(|&&(_, n_shared)| 10 * n_shared >= n_points).count();
-            quality.n_split += u64::from(n_pieces >= 2);
-            for &(detection_idx, _) in shared.iter().filter(|&&(_, n_shared)| 2 * n_shared > n_points) {
-                n_held[detection_idx] += 1;
-            }
-            for &(detection_idx, n_shared) in shared {
-                let n_points = detections.get(detection_idx).point_indices.len();
-                is_touching[detection_idx] = true;
-                under_nats.push(entropy_nats(n_shared, n_points));
-            }
+/// Over- and under-segmentation of one scan. Detections of every class are looked at, but only annotations that `assignment`
+/// counts.
+pub fn segmentation_quality(
+    scan: &LabeledScan,
+    detections: &Detections,
+    assignment: &Assignment,
+) -> SegmentationNumbers {
+    let overlap = PointOverlap::count(scan, detections);
+    let mut quality = SegmentationNumbers::default();
+    let (mut over_nats, mut under_nats) = (Vec::new(), Vec::new());
+    let mut n_held = vec![0_u32; detections.len()];
+    let mut is_touching = vec![false; detections.len()];
+    for (annotation_idx, outcome) in assignment.annotations.iter().enumerate() {
+        if !matches!(outcome, AnnotationOutcome::Matched { .. } | AnnotationOutcome::Missed(_)) {
+            continue;
         }
-        quality.over_entropy_nats = sum_in_order(over_nats);
-        quality.under_entropy_nats = sum_in_order(under_nats);
-        quality.n_touching = is_touching.iter().filter(|&&it| it).count() as u64;
-        quality.n_holding = n_held.iter().filter(|&&n| n >= 1).count() as u64;
-        quality.n_joining = n_held.iter().filter(|&&n| n >= 2).count() as u64;
-        quality
+        let n_points = scan.annotations[annotation_idx].point_indices.len();
+        let shared = overlap.of_annotation(annotation_idx);
+        over_nats.extend(shared.iter().map(|&(_, n_shared)| entropy_nats(n_shared, n_points)));
+        let n_pieces = shared.iter().filter(|&&(_, n_shared)| 10 * n_shared >= n_points).count();
+        quality.n_split += u64::from(n_pieces >= 2);
+        for &(detection_idx, _) in shared.iter().filter(|&&(_, n_shared)| 2 * n_shared > n_points) {
+            n_held[detection_idx] += 1;
+        }
+        for &(detection_idx, n_shared) in shared {
+            let n_points = detections.get(detection_idx).point_indices.len();
+            is_touching[detection_idx] = true;
+            under_nats.push(entropy_nats(n_shared, n_points));
+        }
     }
+    quality.over_entropy_nats = sum_in_order(over_nats);
+    quality.under_entropy_nats = sum_in_order(under_nats);
+    quality.n_touching = is_touching.iter().filter(|&&it| it).count() as u64;
+    quality.n_holding = n_held.iter().filter(|&&n| n >= 1).count() as u64;
+    quality.n_joining = n_held.iter().filter(|&&n| n >= 2).count() as u64;
+    quality
 }
 
 /// The sum, the same to the bit in whatever order the terms come: that of detections is not to show.
@@ -76,18 +60,6 @@ fn entropy_nats(n: usize, n_all: usize) -> f64 {
     share * (n_all as f64 / n as f64).ln()
 }
 
-impl std::ops::AddAssign for SegmentationQuality {
-    fn add_assign(&mut self, other: Self) {
-        self.n_annotations += other.n_annotations;
-        self.n_split += other.n_split;
-        self.n_holding += other.n_holding;
-        self.n_joining += other.n_joining;
-        self.n_touching += other.n_touching;
-        self.over_entropy_nats += other.over_entropy_nats;
-        self.under_entropy_nats += other.under_entropy_nats;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,52 +72,51 @@ mod tests {
     use scans::dataset::AnnotatedClasses;
 
     /// Twenty points a letter: each letter of `annotations` and `detections` is one object, a dot is no object.
-    fn quality(annotations: &str, detections: &str) -> SegmentationQuality {
+    fn quality(annotations: &str, detections: &str) -> SegmentationNumbers {
         let (scan, found) =
-            drawn_in_letters(20, (AnnotationClass::Car, annotations), (DetectedClass::Vehicle, detections));
+            drawn_in_letters(20, AnnotationClass::Car, annotations, DetectedClass::Vehicle, detections);
         let (everything, params) = (AnnotatedClasses::EveryObject, standard(Criterion::POINTS));
         let assignment = assign(&scan, &found, Task::Vehicles, &everything, &params);
-        SegmentationQuality::of(&scan, &found, &assignment)
+        segmentation_quality(&scan, &found, &assignment)
     }
 
-    /// Compares the number of annotations, of those split, of detections that hold one, and of those that hold several.
+    /// Compares the number of annotations that are split, of detections that hold one, and of those that hold several.
     #[track_caller]
-    fn check(annotations: &str, detections: &str, expected: [u64; 4]) {
-        let SegmentationQuality { n_annotations, n_split, n_holding, n_joining, .. } =
-            quality(annotations, detections);
-        assert_eq!([n_annotations, n_split, n_holding, n_joining], expected, "{annotations}\n{detections}");
+    fn check(annotations: &str, detections: &str, expected: [u64; 3]) {
+        let SegmentationNumbers { n_split, n_holding, n_joining, .. } = quality(annotations, detections);
+        assert_eq!([n_split, n_holding, n_joining], expected, "{annotations}\n{detections}");
     }
 
     #[test]
     fn one_detection_for_each_annotation_is_neither_split_nor_joined() {
-        check("aaaa.bbbb", "xxxx.yyyy", [2, 0, 2, 0]);
+        check("aaaa.bbbb", "xxxx.yyyy", [0, 2, 0]);
     }
 
     #[test]
     fn an_annotation_in_two_pieces_is_split() {
-        check("aaaaaaaaaa", "xxxxxyyyyy", [1, 1, 0, 0]);
+        check("aaaaaaaaaa", "xxxxxyyyyy", [1, 0, 0]);
         // The second piece holds exactly a tenth.
-        check("aaaaaaaaaa", "xxxxxxxxxy", [1, 1, 1, 0]);
+        check("aaaaaaaaaa", "xxxxxxxxxy", [1, 1, 0]);
     }
 
     #[test]
     fn less_than_a_tenth_is_no_piece() {
-        check("aaaaaaaaaaa", "xxxxxxxxxxy", [1, 0, 1, 0]);
+        check("aaaaaaaaaaa", "xxxxxxxxxxy", [0, 1, 0]);
     }
 
     #[test]
     fn a_detection_that_holds_two_annotations_joins_them() {
-        check("aaaa.bbbb", "xxxxxxxxx", [2, 0, 1, 1]);
+        check("aaaa.bbbb", "xxxxxxxxx", [0, 1, 1]);
     }
 
     #[test]
     fn half_of_an_annotation_is_not_held() {
-        check("aaaa.bbbb", "xxxxxxx..", [2, 0, 1, 0]);
+        check("aaaa.bbbb", "xxxxxxx..", [0, 1, 0]);
     }
 
     #[test]
     fn what_nobody_found_and_what_is_on_nothing_say_nothing() {
-        check("aaaa....", "....xxxx", [1, 0, 0, 0]);
+        check("aaaa....", "....xxxx", [0, 0, 0]);
     }
 
     /// Compares OSE and USE, and the number of detections with a point of an annotation.
@@ -177,13 +148,5 @@ mod tests {
         // Half found by one detection, half by none: one term of a half.
         check_entropies("aaaa", "xx..", [0.5 * std::f64::consts::LN_2, 0.0], 1);
         check_entropies("aa..", "xxxx", [0.0, 0.5 * std::f64::consts::LN_2], 1);
-    }
-
-    #[test]
-    fn scans_add_up() {
-        let mut all = quality("aaaa.bbbb", "xxxxxxxxx");
-        all += quality("aaaaaaaaaa", "xxxxxxxxxy");
-        let SegmentationQuality { n_annotations, n_split, n_holding, n_joining, n_touching, .. } = all;
-        assert_eq!([n_annotations, n_split, n_holding, n_joining, n_touching], [3, 1, 2, 1, 3]);
     }
 }

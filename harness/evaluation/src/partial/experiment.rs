@@ -6,6 +6,7 @@ use detector::describe::trained_file::Provenance;
 use detector::partial::decision::Choice;
 use detector::partial::partial_model::PartialModel;
 use reports::rows::partial_row::{PartialRow, SeenPart};
+use reports::vocabulary::named::named;
 use reports::vocabulary::partial_class::PartialClass;
 use scans::dataset::DatasetError;
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
@@ -22,27 +23,19 @@ pub struct ObjectsOf<'a> {
     pub object_indices: &'a [usize],
 }
 
-/// What methods learn from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TrainedOn {
-    /// Whole clouds, as in the paper.
-    Whole,
-    /// All steps of uncovering.
-    Parts,
-    /// All steps of a drive.
-    Drives,
+named! {
+    /// What methods learn from.
+    pub enum TrainedOn {
+        /// Whole clouds, as in the paper.
+        Whole = "whole",
+        /// All steps of uncovering.
+        Parts = "parts",
+        /// All steps of a drive.
+        Drives = "drives",
+    }
 }
 
 impl TrainedOn {
-    /// The name used in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Whole => "whole",
-            Self::Parts => "parts",
-            Self::Drives => "drives",
-        }
-    }
-
     fn parts_seen(self) -> PartsSeen {
         match self {
             Self::Whole => PartsSeen::Whole,
@@ -198,8 +191,8 @@ impl Judge<'_> {
         let choice = if may_be_none { Choice::OrNoneOfThese } else { Choice::OfClasses };
         let data = &experiment.judged.set.description().id;
         let answers = self.trained.answers(shown, choice);
-        let by = (self.method, self.trained_on);
-        shown.iter().zip(answers).map(|(part, it)| PartialRow::new(&seen_part(data, part), by, &it)).collect()
+        let row = |(part, it)| PartialRow::new(&seen_part(data, part), self.method, self.trained_on, &it);
+        shown.iter().zip(answers).map(row).collect()
     }
 }
 

@@ -71,8 +71,10 @@ const MOST_BARS: usize = 48;
 pub fn growths(
     set: &dyn ObjectCloudSet,
     object_idx: usize,
-    (seen, drive): (PartsSeen, Option<Drive>),
-    (model, choice): (&GrowthModel, Choice),
+    seen: PartsSeen,
+    drive: Option<Drive>,
+    model: &GrowthModel,
+    choice: Choice,
 ) -> Result<Vec<Growth>, DatasetError> {
     let growing = set.read(object_idx)?;
     let mut classifier = PartialClassifier::with_choice(Arc::clone(&model.model), choice);
@@ -168,8 +170,7 @@ mod tests {
     #[test]
     fn a_growing_object_is_classified_from_both_ends() {
         let set = open_simulated_objects("objects-around", ObjectPart::Development, 1).unwrap();
-        let by = (&model(), Choice::OfClasses);
-        let found = growths(&set, 0, (PartsSeen::Uncovered, None), by).unwrap();
+        let found = growths(&set, 0, PartsSeen::Uncovered, None, &model(), Choice::OfClasses).unwrap();
         assert_eq!(found.iter().map(|it| it.direction).collect::<Vec<_>>(), ["below", "above"]);
         for growth in &found {
             assert_eq!(
@@ -186,7 +187,7 @@ mod tests {
     fn the_scanner_comes_nearer_along_its_course() {
         let set = open_simulated_objects("objects-approach", ObjectPart::Development, 1).unwrap();
         let drive = set.drive(2);
-        let found = growths(&set, 2, (PartsSeen::Driven, drive), (&model(), Choice::OrNoneOfThese)).unwrap();
+        let found = growths(&set, 2, PartsSeen::Driven, drive, &model(), Choice::OrNoneOfThese).unwrap();
         let [growth] = &found[..] else { panic!("one drive") };
         assert!(growth.moments.is_sorted_by_key(|it| it.at) && growth.moments[0].at == 0);
         let positions: Vec<[f32; 3]> =

@@ -175,8 +175,8 @@ pub fn bag_of_graphs(
     let names: Vec<String> = classes.iter().map(|it| it.name().to_owned()).collect();
     let described = |part: &ObjectPart| {
         let class_idx = classes.iter().position(|it| *it == part.class)?;
-        let of_object = (part.object_idx, part.index());
-        Some(TrainingCloud::described(part.cloud.positions_m(), class_idx, of_object, params))
+        let positions_m = part.cloud.positions_m();
+        Some(TrainingCloud::described(positions_m, class_idx, part.object_idx, part.index(), params))
     };
     let clouds: Vec<Option<TrainingCloud>> = parts.par_iter().map(described).collect();
     train(&names, &clouds.into_iter().flatten().collect::<Vec<_>>(), params, made)

@@ -95,7 +95,7 @@ fn described_objects(
         let class_idx = classes.iter().position(|it| *it == set.classes()[object_idx]);
         let class_idx = class_idx.expect("the classes are those of the sets");
         let described = parts.iter().map(|part| {
-            TrainingCloud::described(part.cloud.positions_m(), class_idx, (object_idx, part.index()), params)
+            TrainingCloud::described(part.cloud.positions_m(), class_idx, object_idx, part.index(), params)
         });
         let described = described.collect();
         on_object();

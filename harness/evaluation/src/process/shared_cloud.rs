@@ -75,10 +75,10 @@ impl SharedCloud {
         let coordinates = [("x_m", cloud.x_m()), ("y_m", cloud.y_m()), ("z_m", cloud.z_m())];
         let numbers = coordinates.into_iter().chain([("intensity", cloud.intensity())]);
         for (name, values) in numbers.chain(cloud.time_offset_s().map(|it| ("time_offset_s", it))) {
-            self.write_column((name, "f32"), values.iter().map(|it| it.to_le_bytes()), &mut written)?;
+            self.write_column(name, "f32", values.iter().map(|it| it.to_le_bytes()), &mut written)?;
         }
         if let Some(ring) = cloud.ring() {
-            self.write_column(("ring", "u16"), ring.iter().map(|it| it.to_le_bytes()), &mut written)?;
+            self.write_column("ring", "u16", ring.iter().map(|it| it.to_le_bytes()), &mut written)?;
         }
         Ok(written)
     }
@@ -86,7 +86,8 @@ impl SharedCloud {
     /// Writes the next column, `(name, type)`, behind those that are `written`.
     fn write_column<const N: usize>(
         &mut self,
-        (name, kind): (&str, &str),
+        name: &str,
+        kind: &str,
         values: impl ExactSizeIterator<Item = [u8; N]>,
         written: &mut Vec<Column>,
     ) -> io::Result<()> {

@@ -94,7 +94,8 @@ impl ChosenProtocols {
     pub fn scan<'a>(
         &'a self,
         dataset: &'a dyn Dataset,
-        (scan_idx, scan): (usize, &'a LabeledScan),
+        scan_idx: usize,
+        scan: &'a LabeledScan,
     ) -> Result<ScanUnderProtocols<'a>, ProtocolError> {
         let id = &dataset.description().id;
         let name = ScanName { dataset: id.clone(), sequence: scan.id.sequence.clone(), scan: scan.id.index };
@@ -116,11 +117,7 @@ impl ChosenProtocols {
 impl ScanUnderProtocols<'_> {
     /// The rows of what `detector`, called `name`, has just found in the scan: `output`. Without predicted ground
     /// there are no rows of ground.
-    pub fn rows(
-        &self,
-        (name, detector): (&str, &dyn RunningDetector),
-        output: &DetectorOutput,
-    ) -> OfficialRows {
+    pub fn rows(&self, name: &str, detector: &dyn RunningDetector, output: &DetectorOutput) -> OfficialRows {
         let mut rows = OfficialRows::default();
         if let Some(view) = &self.view {
             let id = &self.scan.id;

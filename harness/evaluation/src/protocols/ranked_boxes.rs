@@ -144,30 +144,21 @@ mod tests {
     use proptest::prelude::*;
     use reports::rows::scan_name::ScanName;
     use reports::vocabulary::class::AnnotationClass;
-    use scans::annotation::{Annotation, LabeledArea, LabeledScan, ScanId};
+    use scans::annotation::{Annotation, LabeledScan, ScanId};
 
     /// Cars of one point at these positions.
     fn scan(positions_m: &[[f32; 2]]) -> LabeledScan {
         let annotation = |[x_m, y_m]: &[f32; 2]| Annotation {
-            class: AnnotationClass::Car,
             bounding_box: Some(OrientedBox {
                 center_m: [*x_m, *y_m, 0.0],
                 length_width_height_m: [4.0, 2.0, 1.5],
                 yaw_rad: 0.1,
             }),
             point_indices: vec![0],
-            track: None,
-            occlusion: None,
-            truncation: None,
+            ..Annotation::of(AnnotationClass::Car)
         };
-        LabeledScan {
-            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-            cloud: PointCloud::default(),
-            annotations: positions_m.iter().map(annotation).collect(),
-            point_regions: Vec::new(),
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        }
+        let id = ScanId { sequence: "drawn".to_owned(), index: 0 };
+        LabeledScan::everywhere(id, PointCloud::default(), positions_m.iter().map(annotation).collect())
     }
 
     fn rows_of<Rules: RankedRules>(scan: &LabeledScan, objects: &[OfficialObject]) -> Vec<RankedBoxRow> {

@@ -3,14 +3,12 @@
 use reports::numbers::curve_pair::{CurvePair, Sides};
 
 use super::cell_classes::cell_classes;
-use super::clusters_per_scan::clusters_per_scan;
-use super::ground_share::ground_share;
 use super::height_histogram::height_histogram;
 use super::points_per_car::points_per_car;
 use super::points_per_track::points_per_track;
-use super::returns_per_scan::returns_per_scan;
 use super::ring_density::ring_density;
 use super::survey::SurveyedScan;
+use super::whole_scans::{clusters_per_scan, ground_share, returns_per_scan};
 
 /// The curves of every statistic, in the order of the table.
 pub fn compare(scans: &Sides<Vec<SurveyedScan>>) -> Vec<CurvePair> {

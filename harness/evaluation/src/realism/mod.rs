@@ -5,12 +5,10 @@
 pub mod distribution;
 
 // The statistics, a file each.
-pub mod returns_per_scan;
-pub mod ground_share;
+pub mod whole_scans;
 pub mod ring_density;
 pub mod points_per_car;
 pub mod points_per_track;
-pub mod clusters_per_scan;
 pub mod height_histogram;
 pub mod cell_classes;
 

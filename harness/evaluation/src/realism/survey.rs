@@ -8,11 +8,9 @@ use detector::{Detector, DetectorOutput};
 use scans::annotation::LabeledScan;
 
 use super::cell_classes::CellCounts;
-use super::clusters_per_scan::n_clusters;
-use super::ground_share::GroundCount;
 use super::height_histogram::HeightCounts;
 use super::points_per_car::CarsInScan;
-use super::returns_per_scan::n_returns;
+use super::whole_scans::{GroundCount, n_clusters, n_returns};
 use crate::scan_pass::{ScanPass, ScanPassError};
 
 /// What all statistics take from one scan.

@@ -76,7 +76,7 @@ fn spheres_of(scan: &LabeledScan, annotation: &Annotation) -> Option<[f32; 2]> {
 #[cfg(test)]
 mod tests {
     use detector::{OrientedBox, PointCloud};
-    use scans::annotation::{LabeledArea, PointRegion, ScanId};
+    use scans::annotation::ScanId;
 
     use super::*;
 
@@ -97,23 +97,9 @@ mod tests {
             length_width_height_m: [4.0, 1.8, 1.5],
             yaw_rad: 0.0,
         };
-        let n = cloud.len() as u32;
-        let car = Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: Some(bounding_box),
-            point_indices: (0..n).collect(),
-            track: None,
-            occlusion: None,
-            truncation: None,
-        };
-        LabeledScan {
-            id: ScanId { sequence: "0".to_owned(), index: 0 },
-            point_regions: vec![PointRegion::Labeled; cloud.len()],
-            cloud,
-            annotations: vec![car],
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        }
+        let (bounding_box, point_indices) = (Some(bounding_box), (0..cloud.len() as u32).collect());
+        let car = Annotation { bounding_box, point_indices, ..Annotation::of(AnnotationClass::Car) };
+        LabeledScan::everywhere(ScanId { sequence: "0".to_owned(), index: 0 }, cloud, vec![car])
     }
 
     #[test]

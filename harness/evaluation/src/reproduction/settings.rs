@@ -41,7 +41,8 @@ pub enum SettingsError {
 pub fn latin_hypercube(
     base: &RunConfig,
     values: &[OpenValue],
-    (n, seed): (usize, u64),
+    n: usize,
+    seed: u64,
 ) -> Result<Vec<SweepPoint>, ConfigError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut columns = Vec::new();
@@ -93,7 +94,8 @@ pub type TaskCounts = [Counts; Task::ALL.len()];
 /// [`SettingsError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
 pub fn count(
     plan: &SweepPlan,
-    (dataset, scan_indices): (&dyn Dataset, &[usize]),
+    dataset: &dyn Dataset,
+    scan_indices: &[usize],
     interrupted: &AtomicBool,
     on_scan: impl Fn() + Sync,
 ) -> Result<Vec<Vec<TaskCounts>>, SettingsError> {
@@ -105,7 +107,8 @@ pub fn count(
         let looked_at = LookedAt { scan: &scan, time_s: times[scan_idx].time_s, official: None };
         let mut found = Vec::new();
         look_at_points(
-            (plan, &Programs::default()),
+            plan,
+            &Programs::default(),
             description,
             looked_at,
             &point_idxs,
@@ -148,7 +151,7 @@ mod tests {
     #[test]
     fn every_part_of_every_range_is_there_once() {
         let base = RunConfig::load(None).unwrap();
-        let points = latin_hypercube(&base, &OPEN_VALUES, (20, 1)).unwrap();
+        let points = latin_hypercube(&base, &OPEN_VALUES, 20, 1).unwrap();
         assert_eq!(points.len(), 20);
         for (idx, open) in OPEN_VALUES.iter().enumerate() {
             let OpenRange::Numbers { low, high, is_whole: false, is_log } = open.range else { continue };
@@ -164,8 +167,8 @@ mod tests {
             // Values are rounded as they are written, over the border of a part now and then.
             assert!(strata.collect::<BTreeSet<_>>().len() >= 17, "{}", open.parameter);
         }
-        let again = latin_hypercube(&base, &OPEN_VALUES, (20, 1)).unwrap();
+        let again = latin_hypercube(&base, &OPEN_VALUES, 20, 1).unwrap();
         assert!(points.iter().zip(&again).all(|(a, b)| a.values == b.values));
-        assert_ne!(points[0].values, latin_hypercube(&base, &OPEN_VALUES, (20, 2)).unwrap()[0].values);
+        assert_ne!(points[0].values, latin_hypercube(&base, &OPEN_VALUES, 20, 2).unwrap()[0].values);
     }
 }

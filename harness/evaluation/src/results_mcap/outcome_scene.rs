@@ -141,31 +141,17 @@ fn color_of(rgb: Rgb, a: f64) -> Color {
 mod tests {
     use super::*;
     use detector::PointCloud;
-    use reports::vocabulary::class::AnnotationClass;
-    use reports::vocabulary::class::DetectionClass;
+    use reports::vocabulary::class::{AnnotationClass, DetectionClass};
     use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
-    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
+    use scans::annotation::{Annotation, ScanId};
 
     /// One annotation without a box, with the four points of a square.
     fn scan() -> LabeledScan {
         let cloud =
             PointCloud::from_iter([[4.0, 0.0, 0.0], [6.0, 0.0, 0.0], [6.0, 2.0, 1.0], [4.0, 2.0, 1.0]]);
-        let annotation = Annotation {
-            class: AnnotationClass::Car,
-            bounding_box: None,
-            point_indices: vec![0, 1, 2, 3],
-            track: Some(7),
-            occlusion: None,
-            truncation: None,
-        };
-        LabeledScan {
-            id: ScanId { sequence: "a".to_owned(), index: 0 },
-            point_regions: vec![PointRegion::Labeled; cloud.len()],
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-            cloud,
-            annotations: vec![annotation],
-        }
+        let (point_indices, track) = (vec![0, 1, 2, 3], Some(7));
+        let annotation = Annotation { point_indices, track, ..Annotation::of(AnnotationClass::Car) };
+        LabeledScan::everywhere(ScanId { sequence: "a".to_owned(), index: 0 }, cloud, vec![annotation])
     }
 
     fn annotation() -> AnnotationFacts {

@@ -111,7 +111,7 @@ pub fn box_pairs(
         let second = &times[scan_idx].second;
         let pairs = assignment.annotations.iter().enumerate().filter_map(|(annotation_idx, outcome)| {
             let AnnotationOutcome::Matched { detection_idx, .. } = *outcome else { return None };
-            box_pair((scan, second), annotation_idx, detections.get(detection_idx))
+            box_pair(scan, second, annotation_idx, detections.get(detection_idx))
         });
         pairs.collect::<Vec<BoxPair>>()
     };
@@ -120,7 +120,8 @@ pub fn box_pairs(
 
 /// `None` if the annotation is no vehicle, or has no box.
 fn box_pair(
-    (scan, second): (&LabeledScan, &DriveSecond),
+    scan: &LabeledScan,
+    second: &DriveSecond,
     annotation_idx: usize,
     detection: Detection<'_>,
 ) -> Option<BoxPair> {
@@ -331,7 +332,7 @@ mod tests {
             let pairs: Vec<_> = (0..12)
                 .map(|scan| {
                     let (dataset, pair) = pair("training", None, 10.0, f64::from(scan));
-                    let second = DriveSecond::of_scan(("training", scan), block, None);
+                    let second = DriveSecond::of_scan("training", scan, block, None);
                     (dataset, BoxPair { second, ..pair })
                 })
                 .collect();

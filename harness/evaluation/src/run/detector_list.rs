@@ -10,10 +10,9 @@ use baselines::pca_detector::pca;
 use baselines::simple_grid_detector::simple_grid;
 use detector::Detector;
 use detector::classify::grouping_model::GroupingModel;
-use detector::classify::vehicle_model::VehicleModel;
+use detector::pipeline::object_stages::ObjectModels;
 use detector::pipeline::paper_detector::paper;
 use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
-use detector::whole::box_model::BoxModel;
 use reports::verdicts::suggestion::closest;
 
 use crate::run::config::{DETECTOR_TABLE, RunConfig, TrainedModel, VehicleModels};
@@ -138,8 +137,9 @@ fn group_models(config: &RunConfig, groups: Arc<GroupingModel>) -> GroupModels {
 }
 
 /// What a detector of clusters decides by.
-fn cluster_models(config: &RunConfig) -> (Option<VehicleModel>, Option<Arc<BoxModel>>) {
-    (config.vehicle_models.as_ref().map(VehicleModels::clusters), config.box_model())
+fn cluster_models(config: &RunConfig) -> ObjectModels {
+    let vehicles = config.vehicle_models.as_ref().map(VehicleModels::clusters);
+    ObjectModels { vehicles, boxes: config.box_model() }
 }
 
 /// The detectors that run if none are asked for: the method, its strongest rival, which has the same training, the method of

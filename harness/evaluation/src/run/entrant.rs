@@ -155,8 +155,8 @@ impl ForeignDetector {
     fn vehicles_of(&self, config: &RunConfig, dataset: &DatasetDescription) -> ForeignVehicles {
         match (self.vehicles, &config.vehicle_models) {
             (VehicleRule::Model, Some(models)) => {
-                let models = (models.clusters(), config.box_model());
-                ForeignVehicles::by_model(&config.hierarchical, models, dataset.sensor_height_m)
+                let (model, box_model) = (models.clusters(), config.box_model());
+                ForeignVehicles::by_model(&config.hierarchical, model, box_model, dataset.sensor_height_m)
             }
             (VehicleRule::Size, _) | (VehicleRule::Model, None) => {
                 ForeignVehicles::by_size(&config.hierarchical, config.box_model(), dataset.sensor_height_m)

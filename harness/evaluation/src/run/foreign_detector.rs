@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+use reports::vocabulary::named::named;
+
 use crate::process::message::Introduction;
 
 /// What is known of it.
@@ -46,25 +48,14 @@ pub struct ForeignProcess {
     pub introduction: Arc<OnceLock<Introduction>>,
 }
 
-/// What classifies vehicles.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum VehicleRule {
-    /// Their size.
-    Size,
-    /// The model of our own clusterings.
-    #[default]
-    Model,
-}
-
-impl VehicleRule {
-    /// All rules.
-    pub const ALL: [Self; 2] = [Self::Size, Self::Model];
-
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Size => "size",
-            Self::Model => "model",
-        }
+named! {
+    /// What classifies vehicles.
+    #[derive(Default)]
+    pub enum VehicleRule {
+        /// Their size.
+        Size = "size",
+        /// The model of our own clusterings.
+        #[default]
+        Model = "model",
     }
 }

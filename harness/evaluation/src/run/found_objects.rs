@@ -8,7 +8,7 @@ use detector::classify::vehicle_model::VehicleModel;
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground;
-use detector::pipeline::object_stages::object_stages;
+use detector::pipeline::object_stages::{ObjectModels, object_stages};
 use detector::pipeline::stage_list::{Pipeline, Stages};
 use detector::whole::box_model::BoxModel;
 use detector::whole::reported_boxes::{BoxParams, ReportedBoxes};
@@ -100,7 +100,8 @@ impl ForeignVehicles {
     /// The same by `model`, as our own detectors do.
     pub fn by_model(
         params: &HierarchicalParams,
-        (model, box_model): (VehicleModel, Option<Arc<BoxModel>>),
+        model: VehicleModel,
+        box_model: Option<Arc<BoxModel>>,
         sensor_height_m: f32,
     ) -> Self {
         let mut as_found = params.clone();
@@ -108,7 +109,7 @@ impl ForeignVehicles {
         as_found.completion.enabled = false;
         as_found.boxes = BoxParams { outline: false, whole: false };
         as_found.cluster.min_points = 1;
-        let stages = object_stages(&as_found, (Some(model), None));
+        let stages = object_stages(&as_found, ObjectModels { vehicles: Some(model), boxes: None });
         let by_model = ByModel { stages, output: DetectorOutput::default() };
         Self { by_model: Some(by_model), ..Self::by_size(params, box_model, sensor_height_m) }
     }
@@ -302,7 +303,7 @@ mod tests {
         let config = RunConfig::load(None).unwrap().for_sensor(&description.sensor).unwrap();
         let model = config.vehicle_models.as_ref().unwrap().clusters();
         let mut vehicles =
-            ForeignVehicles::by_model(&config.hierarchical, (model, None), description.sensor_height_m);
+            ForeignVehicles::by_model(&config.hierarchical, model, None, description.sensor_height_m);
         let large: Vec<_> = scan.annotations.iter().filter(|it| it.point_indices.len() >= 100).collect();
         let objects = large.iter().map(|it| FoundObject {
             point_indices: Some(it.point_indices.clone()),
@@ -341,7 +342,7 @@ mod tests {
         };
         let (params, height_m) = (&config.hierarchical, description.sensor_height_m);
         let model = config.vehicle_models.as_ref().unwrap().clusters();
-        let by_model = boxes_of(ForeignVehicles::by_model(params, (model, None), height_m));
+        let by_model = boxes_of(ForeignVehicles::by_model(params, model, None, height_m));
         assert_eq!(by_model, boxes_of(ForeignVehicles::by_size(params, None, height_m)));
         let scored = FoundObject { score: Some(0.3), ..as_car.clone() };
         let mut output = DetectorOutput::default();

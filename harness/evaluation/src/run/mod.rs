@@ -5,7 +5,6 @@ pub mod foreign_detector;
 pub mod config;
 pub mod foreign_files;
 pub mod detector_list;
-pub mod cpu_time;
 pub mod running_detector;
 pub mod found_objects;
 #[cfg(target_os = "linux")]

@@ -30,140 +30,43 @@ const TURNS_PER_SCAN: u32 = 30;
 /// other drives under some of them, rain of 20 mm/h and hills of 10 % among these. No model was trained with the new
 /// sensors, and they have no shipped density curve: it is learned from five of their scans.
 pub const CONDITIONS: &[Condition] = &[
-    Condition { group: "standard", name: "hdl-64e-s2, 1.73 m", trained: true, change: |_| {} },
-    Condition { group: "road", name: "level", trained: false, change: |it| it.conditions = even(0.0) },
-    Condition { group: "road", name: "5 % even", trained: false, change: |it| it.conditions = even(0.05) },
-    Condition { group: "road", name: "10 % even", trained: false, change: |it| it.conditions = even(0.10) },
-    Condition {
-        group: "road",
-        name: "hills to 5 %",
-        trained: true,
-        change: |it| it.conditions = hills(0.05),
-    },
-    Condition {
-        group: "road",
-        name: "hills to 10 %",
-        trained: true,
-        change: |it| it.conditions = hills(0.10),
-    },
-    Condition {
-        group: "kerb",
-        name: "3 cm",
-        trained: false,
-        change: |it| it.conditions.kerb_height_m = Some(0.03),
-    },
-    Condition {
-        group: "kerb",
-        name: "15 cm",
-        trained: false,
-        change: |it| it.conditions.kerb_height_m = Some(0.15),
-    },
-    Condition {
-        group: "kerb",
-        name: "25 cm",
-        trained: false,
-        change: |it| it.conditions.kerb_height_m = Some(0.25),
-    },
-    Condition {
-        group: "truck ahead",
-        name: "3.0 m",
-        trained: false,
-        change: |it| it.conditions.truck_ahead_height_m = Some(3.0),
-    },
-    Condition { group: "trees", name: "avenue", trained: true, change: |it| it.conditions.avenue = true },
-    Condition {
-        group: "overhead",
-        name: "bridges",
-        trained: false,
-        change: |it| it.conditions.bridges = true,
-    },
-    Condition { group: "overhead", name: "wires", trained: false, change: |it| it.conditions.wires = true },
-    Condition {
-        group: "overhead",
-        name: "garages",
-        trained: false,
-        change: |it| it.conditions.garages = true,
-    },
-    Condition { group: "traffic", name: "haulage", trained: true, change: |it| it.conditions.haulage = true },
-    Condition {
-        group: "traffic",
-        name: "North American",
-        trained: true,
-        change: |it| it.conditions.north_american = true,
-    },
-    Condition {
-        group: "mounted at",
-        name: "1.0 m",
-        trained: true,
-        change: |it| it.sensor_height_m = Some(1.0),
-    },
-    Condition {
-        group: "mounted at",
-        name: "2.5 m",
-        trained: false,
-        change: |it| it.sensor_height_m = Some(2.5),
-    },
-    Condition {
-        group: "sensor",
-        name: "hdl-32e",
-        trained: true,
-        change: |it| "hdl-32e".clone_into(&mut it.sensor),
-    },
-    Condition {
-        group: "sensor",
-        name: "vlp-16",
-        trained: true,
-        change: |it| "vlp-16".clone_into(&mut it.sensor),
-    },
-    Condition {
-        group: "sensor",
-        name: "os1-128",
-        trained: true,
-        change: |it| "os1-128".clone_into(&mut it.sensor),
-    },
-    Condition {
-        group: "sensor",
-        name: "argoverse2",
-        trained: true,
-        change: |it| "argoverse2".clone_into(&mut it.sensor),
-    },
-    Condition {
-        group: "new sensor",
-        name: "xt32",
-        trained: false,
-        change: |it| "xt32".clone_into(&mut it.sensor),
-    },
-    Condition {
-        group: "new sensor",
-        name: "pandar64",
-        trained: false,
-        change: |it| "pandar64".clone_into(&mut it.sensor),
-    },
-    Condition {
-        group: "new sensor",
-        name: "os0-128",
-        trained: false,
-        change: |it| "os0-128".clone_into(&mut it.sensor),
-    },
-    Condition {
-        group: "weather",
-        name: "rain, 10 mm/h",
-        trained: true,
-        change: |it| it.rain_mm_per_h = Some(10.0),
-    },
-    Condition {
-        group: "weather",
-        name: "rain, 50 mm/h",
-        trained: true,
-        change: |it| it.rain_mm_per_h = Some(50.0),
-    },
-    Condition {
-        group: "shutter",
-        name: "rolling",
-        trained: false,
-        change: |it| it.shutter = Shutter::Rolling,
-    },
+    trained("standard", "hdl-64e-s2, 1.73 m", |_| {}),
+    unseen("road", "level", |it| it.conditions = even(0.0)),
+    unseen("road", "5 % even", |it| it.conditions = even(0.05)),
+    unseen("road", "10 % even", |it| it.conditions = even(0.10)),
+    trained("road", "hills to 5 %", |it| it.conditions = hills(0.05)),
+    trained("road", "hills to 10 %", |it| it.conditions = hills(0.10)),
+    unseen("kerb", "3 cm", |it| it.conditions.kerb_height_m = Some(0.03)),
+    unseen("kerb", "15 cm", |it| it.conditions.kerb_height_m = Some(0.15)),
+    unseen("kerb", "25 cm", |it| it.conditions.kerb_height_m = Some(0.25)),
+    unseen("truck ahead", "3.0 m", |it| it.conditions.truck_ahead_height_m = Some(3.0)),
+    trained("trees", "avenue", |it| it.conditions.avenue = true),
+    unseen("overhead", "bridges", |it| it.conditions.bridges = true),
+    unseen("overhead", "wires", |it| it.conditions.wires = true),
+    unseen("overhead", "garages", |it| it.conditions.garages = true),
+    trained("traffic", "haulage", |it| it.conditions.haulage = true),
+    trained("traffic", "North American", |it| it.conditions.north_american = true),
+    trained("mounted at", "1.0 m", |it| it.sensor_height_m = Some(1.0)),
+    unseen("mounted at", "2.5 m", |it| it.sensor_height_m = Some(2.5)),
+    trained("sensor", "hdl-32e", |it| "hdl-32e".clone_into(&mut it.sensor)),
+    trained("sensor", "vlp-16", |it| "vlp-16".clone_into(&mut it.sensor)),
+    trained("sensor", "os1-128", |it| "os1-128".clone_into(&mut it.sensor)),
+    trained("sensor", "argoverse2", |it| "argoverse2".clone_into(&mut it.sensor)),
+    unseen("new sensor", "xt32", |it| "xt32".clone_into(&mut it.sensor)),
+    unseen("new sensor", "pandar64", |it| "pandar64".clone_into(&mut it.sensor)),
+    unseen("new sensor", "os0-128", |it| "os0-128".clone_into(&mut it.sensor)),
+    trained("weather", "rain, 10 mm/h", |it| it.rain_mm_per_h = Some(10.0)),
+    trained("weather", "rain, 50 mm/h", |it| it.rain_mm_per_h = Some(50.0)),
+    unseen("shutter", "rolling", |it| it.shutter = Shutter::Rolling),
 ];
+
+const fn trained(group: &'static str, name: &'static str, change: fn(&mut StreetDrive)) -> Condition {
+    Condition { group, name, trained: true, change }
+}
+
+const fn unseen(group: &'static str, name: &'static str, change: fn(&mut StreetDrive)) -> Condition {
+    Condition { group, name, trained: false, change }
+}
 
 fn even(gradient: f32) -> StreetConditions {
     StreetConditions { gradient: Some(gradient), ..StreetConditions::default() }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use detector::detector::{DropReason, StageTime};
 use reports::rows::match_outcome::{AnnotationFacts, FoundBy, MatchOutcome};
 use reports::rows::match_row::MatchRow;
-use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use reports::rows::stage_row::StageRow;
 use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::reason::IgnoredAnnotation;
@@ -18,7 +18,7 @@ use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::n_points_in;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::metrics::counts::{Counts, FalseDetections};
-use crate::metrics::segmentation_quality::SegmentationQuality;
+use crate::metrics::segmentation_quality::segmentation_quality;
 
 /// The rows of one scan and detector.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,7 +97,6 @@ fn scan_row(
     assignment: &Assignment,
 ) -> ScanRow {
     let counts = Counts::of(assignment);
-    let segmentation = SegmentationQuality::of(scan, &result.output.detections, assignment);
     let n_dropped = |reasons: &[DropReason]| {
         let dropped = result.output.dropped_clusters.iter();
         dropped.filter(|cluster| reasons.contains(&cluster.reason)).count() as u64
@@ -122,14 +121,7 @@ fn scan_row(
             n_ignored_annotations: counts.n_ignored_annotations,
             n_ignored_detections: counts.n_ignored_detections,
             n_unknowable_detections: counts.n_unknowable,
-            segmentation: SegmentationNumbers {
-                n_split: segmentation.n_split,
-                n_holding: segmentation.n_holding,
-                n_joining: segmentation.n_joining,
-                n_touching: segmentation.n_touching,
-                over_entropy_nats: segmentation.over_entropy_nats,
-                under_entropy_nats: segmentation.under_entropy_nats,
-            },
+            segmentation: segmentation_quality(scan, &result.output.detections, assignment),
             n_dropped_too_small: n_dropped(&[DropReason::TooFewPoints]),
             n_dropped_too_large: n_dropped(&[DropReason::TooManyPoints, DropReason::TooLarge]),
         }),
@@ -224,7 +216,7 @@ mod tests {
     use crate::run::side_by_side::DetectionTimes;
     use reports::vocabulary::class::AnnotationClass;
     use reports::vocabulary::task::Task;
-    use scans::annotation::{Annotation, LabeledArea, ScanId};
+    use scans::annotation::{Annotation, ScanId};
     use scans::dataset::AnnotatedClasses;
 
     /// Heaps of 30 points along x, without boxes: cars at 5, 20 and 40 m, and a tree of 6 m at 60 m.
@@ -237,26 +229,11 @@ mod tests {
         let annotations = statistics.map(|(class, x_m, step_m)| {
             let first = cloud.len() as u32;
             (0..30_u8).for_each(|it| cloud.push([x_m, 0.0, step_m * f32::from(it)], 0.0));
-            let point_indices = (first..first + 30).collect();
-            Annotation {
-                class,
-                bounding_box: None,
-                point_indices,
-                track: None,
-                occlusion: None,
-                truncation: None,
-            }
+            Annotation { point_indices: (first..first + 30).collect(), ..Annotation::of(class) }
         });
         let annotations = annotations.collect();
         (0..30_u8).for_each(|it| cloud.push([25.0, 0.1 * f32::from(it), 0.0], 0.0));
-        LabeledScan {
-            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
-            annotations,
-            point_regions: vec![PointRegion::Labeled; cloud.len()],
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-            cloud,
-        }
+        LabeledScan::everywhere(ScanId { sequence: "drawn".to_owned(), index: 0 }, cloud, annotations)
     }
 
     fn dataset() -> DatasetDescription {

@@ -9,7 +9,6 @@ use scans::dataset::kitti::label::KittiObject;
 use scans::dataset::official::OfficialObject;
 
 use crate::process::problem::DetectorFailure;
-use crate::run::cpu_time::own_cpu_time;
 
 /// The times of a detection.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -181,4 +180,17 @@ impl RunningDetector for NotHere {
     fn stage_products(&self, _: &PointCloud) -> Vec<StageProduct> {
         Vec::new()
     }
+}
+
+/// User and system, on all threads; `None` where the system does not report it.
+#[cfg(target_os = "linux")]
+fn own_cpu_time() -> Option<Duration> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Some(Duration::new(time.tv_sec.try_into().ok()?, time.tv_nsec.try_into().ok()?))
+}
+
+/// User and system, on all threads; `None` where the system does not report it.
+#[cfg(not(target_os = "linux"))]
+fn own_cpu_time() -> Option<Duration> {
+    None
 }

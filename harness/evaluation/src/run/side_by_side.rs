@@ -175,9 +175,9 @@ impl SideBySide<'_> {
                     let (n_done, n_scans) = (run_idx - self.part.start, self.part.len());
                     return Err(RunError::Interrupted { n_done, n_scans }.into());
                 }
-                let asked = (run_idx, &scan, time_s);
-                let turns = self.detect_all(asked, (detectors, &mut outputs), &mut reference)?;
-                let results = self.results(&scan, (detectors, &outputs), turns);
+                let turns =
+                    self.detect_all(run_idx, &scan, time_s, detectors, &mut outputs, &mut reference)?;
+                let results = self.results(&scan, detectors, &outputs, turns);
                 on_scan(ScanResults { run_idx, scan: &scan, checksum, time, results: &results, detectors })?;
             }
         }
@@ -215,8 +215,11 @@ impl SideBySide<'_> {
     /// Fills the outputs of all detectors, and says how long each took, or why it gave no answer.
     fn detect_all(
         &self,
-        (run_idx, scan, time_s): (usize, &LabeledScan, f64),
-        (detectors, outputs): (&mut [Box<dyn RunningDetector>], &mut [DetectorOutput]),
+        run_idx: usize,
+        scan: &LabeledScan,
+        time_s: f64,
+        detectors: &mut [Box<dyn RunningDetector>],
+        outputs: &mut [DetectorOutput],
         reference: &mut GridWrite,
     ) -> Result<Vec<Turns>, RunError> {
         let mut of_reference = Duration::MAX;
@@ -272,7 +275,8 @@ impl SideBySide<'_> {
     fn results(
         &self,
         scan: &LabeledScan,
-        (detectors, outputs): (&[Box<dyn RunningDetector>], &[DetectorOutput]),
+        detectors: &[Box<dyn RunningDetector>],
+        outputs: &[DetectorOutput],
         turns: Vec<Turns>,
     ) -> Vec<DetectorScan> {
         let annotated = &self.dataset.description().annotated;

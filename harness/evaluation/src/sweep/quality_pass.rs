@@ -138,12 +138,13 @@ impl SweepPass<'_> {
         self.check_interrupted(n_left)?;
         let scan = dataset.read_scan(scan_indices[scan_idx])?;
         let official = match self.protocols {
-            Some(it) => Some(it.scan(dataset, (scan_indices[scan_idx], &scan))?),
+            Some(it) => Some(it.scan(dataset, scan_indices[scan_idx], &scan)?),
             None => None,
         };
         let looked_at = LookedAt { scan: &scan, time_s: time.time_s, official: official.as_ref() };
         look_at_points(
-            (self.plan, programs),
+            self.plan,
+            programs,
             dataset.description(),
             looked_at,
             point_idxs,

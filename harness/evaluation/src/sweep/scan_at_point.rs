@@ -79,7 +79,8 @@ pub struct DetectorAtPoint {
 ///
 /// What `on_point` returns, or [`DetectorFailure`] of a detector that gives no answer.
 pub fn look_at_points<E: From<DetectorFailure>>(
-    (plan, programs): (&SweepPlan, &Programs),
+    plan: &SweepPlan,
+    programs: &Programs,
     dataset: &DatasetDescription,
     looked_at: LookedAt<'_>,
     point_idxs: &[usize],
@@ -98,7 +99,7 @@ pub fn look_at_points<E: From<DetectorFailure>>(
                 entrant.begin_with(dataset, program).map_err(|it| plan.at_point(point_idx, it))?;
             detector.detect(scan, time_s, &mut output).map_err(|it| plan.at_point(point_idx, it))?;
             if let Some(official) = official {
-                rows.append(official.rows((entrant.name, &*detector), &output));
+                rows.append(official.rows(entrant.name, &*detector, &output));
             }
             programs.put_back(dataset, entrant.name, detector);
             let counts = Task::ALL.iter().map(|&task| {

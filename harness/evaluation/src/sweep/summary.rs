@@ -18,8 +18,8 @@ use scans::dataset;
 
 use crate::metrics::counts::FalseDetections;
 use crate::sweep::block_resamples::{BlockResamples, ratio_interval};
+use crate::sweep::journal_entry::TimedScan;
 use crate::sweep::sweep_tally::{CellSums, DatasetSums, PointSums, SweepTally};
-use crate::sweep::timed_scan::TimedScan;
 
 /// Data sets that are looked at together.
 struct Group<'a> {

@@ -7,10 +7,9 @@ use std::time::Duration;
 use detector::DetectorOutput;
 
 use crate::run::entrant::Entrant;
-use crate::sweep::journal_entry::JournalEntry;
+use crate::sweep::journal_entry::{JournalEntry, TimedScan};
 use crate::sweep::programs::Programs;
 use crate::sweep::quality_pass::{SweepError, SweepPass};
-use crate::sweep::timed_scan::TimedScan;
 
 /// Detections of a scan at a point that are timed, after one that is not.
 pub const DETECTIONS_PER_SCAN: usize = 3;
@@ -28,7 +27,7 @@ impl SweepPass<'_> {
         let programs = Programs::default();
         for (index, scan) in self.timed_scans(n_scans) {
             if !done.contains(&scan) {
-                self.journal.add(&JournalEntry::Times(self.time_scan(scan, index, &programs)?))?;
+                self.journal.add(&JournalEntry::Times(self.time_scan(scan.0, scan.1, index, &programs)?))?;
             }
         }
         Ok(())
@@ -50,7 +49,8 @@ impl SweepPass<'_> {
 
     fn time_scan(
         &self,
-        (dataset_idx, scan_idx): (usize, usize),
+        dataset_idx: usize,
+        scan_idx: usize,
         index: usize,
         programs: &Programs,
     ) -> Result<TimedScan, SweepError> {

@@ -85,12 +85,12 @@ pub fn boost<const D: usize>(
 fn even_tree(trained: &Tree) -> DecisionTree {
     let mut tree =
         DecisionTree { value_of_split: [0; N_LEAVES], thresholds: [0.0; N_LEAVES], leaves: [0.0; N_LEAVES] };
-    fill(&mut tree, trained, (0, 0));
+    fill(&mut tree, trained, 0, 0);
     tree
 }
 
 /// Fills what follows an index of `tree` with what follows a node of `trained`. Below a leaf both sides are that leaf.
-fn fill(tree: &mut DecisionTree, trained: &Tree, (index, node_idx): (usize, usize)) {
+fn fill(tree: &mut DecisionTree, trained: &Tree, index: usize, node_idx: usize) {
     let node = &trained.nodes[node_idx];
     if index >= N_SPLITS {
         tree.leaves[index - N_SPLITS] = node.weight_value;
@@ -104,7 +104,7 @@ fn fill(tree: &mut DecisionTree, trained: &Tree, (index, node_idx): (usize, usiz
         [node.left_child, node.right_child]
     };
     for (child, side) in children.into_iter().zip(1..) {
-        fill(tree, trained, (2 * index + side, child));
+        fill(tree, trained, 2 * index + side, child);
     }
 }
 

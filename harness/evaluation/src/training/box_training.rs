@@ -91,7 +91,7 @@ pub fn collect_vehicles(
             found.extend(assignment.annotations.iter().enumerate().filter_map(
                 |(annotation_idx, outcome)| {
                     let AnnotationOutcome::Matched { detection_idx, .. } = *outcome else { return None };
-                    example((scan, &output, &looker.foreground.frame), annotation_idx, detection_idx)
+                    example(scan, &output, &looker.foreground.frame, annotation_idx, detection_idx)
                 },
             ));
         }
@@ -102,7 +102,9 @@ pub fn collect_vehicles(
 
 /// `None` if the annotation is no vehicle, or has no box.
 fn example(
-    (scan, output, frame): (&LabeledScan, &DetectorOutput, &Frame),
+    scan: &LabeledScan,
+    output: &DetectorOutput,
+    frame: &Frame,
     annotation_idx: usize,
     detection_idx: usize,
 ) -> Option<VehicleExample> {

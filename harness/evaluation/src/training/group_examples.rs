@@ -68,7 +68,8 @@ impl ScanGroups {
     /// The expected IoU of each of its groups by `forests`, after so many rounds.
     pub fn expected_ious(
         &self,
-        (forests, rounds): (&RefinementForests, u8),
+        forests: &RefinementForests,
+        rounds: u8,
         buffers: &mut RefinementBuffers,
     ) -> Vec<f32> {
         let mut expected_ious = Vec::new();

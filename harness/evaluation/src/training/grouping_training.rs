@@ -39,7 +39,7 @@ pub fn train_on_groups(
     library: PrototypeLibrary,
     on_forest: &(dyn Fn() + Sync),
 ) -> Result<GroupingModel, ForustError> {
-    let (objects, expected_ious) = train_refinement(scans, (&OBJECTS, rounds), on_forest)?;
+    let (objects, expected_ious) = train_refinement(scans, &OBJECTS, rounds, on_forest)?;
     let (mut values, mut are_vehicles) = (Vec::new(), Vec::new());
     for (scan, expected_ious) in scans.iter().zip(expected_ious) {
         for (expected_iou, it) in expected_ious.into_iter().zip(&scan.groups) {

@@ -31,7 +31,8 @@ pub const N_FORESTS: usize = (1 + N_REFINEMENTS) * (1 + N_FOLDS);
 /// If there are fewer scans than parts, or no labels.
 pub fn train_refinement(
     scans: &[&ScanGroups],
-    (params, rounds): (&BoostingParams, u8),
+    params: &BoostingParams,
+    rounds: u8,
     on_forest: &(dyn Fn() + Sync),
 ) -> Result<(RefinementForests, Vec<Vec<f32>>), ForustError> {
     let folds = folds(scans);
@@ -190,7 +191,7 @@ mod tests {
             n_forests.fetch_add(1, Ordering::Relaxed);
         };
         let (forests, expected_ious) =
-            train_refinement(&scans.iter().collect::<Vec<_>>(), (&PARAMS, 3), &on_forest).unwrap();
+            train_refinement(&scans.iter().collect::<Vec<_>>(), &PARAMS, 3, &on_forest).unwrap();
         assert_eq!(n_forests.into_inner(), N_FORESTS);
         // Drives differ by their names alone, so that what others say of them is right, too.
         let groups = scans.iter().flat_map(|it| &it.groups);
@@ -201,7 +202,7 @@ mod tests {
         let mut buffers = RefinementBuffers::default();
         for it in &scans {
             for (expected_iou, group) in
-                it.expected_ious((&forests, 3), &mut buffers).into_iter().zip(&it.groups)
+                it.expected_ious(&forests, 3, &mut buffers).into_iter().zip(&it.groups)
             {
                 let iou = group.labels.unwrap().iou;
                 assert!((expected_iou - iou).abs() < 0.05, "{expected_iou} instead of {iou}");

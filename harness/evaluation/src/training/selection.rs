@@ -19,7 +19,8 @@ const MOST_FRAGMENTS: f64 = 0.15;
 /// Paper: VM section 6.
 pub fn select<'a>(
     candidates: &[&'a Candidate],
-    (most_vehicles, others_per_vehicle): (usize, f64),
+    most_vehicles: usize,
+    others_per_vehicle: f64,
     seed: u64,
 ) -> Vec<&'a Candidate> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

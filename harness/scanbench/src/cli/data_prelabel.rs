@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use evaluation::run::detector_list::DETECTORS;
-use scans::conversion::proposal_format::ProposalFormat;
+use scans::conversion::proposal_writer::ProposalFormat;
 
 use super::detectors::detector_names;
 use super::help_text::{DETECTORS as DETECTORS_HEADING, OUTPUT};

@@ -34,7 +34,6 @@ mod view;
 mod report;
 mod data;
 mod fit_density;
-mod train_partial;
 mod train;
 mod init;
 mod submit;
@@ -72,6 +71,7 @@ pub use shard::ShardArgs;
 pub use stream::StreamArgs;
 pub use submit::{KubernetesArgs, SlurmArgs, SubmitCommand};
 pub use sweep::SweepArgs;
-pub use train::{BoxTrainingArgs, HeldOutArgs, SvmTrainingArgs, TrainCommand, TreeTrainingArgs};
-pub use train_partial::PartialTrainingArgs;
+pub use train::{
+    BoxTrainingArgs, HeldOutArgs, PartialTrainingArgs, SvmTrainingArgs, TrainCommand, TreeTrainingArgs,
+};
 pub use view::{OutcomeName, ViewArgs};

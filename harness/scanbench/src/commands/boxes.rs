@@ -30,8 +30,7 @@ use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::standard_streams::print_result_in;
-use crate::commands::standard_streams::terminal;
+use crate::commands::standard_streams::{print_result_in, terminal};
 
 /// Fewer vehicles of a class than this make no picture of their points.
 const FEWEST_SHOWN: usize = 10;

@@ -4,24 +4,22 @@ use reports::run_folder::partial_archive::PartialArchive;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format;
 use reports::tables::formats::markdown::Markdown;
-use reports::tables::verdict::comparison::{ComparedSlices, Comparison, compare_detectors, compare_runs};
+use reports::tables::verdict::comparison::{
+    ComparedSlices, Comparison, DifferenceRow, compare_detectors, compare_runs,
+};
 
-use crate::cli::CompareArgs;
-use crate::cli::OutputArgs;
-use crate::commands::comparison_facts::comparison_facts;
+use crate::cli::{CompareArgs, OutputArgs};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::partial_verdicts::compare_partial;
+use crate::commands::provenance::comparison_facts;
 use crate::commands::run_directory::claim_named;
-use crate::commands::standard_streams::print_bytes;
-use crate::commands::standard_streams::print_diagnostic;
-use crate::commands::standard_streams::terminal;
+use crate::commands::standard_streams::{print_bytes, print_diagnostic, terminal};
 use reports::files::csv_rows::to_csv_bytes;
 use reports::plots::study_plots::comparison_plot;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::MANIFEST_JSON;
-use reports::tables::verdict::difference_row::DifferenceRow;
 
 /// Prints what lies between two runs, or two detectors of one run, and writes it where that is asked for.
 pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {

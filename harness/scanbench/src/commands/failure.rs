@@ -159,16 +159,26 @@ impl fmt::Display for Failure {
     }
 }
 
-impl From<Usage> for Failure {
-    fn from(error: Usage) -> Self {
-        Self::Usage(error.into())
-    }
+/// Errors that always end the program in the same way.
+macro_rules! endings {
+    ($($ending:ident: $($error:ty),+;)+) => {$($(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::$ending(error.into())
+            }
+        }
+    )+)+};
 }
 
-impl From<NothingEvaluated> for Failure {
-    fn from(error: NothingEvaluated) -> Self {
-        Self::NothingEvaluated(error.into())
-    }
+endings! {
+    // Rows for a file that is not there yet are ours.
+    Internal: TableError, RunReportError, csv::Error;
+    Usage: Usage, AblationError, ConfigError, DetectorListError, ForeignFileError, SweepPlanError,
+        TolerancesError;
+    NothingEvaluated: NothingEvaluated;
+    NotComparable: NotComparable, ShardMismatch;
+    Detector: DetectorFailure;
+    Regression: WorseThanAccepted;
 }
 
 impl From<DatasetError> for Failure {
@@ -229,12 +239,6 @@ impl From<SingleScanError> for Failure {
     }
 }
 
-impl From<DetectorFailure> for Failure {
-    fn from(error: DetectorFailure) -> Self {
-        Self::Detector(error.into())
-    }
-}
-
 impl From<ProtocolError> for Failure {
     fn from(error: ProtocolError) -> Self {
         match error {
@@ -267,36 +271,6 @@ impl From<JournalError> for Failure {
             }
             JournalError::Io { source, .. } => Self::of_writing(source.kind(), error),
         }
-    }
-}
-
-impl From<AblationError> for Failure {
-    fn from(error: AblationError) -> Self {
-        Self::Usage(error.into())
-    }
-}
-
-impl From<ConfigError> for Failure {
-    fn from(error: ConfigError) -> Self {
-        Self::Usage(error.into())
-    }
-}
-
-impl From<DetectorListError> for Failure {
-    fn from(error: DetectorListError) -> Self {
-        Self::Usage(error.into())
-    }
-}
-
-impl From<ForeignFileError> for Failure {
-    fn from(error: ForeignFileError) -> Self {
-        Self::Usage(error.into())
-    }
-}
-
-impl From<SweepPlanError> for Failure {
-    fn from(error: SweepPlanError) -> Self {
-        Self::Usage(error.into())
     }
 }
 
@@ -338,18 +312,6 @@ impl From<PageError> for Failure {
     }
 }
 
-impl From<TableError> for Failure {
-    fn from(error: TableError) -> Self {
-        Self::Internal(error.into())
-    }
-}
-
-impl From<RunReportError> for Failure {
-    fn from(error: RunReportError) -> Self {
-        Self::Internal(error.into())
-    }
-}
-
 impl From<GateClosed> for Failure {
     fn from(error: GateClosed) -> Self {
         match error.0 {
@@ -358,24 +320,6 @@ impl From<GateClosed> for Failure {
             Conclusion::Drift => Self::Drift(error.into()),
             Conclusion::AllowedDrift | Conclusion::Same => unreachable!("a run that passes is no failure"),
         }
-    }
-}
-
-impl From<WorseThanAccepted> for Failure {
-    fn from(error: WorseThanAccepted) -> Self {
-        Self::Regression(error.into())
-    }
-}
-
-impl From<NotComparable> for Failure {
-    fn from(error: NotComparable) -> Self {
-        Self::NotComparable(error.into())
-    }
-}
-
-impl From<ShardMismatch> for Failure {
-    fn from(error: ShardMismatch) -> Self {
-        Self::NotComparable(error.into())
     }
 }
 
@@ -388,12 +332,6 @@ impl From<JudgeError> for Failure {
     }
 }
 
-impl From<TolerancesError> for Failure {
-    fn from(error: TolerancesError) -> Self {
-        Self::Usage(error.into())
-    }
-}
-
 impl From<AcceptError> for Failure {
     fn from(error: AcceptError) -> Self {
         match error {
@@ -403,12 +341,5 @@ impl From<AcceptError> for Failure {
             AcceptError::Dirty { .. } => Self::Usage(error.into()),
             AcceptError::NoSuccessor { .. } => Self::NotComparable(error.into()),
         }
-    }
-}
-
-/// Rows for a file that is not there yet: they are ours.
-impl From<csv::Error> for Failure {
-    fn from(error: csv::Error) -> Self {
-        Self::Internal(error.into())
     }
 }

@@ -24,8 +24,7 @@ use crate::commands::paper_files::write_figure;
 use crate::commands::scan_study::{PutUp, ScanStudy};
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::work_output::WorkOutput;
-use crate::commands::standard_streams::terminal;
-use crate::commands::standard_streams::{print_diagnostic, print_result_in};
+use crate::commands::standard_streams::{print_diagnostic, print_result_in, terminal};
 
 /// The ablation, the method, its rival.
 const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];

@@ -20,8 +20,7 @@ use crate::cli::GateArgs;
 use crate::commands::failure::{Failure, GateClosed, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::partial_verdicts::gate_partial;
-use crate::commands::standard_streams::print_bytes;
-use crate::commands::standard_streams::terminal;
+use crate::commands::standard_streams::{print_bytes, terminal};
 use crate::commands::step_summary::append_to_step_summary;
 
 /// Judges a run by an accepted one, and prints and writes the verdict.

@@ -71,7 +71,7 @@ fn put_together<Whole: WholeResult>(
     let manifests: Vec<&Whole::Manifest> = order.iter().map(|&idx| &shards[idx].manifest).collect();
     let study = study_of(shards);
     let directory = RunDirectory::begin(claim(study, manifests[0], output)?)?;
-    let whole = Whole::write(study, (&directories, &manifests), (&directory, Pieces::Shards))?;
+    let whole = Whole::write(study, &directories, &manifests, &directory, Pieces::Shards)?;
     Ok(Merged { study, directory, whole })
 }
 

@@ -33,7 +33,8 @@ impl ObjectOpening {
 /// simulated objects where none are. `judged` are the objects that parts are chosen of; `learned_from` are of the training
 /// part in any case.
 pub fn refuse_idle_options(
-    (judged, learned_from): (&[String], &[String]),
+    judged: &[String],
+    learned_from: &[String],
     choice: &ObjectArgs,
     source: &SourceArgs,
 ) -> Result<(), Failure> {

@@ -32,10 +32,10 @@ impl OfficialEvaluation {
     /// The rows of a scan.
     pub fn rows(&mut self, judged: &JudgedScan<'_>) -> Result<OfficialRows, Failure> {
         let results = judged.results;
-        let scan = self.chosen.scan(judged.watched.dataset, (judged.scan_idx(), results.scan))?;
+        let scan = self.chosen.scan(judged.watched.dataset, judged.scan_idx(), results.scan)?;
         let mut rows = OfficialRows::default();
         for (result, detector) in results.results.iter().zip(results.detectors) {
-            let of_detector = scan.rows((result.detector, &**detector), &result.output);
+            let of_detector = scan.rows(result.detector, &**detector, &result.output);
             if self.chosen.ask_for_ground() && !have_ground(&of_detector) {
                 self.without_ground.insert(result.detector);
             }

@@ -194,14 +194,7 @@ pub fn open_datasets_past_damage(
         if scan_indices.is_empty() {
             return Err(NothingEvaluated { reason: format!("{id:?} has no scans") }.into());
         }
-        let description = dataset.description();
-        let root =
-            description.root.as_ref().map_or_else(|| "simulated".to_owned(), |it| it.display().to_string());
-        print_detail(format_args!(
-            "{id}: {} of {n_scans} scans, sensor {}, {root}",
-            scan_indices.len(),
-            description.sensor
-        ));
+        print_dataset(dataset.description(), scan_indices.len(), n_scans);
         let left_out = dataset.left_out().map(|reason| {
             print_diagnostic(format_args!(
                 "warning: skipped the end of {:?}: it {reason}",
@@ -233,6 +226,12 @@ pub fn open_datasets_past_damage(
         return Err(Usage("--transform is only for recorded data sets, and none is given".to_owned()).into());
     }
     Ok(opened)
+}
+
+fn print_dataset(description: &DatasetDescription, n_taken: usize, n_scans: usize) {
+    let DatasetDescription { id, root, sensor, .. } = description;
+    let root = root.as_ref().map_or_else(|| "simulated".to_owned(), |it| it.display().to_string());
+    print_detail(format_args!("{id}: {n_taken} of {n_scans} scans, sensor {sensor}, {root}"));
 }
 
 /// Who says how the sensor of the data set `name` is mounted: options, the catalogue, or a data sheet beside the scans.

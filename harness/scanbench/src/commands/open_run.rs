@@ -6,7 +6,7 @@ use reports::run_folder::run_archive::RunArchive;
 use reports::run_folder::shard_record::ShardRecord;
 
 use crate::commands::failure::{Failure, Usage};
-use crate::commands::shards::finished_shard::finished_shard;
+use crate::commands::shards::work_output::finished_shard;
 
 /// The run in `directory`.
 pub fn open_run(directory: &Path) -> Result<RunArchive, Failure> {

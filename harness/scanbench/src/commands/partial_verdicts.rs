@@ -20,10 +20,10 @@ use reports::verdicts::partial_verdict::{
 use reports::verdicts::tolerances::DriftRule;
 
 use crate::cli::{CompareArgs, GateArgs, OutputArgs};
-use crate::commands::comparison_facts::comparison_facts;
 use crate::commands::failure::{Failure, GateClosed, NotOfOneKind, Usage};
 use crate::commands::open_run::refuse_shard;
 use crate::commands::paper_files::write_table;
+use crate::commands::provenance::comparison_facts;
 use crate::commands::run_directory::claim_named;
 use crate::commands::standard_streams::{print_bytes, print_diagnostic, terminal};
 use crate::commands::step_summary::append_to_step_summary;

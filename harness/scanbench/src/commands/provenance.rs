@@ -1,8 +1,11 @@
 //! Where and with what a run was made.
 
+use evaluation::metrics::counts::SCORING_VERSION;
 use jiff::Timestamp;
 use reports::run_folder::manifest::{GitState, Machine};
 use scans::dataset::checksum::sha256;
+
+use crate::cli::CompareArgs;
 
 /// The command line, the program's name first.
 pub fn command_line() -> Vec<String> {
@@ -69,6 +72,19 @@ pub fn utc_day(time: Timestamp) -> String {
 /// The same for the name of a file.
 pub fn compact_utc(time: Timestamp) -> String {
     time.strftime("%Y%m%dT%H%M%SZ").to_string()
+}
+
+/// What was compared, and by what.
+pub fn comparison_facts(arguments: &CompareArgs) -> serde_json::Value {
+    serde_json::json!({
+        "scanbench_version": env!("CARGO_PKG_VERSION"),
+        "scoring_version": SCORING_VERSION,
+        "argv": command_line(),
+        "git": git_state(),
+        "before": arguments.run,
+        "after": arguments.other,
+        "detectors": arguments.detectors,
+    })
 }
 
 #[cfg(test)]

@@ -27,8 +27,7 @@ use crate::commands::scan_study::{PutUp, ScanStudy};
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::shards::work_output::WorkOutput;
-use crate::commands::standard_streams::print_result_in;
-use crate::commands::standard_streams::terminal;
+use crate::commands::standard_streams::{print_result_in, terminal};
 
 /// The method, its strongest rival, and the papers' baselines.
 const DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "kd-tree", "pca", "simple-grid"];

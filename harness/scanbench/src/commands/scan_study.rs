@@ -115,12 +115,12 @@ impl WatchedStudy for ScanStudy<'_> {
     }
 
     fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a> {
-        WatchedRun::of_study(&self.entrants, &self.datasets, (self.n_warmup, self.n_jobs), progress)
+        WatchedRun::of_study(&self.entrants, &self.datasets, self.n_warmup, self.n_jobs, progress)
     }
 
     fn begin_recording(&self, name: &str, file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
         let Some((stream, figures)) = &self.recorded else { return Ok(None) };
-        begin_recording((stream, figures), (&self.entrants, &self.datasets), (name, file))
+        begin_recording(stream, figures, &self.entrants, &self.datasets, name, file)
     }
 
     fn sinks<'a>(&'a self, _: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {

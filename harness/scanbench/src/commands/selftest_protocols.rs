@@ -64,7 +64,7 @@ pub fn check_protocols(
     let Some(chosen) = ChosenProtocols::of(protocols) else { return Ok(Vec::new()) };
     chosen.check(&*opened.dataset)?;
     let id = &opened.dataset.description().id;
-    let echoes = EchoedLabels::of(opened, policy, (&chosen, protocols))?;
+    let echoes = EchoedLabels::of(opened, policy, &chosen, protocols)?;
     let checks = echoes.checked(id, protocols);
     if let Some(nothing) = checks.iter().find(|it| it.n_numbers == 0) {
         let reason =
@@ -86,7 +86,8 @@ impl EchoedLabels {
     fn of(
         opened: &OpenedDataset,
         policy: DamagePolicy,
-        (chosen, protocols): (&ChosenProtocols, &[Protocol]),
+        chosen: &ChosenProtocols,
+        protocols: &[Protocol],
     ) -> Result<Self, Failure> {
         let mut echoes = Self {
             tally: ProtocolTally::default(),
@@ -98,7 +99,7 @@ impl EchoedLabels {
         for &scan_idx in &opened.scan_indices {
             progress.inc(1);
             match opened.dataset.read_scan(scan_idx) {
-                Ok(scan) => echoes.add(&chosen.scan(&*opened.dataset, (scan_idx, &scan))?, protocols),
+                Ok(scan) => echoes.add(&chosen.scan(&*opened.dataset, scan_idx, &scan)?, protocols),
                 Err(error) => {
                     let scan_id = &opened.dataset.scan_ids()[scan_idx];
                     progress.suspend(|| opened.on_damage(policy, scan_id, error))?;
@@ -121,7 +122,7 @@ impl EchoedLabels {
     fn checked(self, id: &str, protocols: &[Protocol]) -> Vec<CheckedProtocol> {
         let scans = DrawnScans::undrawn(self.names);
         let checks = protocols.iter().zip(self.n_beyond_number);
-        checks.map(|(protocol, n)| checked(id, *protocol, n, (&self.tally, &scans))).collect()
+        checks.map(|(protocol, n)| checked(id, *protocol, n, &self.tally, &scans)).collect()
     }
 }
 
@@ -129,7 +130,8 @@ fn checked(
     dataset: &str,
     protocol: Protocol,
     n_beyond_number: usize,
-    (tally, scans): (&ProtocolTally, &DrawnScans),
+    tally: &ProtocolTally,
+    scans: &DrawnScans,
 ) -> CheckedProtocol {
     let rows = tally.rows(ProtocolQuestion { protocol, detector: ECHO }, scans);
     let values: Vec<(ProtocolMetric, f64)> = rows.map_or_else(Vec::new, |it| {

@@ -43,7 +43,8 @@ impl<'a> WatchedRun<'a> {
     pub fn of_study(
         entrants: &'a [Entrant],
         datasets: &'a [OpenedDataset],
-        (n_warmup, n_jobs): (u16, usize),
+        n_warmup: u16,
+        n_jobs: usize,
         progress: &'a RunProgress,
     ) -> Self {
         Self {

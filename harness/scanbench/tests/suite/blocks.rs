@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::{Words, Workplace};
+use crate::program::Workplace;
 use crate::shard_folders::{check_same_but_times, make_shards, merge_whole};
 
 const N_SCANS: u32 = 12;
@@ -46,8 +46,7 @@ fn scans_picked_out_of_drives_have_no_times_and_decide_nothing() {
         ("report.json", "\"caveat\":\"interval over scans that may be neighbours\""),
         ("report.html", "over scans that may be neighbours"),
     ] {
-        let text = workplace.read(&format!("run/{file}"));
-        assert!(text.contains(part), "no {part:?} in {file}\n{text}");
+        workplace.check_file(&format!("run/{file}"), &[part]);
     }
     workplace.succeed("data check street").check_stdout(&["12, no times known: they may be neighbours\n"]);
     // However large a loss is, it is not called sure.
@@ -91,7 +90,7 @@ fn the_mapping_of_the_development_kit_has_drives_and_times() {
     let of_first = &manifest["datasets"][0]["blocks"]["2011_09_26_drive_0000_sync"];
     assert_eq!((&of_first[0], of_first.as_array().unwrap().len()), (&"training/000011".into(), 6));
     workplace.succeed("data check street").check_stdout(&["12 of 2 drives\n"]);
-    make_shards(&workplace, &RUN.words(), 3, "shards");
+    make_shards(&workplace, RUN, 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "run", "merged");
     // Intervals of other blocks cannot be compared.
@@ -122,12 +121,12 @@ fn a_file_names_the_blocks() {
     workplace.succeed(&(RUN, "--blocks ten.csv -o ten"));
     assert_eq!(blocks(&workplace, "three"), ["3 named blocks, true"]);
     assert_eq!(blocks(&workplace, "ten"), ["10 named blocks, false"]);
-    assert!(workplace.read("ten/table_vehicles.md").contains("resamples of the blocks of --blocks"));
+    workplace.check_file("ten/table_vehicles.md", &["resamples of the blocks of --blocks"]);
     // What is decided is decided again from the files.
     workplace.succeed("gate ten -b ten");
     workplace.refuse("gate ten -b three", 5, &[]);
     // Shards keep blocks whole, and have to be of the same.
-    make_shards(&workplace, &(RUN, "--blocks three.csv").words(), 3, "shards");
+    make_shards(&workplace, &(RUN, "--blocks three.csv"), 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "three", "merged");
     let parts = workplace.json("merged/manifest.json");
@@ -136,8 +135,7 @@ fn a_file_names_the_blocks() {
     for (verb, more) in [("ablation", ""), ("sweep", "-d pca -P pca.cluster.min_points=20:30:10")] {
         workplace.succeed(&(verb, "street --blocks ten.csv -q -o", verb, more));
     }
-    let sweep = workplace.read("sweep/sweep.csv");
-    assert!(sweep.contains(",named blocks,"), "{sweep}");
+    workplace.check_file("sweep/sweep.csv", &[",named blocks,"]);
     // What is missing or there twice is refused.
     for (content, expected) in [
         (
@@ -165,6 +163,5 @@ fn recorded_objects_decide_nothing() {
     let root = root.to_str().unwrap();
     workplace.succeed(&["boxes", root, "-o", "boxes"]).check_stdout(&["¶ over scans that may be neighbours"]);
     workplace.succeed(&("run", [root], "-d pca --protocol kitti-object --no-rrd -q -o run"));
-    let report = workplace.read("run/table_protocol_kitti-object.md");
-    assert!(report.contains("¶ over scans that may be neighbours"), "{report}");
+    workplace.check_file("run/table_protocol_kitti-object.md", &["¶ over scans that may be neighbours"]);
 }

@@ -28,9 +28,7 @@ fn every_pair_has_all_boxes_and_every_number_its_denominators() {
     let n_in_ranges: usize =
         of_ranges.map(|it| it.split(',').nth(7).expect("a column").parse::<usize>().expect("a count")).sum();
     assert_eq!(n_in_ranges, rows.len() / 5);
-    assert!(
-        workplace.read("boxes/boxes_simulated.svg").contains("matched vehicles, simulated: median errors")
-    );
+    workplace.check_file("boxes/boxes_simulated.svg", &["matched vehicles, simulated: median errors"]);
     // All points of the vehicles of a class lie somewhere, once in each frame.
     let points = workplace.read("boxes/box_points.csv");
     for frame in ["annotated box", "hull box", "reported box"] {

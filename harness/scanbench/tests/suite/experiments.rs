@@ -19,7 +19,7 @@ fn gaps_leave_curves_plots_and_a_pair_behind() {
     assert!(workplace.column("out/gaps.csv", "data").iter().all(|it| it == "simulated"));
     ended.check_stdout(&["Pairs at 5 to 10 m (simulated)", "Separated: each"]);
     assert!(ended.stderr.ends_with("Curves and plots: out\nPage: out/report.html\n"), "{ended:#?}");
-    assert!(workplace.read("out/gaps.svg").contains("(simulated"));
+    workplace.check_file("out/gaps.svg", &["(simulated"]);
     let manifest = workplace.json("out/manifest.json");
     let (simulated, seed) = (&manifest["datasets"][0]["simulated"], &manifest["seeds"]["pairs"]);
     assert_eq!((simulated, seed), (&true.into(), &1.into()));

@@ -123,7 +123,7 @@ fn no_verdict_rests_on_a_frame_that_points_elsewhere_and_a_transform_mends_it() 
         "{said}"
     );
     assert_eq!(entry["doubts"].as_array().unwrap().len(), 1);
-    assert!(workplace.read("out/report.html").contains("the axis that points up is -y"));
+    workplace.check_file("out/report.html", &["the axis that points up is -y"]);
     let checked = workplace.succeed("data check robot").stdout;
     assert!(checked.contains("the axis that points up is -y, not z"), "{checked}");
     workplace.write("mounting.txt", "# sensor from camera\n0 0 1 0\n-1 0 0 0\n0 -1 0 0\n");

@@ -80,18 +80,17 @@ fn figures_hold_every_ring_and_the_units() {
     for statistic in ["ring_density", "weight"] {
         let n_rows = table.lines().filter(|line| line.starts_with(&format!("{statistic},"))).count();
         assert_eq!(n_rows, 79, "{statistic}");
-        let plot = workplace.read(&format!("figures/{statistic}.svg"));
-        assert!(plot.contains("range (m)") && plot.contains("measured, street, 3 scans"), "{statistic}");
+        workplace
+            .check_file(&format!("figures/{statistic}.svg"), &["range (m)", "measured, street, 3 scans"]);
     }
-    assert!(workplace.read("figures/ring_density.svg").contains("(points/m²)"));
+    workplace.check_file("figures/ring_density.svg", &["(points/m²)"]);
 }
 
 #[test]
 fn a_simulated_curve_names_its_sensor_and_seed() {
     let workplace = Workplace::new();
     workplace.succeed("fit-density street-narrow --seed 7 --scans 0 --sensor vlp-16 -o one.toml");
-    let one = workplace.read("one.toml");
-    assert!(one.contains("\nsensor = \"vlp-16\"\n") && one.contains("\nseeds = [7]\n"), "{one}");
+    workplace.check_file("one.toml", &["\nsensor = \"vlp-16\"\n", "\nseeds = [7]\n"]);
 }
 
 #[test]

@@ -67,9 +67,9 @@ fn check_misbehaviour(behaviour: &str, expected: &str) {
     assert_eq!(failed[0]["detector"], "odd");
     assert_eq!(skipped.stdout, "out\n");
     let said = "odd gave no answer to 1 of 11 scans, which count as nothing found.";
-    assert!(workplace.read("out/table_objects.md").contains(said), "{behaviour}");
+    workplace.check_file("out/table_objects.md", &[said]);
     let reported = "odd failed at 1 of 11 scans. They count as nothing found. The first was street";
-    assert!(workplace.read("out/report.html").contains(reported), "{behaviour}");
+    workplace.check_file("out/report.html", &[reported]);
     // Nothing of a failed scan is a mistake about its objects.
     let matches = workplace.read("out/matches.csv");
     let with_reason = matches.lines().filter(|it| it.contains(",detector failed,"));
@@ -151,8 +151,9 @@ fn what_does_not_end_a_run_is_warned_of() {
     ] {
         let workplace = workplace_with(behaviour, "");
         // Warnings are not for -q.
-        let ended = workplace.succeed(&("run street -d odd,simple-grid --no-rrd -o out", options));
-        assert!(ended.stderr.contains(warning), "{behaviour}: {}", ended.stderr);
+        workplace
+            .succeed(&("run street -d odd,simple-grid --no-rrd -o out", options))
+            .check_stderr(&[warning]);
         check_gone(behaviour);
     }
 }
@@ -197,8 +198,7 @@ fn what_is_served_finds_the_same() {
         assert!(of(name).len() > 100);
         assert_eq!(of(&format!("x-{name}")), of(name), "{name}");
     }
-    let manifest = workplace.read("out/manifest.json");
-    assert!(manifest.contains("\"reported_name\": \"kd-tree\""), "{manifest}");
+    workplace.check_file("out/manifest.json", &["\"reported_name\": \"kd-tree\""]);
 }
 
 #[test]
@@ -223,8 +223,8 @@ fn lasers_and_times_of_points_are_sent_where_the_data_have_them() {
     let workplace = workplace_with("by-ring-and-time", "");
     let with = crate::readers::argoverse2::drawn().display().to_string();
     workplace.succeed(&["detect", &with, "--scan", "0", "-d", "odd"]);
-    let without = workplace.run("detect street-narrow --sensor vlp-16 --scan narrow-803595/000000 -d odd");
-    assert_eq!(without.exit_code, Some(6), "{}", without.stderr);
+    let without =
+        workplace.end_with("detect street-narrow --sensor vlp-16 --scan narrow-803595/000000 -d odd", 6, &[]);
     assert!(
         without.stderr.contains("ring") && !without.stderr.contains("time_offset_s"),
         "{}",

@@ -61,8 +61,7 @@ fn accepted() -> Workplace {
 
 #[track_caller]
 fn check_gate(workplace: &Workplace, run: &str, exit_code: i32, expected: &str) -> Ended {
-    let ended = workplace.run(&["gate", run, "-b", "golden", "-o", "verdict", "--full"]);
-    assert_eq!(ended.exit_code, Some(exit_code), "{ended:#?}");
+    let ended = workplace.end_with(&["gate", run, "-b", "golden", "-o", "verdict", "--full"], exit_code, &[]);
     let said = format!("{}{}", ended.stdout, ended.stderr);
     assert!(said.contains(expected), "no {expected:?} in\n{said}");
     ended
@@ -123,12 +122,11 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
 fn what_is_surely_worse_is_a_regression() {
     let workplace = accepted();
     check_gate(&workplace, "worse", 100, "FAILED: worse\n");
-    let ended = workplace.run("gate worse -b golden --allow-drift");
-    assert_eq!(ended.exit_code, Some(100), "a loss is one, whatever is allowed: {ended:#?}");
+    // A loss is one, whatever is allowed.
+    workplace.end_with("gate worse -b golden --allow-drift", 100, &[]);
     let verdict = workplace.json("verdict/gate.json");
     assert_eq!(verdict["conclusion"], "regression");
-    let junit = workplace.read("verdict/junit.xml");
-    assert!(junit.contains("type=\"regression\"") && junit.contains("type=\"drift\""), "{junit}");
+    workplace.check_file("verdict/junit.xml", &["type=\"regression\"", "type=\"drift\""]);
     assert!(workplace.read("verdict/gate.md").starts_with("**FAILED: worse**\n"));
     let smaller = workplace.json("verdict/custom-smaller-is-better.json");
     let is_f_rate = |it: &&Value| it["name"] == "objects/hierarchical/1 - f_rate";
@@ -162,8 +160,7 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
         ("drift = \"warn\"\n", "--allow-drift=false", 101),
     ] {
         workplace.write("golden/tolerances.toml", &format!("{drift}{tolerances}"));
-        let ended = workplace.run(&("gate first -b golden", option));
-        assert_eq!(ended.exit_code, Some(exit_code), "{drift} {option}: {ended:#?}");
+        let ended = workplace.end_with(&("gate first -b golden", option), exit_code, &[]);
         let headline = ended.stdout.lines().next().unwrap_or_default();
         assert_eq!(headline.ends_with(" scans (allowed)"), exit_code == 0, "{headline}");
         let error = if exit_code == 0 { "" } else { "error: gate FAILED: results changed\n" };
@@ -190,8 +187,7 @@ fn a_worse_run_is_accepted_only_by_name() {
     let workplace = accepted();
     let history = workplace.read("golden/SCORES.md");
     let accept = ["baseline", "accept", "worse", "-b", "golden", "--why", "fewer is more"];
-    let ended = workplace.run(&accept);
-    assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
+    let ended = workplace.end_with(&accept, 100, &[]);
     ended.check_stdout(&[" losses:\n- ", ": worse\n"]);
     assert!(!ended.stdout.contains("FAILED") && !ended.stdout.contains("PASSED"), "{ended:#?}");
     ended.check_stderr(&["to accept the run all the same, give --worse"]);
@@ -225,10 +221,8 @@ fn a_first_baseline_gates_the_run_that_it_was_made_of() {
         .into();
     assert!(names.iter().all(|it| workplace.path(it).is_file()), "{:?}", workplace.names());
     let tolerances = workplace.read("a b/ci/tolerances.toml");
-    for part in ["detectors = [\"hierarchical\", \"pca\"]", "tasks = [\"objects\", \"vehicles\"]", "[speed]"]
-    {
-        assert!(tolerances.contains(part), "no {part} in\n{tolerances}");
-    }
+    let parts = ["detectors = [\"hierarchical\", \"pca\"]", "tasks = [\"objects\", \"vehicles\"]", "[speed]"];
+    workplace.check_file("a b/ci/tolerances.toml", &parts);
     assert!(tolerances.lines().any(|it| it.starts_with("# Recall, TP / NO")), "{tolerances}");
     let workflow = workplace.read("a b/ci/scanbench.yml");
     let again = "\n          scanbench run street-narrow --simulated-scans 20 ";
@@ -240,9 +234,10 @@ fn a_first_baseline_gates_the_run_that_it_was_made_of() {
     workplace.refuse(&("baseline init first -o", ["a b/ci"]), 2, &["run\" exists; name another folder"]);
     // Words of the template.
     workplace.succeed("baseline init first -o RUN/BASELINE");
-    let workflow = workplace.read("RUN/BASELINE/scanbench.yml");
-    assert!(workflow.contains(again), "{workflow}");
-    assert!(workflow.contains("scanbench gate runs/gate --baseline RUN/BASELINE -o verdict\n"), "{workflow}");
+    workplace.check_file(
+        "RUN/BASELINE/scanbench.yml",
+        &[again, "scanbench gate runs/gate --baseline RUN/BASELINE -o verdict\n"],
+    );
 }
 
 #[test]
@@ -267,8 +262,7 @@ fn built_in_tolerances_are_printed() {
     let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("Tolerances: built in,") && said.contains("rates: 1.00 points;"), "{said}");
     assert!(said.contains("; time: 50 %."), "{said}");
-    let ended = workplace.run("gate worse --baseline first");
-    assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
+    workplace.end_with("gate worse --baseline first", 100, &[]);
     workplace.refuse("gate first", 2, &["there is no baseline reports/golden; name a run with --baseline"]);
 }
 
@@ -446,28 +440,20 @@ fn of_few_blocks_nothing_is_surely_worse() {
     let nine = "--simulated-scans 18 --scans 0..18:2";
     run(&workplace, "once", nine);
     run(&workplace, "worse", &format!("{nine} {WORSE}"));
-    let ended = workplace.run("gate worse -b once -t tolerances.toml --full");
-    assert_eq!(ended.exit_code, Some(101), "{ended:#?}");
-    for part in [
+    workplace.end_with("gate worse -b once -t tolerances.toml --full", 101, &[]).check_stdout(&[
         "Only 9 blocks of scans: too few to show that anything is worse.",
         "inconclusive: 9 blocks",
         "§ from fewer than 10 blocks",
-    ] {
-        assert!(ended.stdout.contains(part), "no {part:?} in\n{}", ended.stdout);
-    }
+    ]);
     let text = workplace.succeed("compare once worse").stdout;
     assert!(text.contains('§') && text.contains("§ from fewer than 10 blocks"), "{text}");
     let table = workplace.read("once/table_objects.md");
     assert!(table.contains('§'), "{table}");
-    assert!(workplace.read("once/table_objects.tex").contains("\\S{}"));
+    workplace.check_file("once/table_objects.tex", &["\\S{}"]);
     let csv = workplace.read("once/table_objects.csv");
     assert!(csv.lines().nth(1).expect("a row").ends_with(",9,seconds,true"), "{csv}");
-    assert!(
-        workplace.read("once/report.html").contains("9 blocks of scans are too few to show which one leads")
-    );
-    assert!(
-        workplace.read("once/report.json").contains("\"caveat\":\"interval from only 9 blocks of scans\"")
-    );
+    workplace.check_file("once/report.html", &["9 blocks of scans are too few to show which one leads"]);
+    workplace.check_file("once/report.json", &["\"caveat\":\"interval from only 9 blocks of scans\""]);
 }
 
 #[test]
@@ -542,8 +528,11 @@ fn what_cannot_be_made_again_or_compared_is_not_accepted() {
     edit(&workplace, "changed/manifest.json", "\"dirty\": false", "\"dirty\": true");
     let history = workplace.read("golden/SCORES.md");
     let accept = |name: &str, more: &[&str], code: i32, expected: &str| {
-        let ended = workplace.run(&(["baseline", "accept", name, "-b", "golden", "--why", "x"], more));
-        assert_eq!(ended.exit_code, Some(code), "{ended:#?}");
+        let ended = workplace.end_with(
+            &(["baseline", "accept", name, "-b", "golden", "--why", "x"], more),
+            code,
+            &[],
+        );
         assert!(ended.stderr.contains(expected) || ended.stdout.contains(expected), "{ended:#?}");
     };
     if workplace.read("changed/manifest.json").contains("\"dirty\"") {
@@ -584,8 +573,8 @@ fn what_changed_in_a_detector_of_others_is_reported() {
         workplace.succeed(&("gate second -b first", full)).check_stdout(&["PASSED\n", said]);
     }
     workplace.succeed("compare first second").check_stdout(&[said]);
-    let page = workplace.read("second/report.html");
-    assert!(page.contains("<code>sh mine.sh</code>") && page.contains("<code>mine.sh</code> of SHA-256 "));
+    workplace
+        .check_file("second/report.html", &["<code>sh mine.sh</code>", "<code>mine.sh</code> of SHA-256 "]);
     let table = workplace.read("second/table_vehicles.md");
     let classified = "Vehicles classified by: mine: its own classes, else trees trained on kd-tree components; boxes of its own, else whole ones of ours.";
     assert!(table.contains(classified), "{table}");

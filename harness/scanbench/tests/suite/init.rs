@@ -24,7 +24,7 @@ fn a_new_folder_has_a_detector_scans_with_labels_and_a_gate_that_makes_the_scans
     workplace.succeed("data check a/mine/data/street").check_stdout(&["20 of 10 drives"]);
     let parameters: toml::Table = toml::from_str(&workplace.read("a/mine/scanbench.toml")).unwrap();
     assert!(parameters["detector"]["cells"]["command"].is_array(), "{parameters:?}");
-    assert!(workplace.read("a/mine/detector.py").contains("\ndef cells("));
+    workplace.check_file("a/mine/detector.py", &["\ndef cells("]);
     let workflow = workplace.read("a/mine/.github/workflows/gate.yml");
     let simulate = workflow
         .lines()

@@ -43,9 +43,7 @@ fn swapped_sides_are_heard_and_no_verdict_is_drawn() {
     let sound = &workplace.json("out/manifest.json")["datasets"][0];
     assert!(!ended.stderr.contains("doubtful") && sound["doubts"].is_null(), "{ended:#?}");
     assert_eq!(sound["label_points"]["class"], "car", "{sound:#}");
-    assert!(
-        workplace.read("out/report.html").contains("points in labelled boxes, from above and from the side")
-    );
+    workplace.check_file("out/report.html", &["points in labelled boxes, from above and from the side"]);
     assert!(workplace.path("out/figures/labels_drive.svg").is_file());
     workplace.succeed("data check drive").check_stdout(&["boxes of vehicles", "compared with their points"]);
 
@@ -56,7 +54,7 @@ fn swapped_sides_are_heard_and_no_verdict_is_drawn() {
         "swap length and width in the labels",
     ]);
     ended.check_stdout(&["no verdict, since frame or labels of drive are doubtful."]);
-    assert!(workplace.read("out/report.html").contains("it looks as if length and width are swapped"));
+    workplace.check_file("out/report.html", &["it looks as if length and width are swapped"]);
     let checked = workplace.succeed("data check drive").stdout;
     assert!(checked.contains("it looks as if length and width are swapped"), "{checked}");
 }

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -218,6 +219,46 @@ impl Workplace {
         ended.check_refusal(exit_code, parts);
         assert_eq!(self.names(), before, "{:?} leaves something behind", arguments.words());
         ended
+    }
+
+    /// Runs the program with `arguments`, which ends with `exit_code` and says all `parts` beside its results.
+    #[track_caller]
+    pub fn end_with(&self, arguments: &(impl Words + ?Sized), exit_code: i32, parts: &[&str]) -> Ended {
+        let ended = self.run(arguments);
+        assert_eq!(ended.exit_code, Some(exit_code), "{:?}: {ended:#?}", arguments.words());
+        ended.check_stderr(parts);
+        ended
+    }
+
+    /// The file `name` has all `parts`.
+    #[track_caller]
+    pub fn check_file(&self, name: &str, parts: &[&str]) {
+        let text = self.read(name);
+        for part in parts {
+            assert!(text.contains(part), "no {part:?} in {name}:\n{text}");
+        }
+    }
+
+    /// Size of the file `name` in bytes; 0 if it is not there.
+    pub fn n_bytes(&self, name: &str) -> u64 {
+        self.path(name).metadata().map_or(0, |it| it.len())
+    }
+
+    /// Number of lines of the file `name`; 0 if it is not there.
+    pub fn n_lines(&self, name: &str) -> usize {
+        std::fs::read_to_string(self.path(name)).map_or(0, |it| it.lines().count())
+    }
+
+    /// Starts the program with `arguments`, and returns once `is_so`.
+    #[track_caller]
+    pub fn start_until(&self, arguments: &(impl Words + ?Sized), is_so: impl Fn(&Self) -> bool) -> Child {
+        let child = self.start(arguments);
+        let started = Instant::now();
+        while !is_so(self) {
+            assert!(started.elapsed() < Duration::from_mins(2), "{:?} does not get on", arguments.words());
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        child
     }
 
     /// Starts the program with `arguments`, with its output captured.

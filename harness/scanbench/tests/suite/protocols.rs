@@ -47,7 +47,7 @@ fn a_run_leaves_numbers_rows_tables_and_a_section() {
             assert!(value > 0.0 && value < 1.0 && low <= value, "{number}");
         }
         for ending in ["csv", "md", "tex"] {
-            assert!(workplace.read(&format!("run/table_protocol_{protocol}.{ending}")).contains(best));
+            workplace.check_file(&format!("run/table_protocol_{protocol}.{ending}"), &[best]);
         }
         for ending in ["md", "tex"] {
             let short = workplace.read(&format!("run/table_protocol_{protocol}_short.{ending}"));
@@ -56,7 +56,7 @@ fn a_run_leaves_numbers_rows_tables_and_a_section() {
                 "{short}"
             );
         }
-        assert!(workplace.read("run/protocol_boxes.csv").contains(&format!(",pca,{protocol},detection,")));
+        workplace.check_file("run/protocol_boxes.csv", &[&format!(",pca,{protocol},detection,")]);
     }
     let page = workplace.read("run/report.html");
     assert!(page.contains("href=\"#protocols\"") && page.contains("Protocol argoverse2"));
@@ -89,7 +89,7 @@ fn a_gate_holds_numbers_of_protocols_to_rules() {
     assert!(same.stdout.starts_with("PASSED"), "{}", same.stdout);
     let compared = workplace.succeed("compare before after -o compared").stdout;
     assert!(compared.contains("nuscenes") && compared.contains("nds"), "{compared}");
-    assert!(workplace.read("compared/comparison.csv").contains("nuscenes,hierarchical,all,nds,"));
+    workplace.check_file("compared/comparison.csv", &["nuscenes,hierarchical,all,nds,"]);
     let rule = |metric: &str| {
         format!(
             "quality = []\n[[protocol]]\nprotocol = \"nuscenes\"\nmetrics = [\"{metric}\"]\nclasses = [\"all\", \"car\"]\n\
@@ -100,7 +100,7 @@ fn a_gate_holds_numbers_of_protocols_to_rules() {
     let gate = |run: &str| workplace.run(&("gate", run, "-b before -t rules.toml -o verdict --allow-drift"));
     assert_eq!(gate("before").exit_code, Some(0));
     gate("after");
-    assert!(workplace.read("verdict/gate.json").contains("\"task\": \"nuscenes\""));
+    workplace.check_file("verdict/gate.json", &["\"task\": \"nuscenes\""]);
     workplace.write("rules.toml", &rule("cds"));
     let refused = gate("after");
     assert_eq!(refused.exit_code, Some(2), "{}", refused.stderr);
@@ -139,12 +139,11 @@ fn a_sweep_has_the_numbers_of_a_run_at_every_value() {
     for file in ["sweep_protocols.md", "sweep_protocols.tex", "protocol_nuscenes_street-narrow.pdf"] {
         assert!(workplace.path(&format!("out/{file}")).is_file(), "{file}");
     }
-    let svg = workplace.read("out/protocol_argoverse2_street-narrow.svg");
-    assert!(svg.contains("present cds") && svg.contains("ranked probability"), "{svg}");
+    workplace.check_file("out/protocol_argoverse2_street-narrow.svg", &["present cds", "ranked probability"]);
     let manifest = workplace.json("out/manifest.json");
     assert_eq!(manifest["protocols"], serde_json::json!(["nuscenes", "argoverse2"]));
     workplace.succeed("report out");
-    assert!(workplace.read("out/report.html").contains("sweep_protocols.csv"));
+    workplace.check_file("out/report.html", &["sweep_protocols.csv"]);
 }
 
 #[test]

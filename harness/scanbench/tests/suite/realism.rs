@@ -104,7 +104,7 @@ fn what_is_simulated_is_labelled_so() {
     ended.check_stdout(&[&format!("Left:  {label}\n")]);
     for statistic in STATISTICS {
         assert!(column(&workplace, statistic, "left").iter().all(|left| left == label));
-        assert!(workplace.read(&format!("out/{statistic}.svg")).contains(label));
+        workplace.check_file(&format!("out/{statistic}.svg"), &[label]);
     }
     let manifest = workplace.json("out/manifest.json");
     assert_eq!(manifest["left"]["datasets"][0]["simulated"], true);

@@ -42,11 +42,9 @@ fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     workplace.write("second/reproduction.json", &changed.to_string());
     let (exit_code, said) = gate("second");
     assert!(exit_code == Some(100) && said.contains(" holds → does not hold."), "{said}");
-    assert!(workplace.read("verdict/junit.xml").contains("scanbench.claims"));
-    let page = workplace.read("first/reproduction.html");
-    for part in ["Claim by claim", "Under every setting", "The background that the classifier is judged by"] {
-        assert!(page.contains(part), "{part}");
-    }
+    workplace.check_file("verdict/junit.xml", &["scanbench.claims"]);
+    let parts = ["Claim by claim", "Under every setting", "The background that the classifier is judged by"];
+    workplace.check_file("first/reproduction.html", &parts);
     assert!(workplace.path("first/run.rrd").exists());
     // The method of BG learns from whole objects, as in the paper, or from parts, and sees them from either end.
     let of_bg = claims.last().unwrap();
@@ -88,7 +86,7 @@ fn recorded_and_simulated_scans_are_judged_apart() {
         let numbers = reading["numbers"].as_str().unwrap();
         assert_eq!(numbers.matches(" against ").count(), 2, "{reading}");
     }
-    assert!(workplace.read("vm/reproduction.html").contains("scanbench reproduce vm street-narrow"));
+    workplace.check_file("vm/reproduction.html", &["scanbench reproduce vm street-narrow"]);
     workplace.refuse("reproduce all --choose training-streets -o nowhere", 2, &[]);
     for idle in ["--save-rrd=a.rrd", "--no-rrd", "--rerun-every 2", "--blueprint stages"] {
         workplace.refuse(&format!("reproduce all --choose training-streets {idle}"), 2, &[]);

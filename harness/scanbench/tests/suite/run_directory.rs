@@ -7,21 +7,7 @@ use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace};
-
-/// The rows of the report of `run`, without those that hold times.
-fn untimed_rows(workplace: &Workplace, run: &str) -> Vec<Value> {
-    let report = workplace.json(&format!("{run}/report.json"));
-    let rows = report["rows"].as_array().expect("rows").clone();
-    let is_time = |row: &Value| {
-        let metric = row["metric"].as_str().expect("a metric");
-        ["fps_", "latency_", "stage_", "cpu_", "overhead_", "reference_ms", "time_over_reference"]
-            .iter()
-            .any(|prefix| metric.starts_with(prefix))
-    };
-    let (times, rest): (Vec<Value>, Vec<Value>) = rows.into_iter().partition(is_time);
-    assert!(!times.is_empty() && !rest.is_empty());
-    rest
-}
+use crate::shard_folders::untimed_rows;
 
 #[track_caller]
 fn check_same_numbers(workplace: &Workplace, runs: [&str; 2]) {
@@ -73,8 +59,7 @@ fn recorded_and_simulated_data_sets_are_separated_and_published_rows_stand_besid
     }
     let report = workplace.read("with/report.json");
     assert!(!with_paper.contains("overall (") && report.contains("\"overall\": [\n  ]"), "{with_paper}");
-    let rows = workplace.read("with/table_objects.csv");
-    assert!(rows.contains("\nobjects,published,Budapest #1,recorded,paper,"), "{rows}");
+    workplace.check_file("with/table_objects.csv", &["\nobjects,published,Budapest #1,recorded,paper,"]);
     let stages = workplace.read("with/table_stages.md");
     assert!(stages.contains("| **paper** | whole |  | 43 |") && !stages.contains("undefined"), "{stages}");
     run("hierarchical,pca", "without");
@@ -299,13 +284,9 @@ mod interrupted {
     fn started(workplace: &Workplace) -> Child {
         let dataset = DrawnDataset::tracking(workplace.folder(), 1);
         dataset.repeat_first_scan(4000);
-        let child = workplace.start("run street -d hierarchical,pca -o out --jobs 1");
-        let started = Instant::now();
-        while workplace.path("out.unfinished/journal").metadata().map_or(0, |it| it.len()) < 30_000 {
-            assert!(started.elapsed() < Duration::from_mins(1), "the run does not get on");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        child
+        workplace.start_until("run street -d hierarchical,pca -o out --jobs 1", |it| {
+            it.n_bytes("out.unfinished/journal") >= 30_000
+        })
     }
 
     #[test]

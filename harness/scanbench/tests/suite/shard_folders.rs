@@ -6,13 +6,13 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::program::{Ended, Workplace};
+use crate::program::{Ended, Words, Workplace};
 
 /// Makes all of `count` shards of `command` below `folder`.
-pub fn make_shards(workplace: &Workplace, command: &[&str], count: u32, folder: &str) {
+pub fn make_shards(workplace: &Workplace, command: &(impl Words + ?Sized), count: u32, folder: &str) {
     for index in 1..=count {
         let shard = format!("{index}/{count}");
-        workplace.succeed(&[command, &["--shard", &shard, "-o", folder]].concat());
+        workplace.succeed(&(command, ["--shard", &shard, "-o", folder]));
     }
 }
 
@@ -24,7 +24,7 @@ pub fn merge(workplace: &Workplace, folder: &str, output: &str) -> Ended {
     shards.sort();
     shards.reverse();
     let names: Vec<&str> = shards.iter().map(|it| it.to_str().unwrap()).collect();
-    workplace.run(&[&["merge"], &names[..], &["-o", output]].concat())
+    workplace.run(&("merge", &names, ["-o", output]))
 }
 
 /// The same, which has to succeed.
@@ -32,6 +32,15 @@ pub fn merge(workplace: &Workplace, folder: &str, output: &str) -> Ended {
 pub fn merge_whole(workplace: &Workplace, folder: &str, output: &str) {
     let merged = merge(workplace, folder, output);
     assert_eq!(merged.exit_code, Some(0), "{merged:#?}");
+}
+
+/// The shards below `shards` are refused with this exit code and these words, and nothing is left.
+#[track_caller]
+pub fn check_merge_refused(workplace: &Workplace, exit_code: i32, words: &str) {
+    let merged = merge(workplace, "shards", "whole");
+    assert_eq!(merged.exit_code, Some(exit_code), "{words}: {merged:#?}");
+    merged.check_stderr(&[words]);
+    assert!(!workplace.path("whole").exists());
 }
 
 /// The lines of a table in CSV without times.
@@ -47,7 +56,12 @@ fn untimed_lines(workplace: &Workplace, path: &str) -> Vec<String> {
 
 /// Makes the study `command` in `count` shards and compares it with `whole`; `table` is what only this study leaves.
 #[track_caller]
-pub fn check_study_in_shards(workplace: &Workplace, command: &[&str], count: u32, table: &str) {
+pub fn check_study_in_shards(
+    workplace: &Workplace,
+    command: &(impl Words + ?Sized),
+    count: u32,
+    table: &str,
+) {
     make_shards(workplace, command, count, "shards");
     merge_whole(workplace, "shards", "merged");
     check_same_but_times(workplace, "whole", "merged");
@@ -77,7 +91,8 @@ pub fn check_same_bytes(workplace: &Workplace, whole: &str, merged: &str) {
             assert!(one == other, "{} of {merged} has other words", name.display());
         } else if name.ends_with("scans.csv") {
             // The reference is timed in any case.
-            assert_eq!(untimed_scans(workplace, whole), untimed_scans(workplace, merged));
+            let [one, other] = [whole, merged].map(|it| untimed_lines(workplace, &format!("{it}/scans.csv")));
+            assert_eq!(one, other);
         } else {
             assert!(one == other, "{} of {merged} has other bytes", name.display());
         }
@@ -86,7 +101,7 @@ pub fn check_same_bytes(workplace: &Workplace, whole: &str, merged: &str) {
 
 /// The page of `run` without what it is called, when it began, and in how many shards it was made.
 fn undated(workplace: &Workplace, run: &str, page: Vec<u8>) -> String {
-    let manifest: Value = serde_json::from_str(&workplace.read(&format!("{run}/manifest.json"))).unwrap();
+    let manifest = workplace.json(&format!("{run}/manifest.json"));
     let created = manifest["created"].as_str().unwrap();
     let n_shards = manifest["shards"].as_array().map_or(0, Vec::len);
     let mut page = String::from_utf8(page).unwrap();
@@ -107,30 +122,19 @@ fn undated(workplace: &Workplace, run: &str, page: Vec<u8>) -> String {
     page
 }
 
-/// The lines of `scans.csv` without times.
-fn untimed_scans(workplace: &Workplace, run: &str) -> Vec<String> {
-    let text = workplace.read(&format!("{run}/scans.csv"));
-    let head: Vec<&str> = text.lines().next().unwrap().split(',').collect();
-    let untimed = |line: &str| {
-        let cells = line.split(',').zip(&head).filter(|(_, name)| !name.ends_with("_ms"));
-        cells.map(|it| it.0).collect::<Vec<_>>().join(",")
-    };
-    text.lines().map(untimed).collect()
-}
-
-/// The numbers of `report.json` that are no times, as text.
-fn untimed_numbers(workplace: &Workplace, run: &str) -> String {
-    let report: Value = serde_json::from_str(&workplace.read(&format!("{run}/report.json"))).unwrap();
-    let is_time = |row: &&Value| {
+/// The rows of the report of `run`, without those that hold times.
+pub fn untimed_rows(workplace: &Workplace, run: &str) -> Vec<Value> {
+    let report = workplace.json(&format!("{run}/report.json"));
+    let rows = ["rows", "overall"].into_iter().flat_map(|it| report[it].as_array().unwrap());
+    let is_time = |row: &Value| {
         let metric = row["metric"].as_str().unwrap();
         ["fps_", "latency_", "stage_", "cpu_", "overhead_", "reference_ms", "time_over_reference"]
             .iter()
-            .any(|it| metric.starts_with(it))
+            .any(|prefix| metric.starts_with(prefix))
     };
-    let rows = ["rows", "overall"].into_iter().flat_map(|it| report[it].as_array().unwrap());
-    let lines: Vec<String> = rows.filter(|it| !is_time(it)).map(Value::to_string).collect();
-    assert!(lines.len() > 20);
-    lines.join("\n")
+    let (times, rest): (Vec<Value>, Vec<Value>) = rows.cloned().partition(is_time);
+    assert!(!times.is_empty() && rest.len() > 20);
+    rest
 }
 
 /// Everything but times is the same.
@@ -143,8 +147,9 @@ pub fn check_same_but_times(workplace: &Workplace, whole: &str, merged: &str) {
         let n_least = if name == "precision_recall.csv" { 1 } else { 3 };
         assert!(one == other && one.lines().count() >= n_least, "{name} of {merged}: {one}\n{other}");
     }
-    assert_eq!(untimed_scans(workplace, whole), untimed_scans(workplace, merged));
-    assert_eq!(untimed_numbers(workplace, whole), untimed_numbers(workplace, merged));
+    let [one, other] = [whole, merged].map(|it| untimed_lines(workplace, &format!("{it}/scans.csv")));
+    assert_eq!(one, other);
+    assert_eq!(untimed_rows(workplace, whole), untimed_rows(workplace, merged));
     let n_stages = |run| workplace.read(&format!("{run}/stages.csv")).lines().count();
     assert_eq!(n_stages(whole), n_stages(merged));
 }

@@ -1,44 +1,36 @@
 //! Shards of a run, and what `merge` makes of them: the run in one piece to the last byte, but for its times, or a refusal.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::process::{Child, Command};
-use std::time::{Duration, Instant};
-
 use serde_json::Value;
 use test_data::test_data;
 
-use crate::program::{Ended, Prepared, Workplace};
-use crate::shard_folders::{check_same_but_times, check_same_bytes, make_shards, merge, merge_whole};
+use crate::program::{Ended, Prepared, Workplace, send};
+use crate::shard_folders::{
+    check_merge_refused, check_same_but_times, check_same_bytes, make_shards, merge_whole,
+};
 
 /// Two streets of a few seconds: forty scans.
-const STREETS: [&str; 8] =
-    ["street-narrow", "street-main-road", "--simulated-scans", "20", "--sensor", "vlp-16", "--no-rrd", "-q"];
-const PROTOCOLS: [&str; 2] = ["--protocol", "nuscenes,argoverse2"];
-const QUICK: [&str; 2] = ["-d", "simple-grid,pca"];
-
-/// Runs what `run` asks for in `count` shards below `folder`.
-fn run_shards(workplace: &Workplace, run: &[&str], count: u32, folder: &str) {
-    make_shards(workplace, &[&["run"], run].concat(), count, folder);
-}
+const STREETS: &str = "run street-narrow street-main-road --simulated-scans 20 --sensor vlp-16 --no-rrd -q";
+const QUICK: &str = "-d simple-grid,pca";
 
 #[test]
 fn what_has_no_times_is_the_same_to_the_last_byte_in_any_number_of_shards() {
     let workplace = Workplace::new();
-    let written = ["--detections-out", "found", "--as", "csv", "-o", "first"];
-    workplace.succeed(&[&["run"][..], &STREETS, &["-d", "simple-grid"], &written].concat());
+    workplace.succeed(&(STREETS, "-d simple-grid --detections-out found --as csv -o first"));
     // Results that were read have no times.
-    let read = [&STREETS[..], &["--detections", "grid=found/simple-grid", "-d", "grid"], &PROTOCOLS].concat();
-    workplace.succeed(&[&["run"], &read[..], &["-o", "in-one"]].concat());
+    let options = "--detections grid=found/simple-grid -d grid --protocol nuscenes,argoverse2";
+    let read = (STREETS, options);
+    workplace.succeed(&(read, "-o in-one"));
     for count in [1, 2, 3, 7, 16] {
         let [shards, merged] = [format!("shards-{count}"), format!("merged-{count}")];
-        run_shards(&workplace, &read, count, &shards);
+        make_shards(&workplace, &read, count, &shards);
         merge_whole(&workplace, &shards, &merged);
         check_same_bytes(&workplace, "in-one", &merged);
     }
-    let manifest: Value = serde_json::from_str(&workplace.read("merged-3/manifest.json")).unwrap();
+    let manifest = workplace.json("merged-3/manifest.json");
     assert_eq!(manifest["shards"].as_array().unwrap().len(), 3);
     assert!(manifest.get("shard").is_none());
-    workplace.succeed(&["gate", "merged-3", "--baseline", "in-one"]);
+    workplace.succeed("gate merged-3 --baseline in-one");
 }
 
 #[test]
@@ -47,9 +39,9 @@ fn detectors_of_ours_and_of_others_find_the_same_in_shards() {
     let program = env!("CARGO_BIN_EXE_scanbench");
     let command = format!("[detector.served]\ncommand = [{program:?}, \"serve\", \"simple-grid\"]\n");
     workplace.write("scanbench.toml", &command);
-    let run = [&STREETS[..], &["-d", "simple-grid,served,pca", "--scans", "0..20:2"]].concat();
-    workplace.succeed(&[&["run"], &run[..], &["-o", "in-one"]].concat());
-    run_shards(&workplace, &run, 3, "shards");
+    let run = (STREETS, "-d simple-grid,served,pca --scans 0..20:2");
+    workplace.succeed(&(run, "-o in-one"));
+    make_shards(&workplace, &run, 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "in-one", "merged");
 }
@@ -59,41 +51,32 @@ fn detectors_of_ours_and_of_others_find_the_same_in_shards() {
 fn recorded_drives_give_the_same_in_shards() {
     let root = test_data("data/kitti_tracking");
     let workplace = Workplace::new();
-    let run = [root.to_str().unwrap(), "-d", "simple-grid,pca", "--scans", "0..60:4", "--no-rrd", "-q"];
-    let run = [&run[..], &["--protocol", "kitti-object"]].concat();
-    workplace.succeed(&[&["run"], &run[..], &["-o", "in-one"]].concat());
-    run_shards(&workplace, &run, 3, "shards");
+    let options = "--scans 0..60:4 --no-rrd -q --protocol kitti-object";
+    let run = (["run", root.to_str().unwrap()], QUICK, options);
+    workplace.succeed(&(run, "-o in-one"));
+    make_shards(&workplace, &run, 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "in-one", "merged");
     for name in ["protocol_kitti_object.csv", "protocols.json", "table_protocol_kitti-object.md"] {
         let [one, other] = ["in-one", "merged"].map(|it| workplace.read(&format!("{it}/{name}")));
         assert!(one == other && one.lines().count() > 20, "{name}");
     }
-    let manifest: Value = serde_json::from_str(&workplace.read("merged/manifest.json")).unwrap();
+    let manifest = workplace.json("merged/manifest.json");
     assert_eq!(manifest["shards"][0]["cut_by"], "file-sizes");
 }
 
 /// A workplace with both halves of a run.
 fn halves() -> Workplace {
     static HALVES: Prepared = Prepared::new();
-    HALVES.workplace(|workplace| run_shards(workplace, &[&STREETS[..], &QUICK].concat(), 2, "shards"))
+    HALVES.workplace(|workplace| make_shards(workplace, &(STREETS, QUICK), 2, "shards"))
 }
 
 /// Changes the manifest of the second half.
 fn change_manifest(workplace: &Workplace, change: impl FnOnce(&mut Value)) {
     let name = "shards/shard-2-of-2/manifest.json";
-    let mut manifest: Value = serde_json::from_str(&workplace.read(name)).unwrap();
+    let mut manifest = workplace.json(name);
     change(&mut manifest);
     workplace.write(name, &manifest.to_string());
-}
-
-/// The shards are refused with this exit code and these words, and nothing is left.
-#[track_caller]
-fn check_refused(workplace: &Workplace, exit_code: i32, words: &str) {
-    let merged = merge(workplace, "shards", "in-one");
-    assert_eq!(merged.exit_code, Some(exit_code), "{words}: {merged:#?}");
-    assert!(merged.stderr.contains(words), "{words}: {}", merged.stderr);
-    assert!(!workplace.path("in-one").exists());
 }
 
 #[test]
@@ -101,29 +84,24 @@ fn shards_that_do_not_make_a_run_are_refused_each_in_its_own_words() {
     let workplace = halves();
     let second = workplace.path("shards/shard-2-of-2");
     let manifest = workplace.read("shards/shard-2-of-2/manifest.json");
-    let run = [&["run"][..], &STREETS, &QUICK].concat();
     // Each is made in a folder of its own and stands in for the second half.
     for (more, shard, words) in [
-        (&["--seed", "7"][..], "2/2", "are of different data: their seeds differ"),
+        ("--seed 7", "2/2", "are of different data: their seeds differ"),
+        ("--scans 0..10", "2/2", "are of different data: other scans of \"street-narrow\" were selected"),
         (
-            &["--scans", "0..10"],
-            "2/2",
-            "are of different data: other scans of \"street-narrow\" were selected",
-        ),
-        (
-            &["-P", "pca.grid.cell_size_m=0.7"],
+            "-P pca.grid.cell_size_m=0.7",
             "2/2",
             "have different parameters: configuration changed: pca: grid.cell_size_m: ",
         ),
-        (&["--warmup", "7"], "2/2", "have different parameters: --warmup: 3 and 7"),
-        (&["--criterion", "centre"], "2/2", "have different parameters: the matching criterion"),
-        (&[], "2/3", "is one of 2 shards"),
+        ("--warmup 7", "2/2", "have different parameters: --warmup: 3 and 7"),
+        ("--criterion centre", "2/2", "have different parameters: the matching criterion"),
+        ("", "2/3", "is one of 2 shards"),
     ] {
-        workplace.succeed(&[&run[..], more, &["--shard", shard, "-o", "others"]].concat());
+        workplace.succeed(&(STREETS, QUICK, more, ["--shard", shard, "-o", "others"]));
         std::fs::rename(&second, workplace.path("aside")).unwrap();
         let made = format!("others/shard-{}-of-{}", &shard[..1], &shard[2..]);
         std::fs::rename(workplace.path(&made), &second).unwrap();
-        check_refused(&workplace, 5, words);
+        check_merge_refused(&workplace, 5, words);
         std::fs::remove_dir_all(&second).unwrap();
         std::fs::rename(workplace.path("aside"), &second).unwrap();
     }
@@ -137,13 +115,13 @@ fn shards_that_do_not_make_a_run_are_refused_each_in_its_own_words() {
         (|it| it["shard"] = Value::Null, "is no shard, but a whole run"),
     ] {
         change_manifest(&workplace, change);
-        check_refused(&workplace, 5, words);
+        check_merge_refused(&workplace, 5, words);
         workplace.write("shards/shard-2-of-2/manifest.json", &manifest);
     }
     std::fs::rename(&second, workplace.path("aside")).unwrap();
-    check_refused(&workplace, 5, "1 of 2 shards are missing: 2");
+    check_merge_refused(&workplace, 5, "1 of 2 shards are missing: 2");
     std::fs::rename(workplace.path("aside"), workplace.path("shards/shard-2-of-2.unfinished")).unwrap();
-    check_refused(&workplace, 5, "is an unfinished shard: give its command again");
+    check_merge_refused(&workplace, 5, "is an unfinished shard: give its command again");
     std::fs::rename(workplace.path("shards/shard-2-of-2.unfinished"), &second).unwrap();
     merge_whole(&workplace, "shards", "in-one");
 }
@@ -158,14 +136,14 @@ fn damaged_shards_are_refused() {
         let half_a_line = sound[..sound.len() - 20].to_owned();
         for damaged in [without_last_line, half_a_line, "a,b\n".to_owned(), String::new()] {
             workplace.write(&name, &damaged);
-            check_refused(&workplace, 3, "shard-2-of-2 cannot be read");
+            check_merge_refused(&workplace, 3, "shard-2-of-2 cannot be read");
         }
         std::fs::remove_file(workplace.path(&name)).unwrap();
-        check_refused(&workplace, 3, "shard-2-of-2 cannot be read");
+        check_merge_refused(&workplace, 3, "shard-2-of-2 cannot be read");
         workplace.write(&name, &sound);
     }
     std::fs::remove_file(workplace.path("shards/shard-2-of-2/worst_points.json")).unwrap();
-    check_refused(&workplace, 3, "shard-2-of-2 cannot be read");
+    check_merge_refused(&workplace, 3, "shard-2-of-2 cannot be read");
 }
 
 #[test]
@@ -173,7 +151,7 @@ fn times_of_unlike_processors_are_never_put_together() {
     let workplace = halves();
     change_manifest(&workplace, |it| it["shard"]["processors"][0]["cpu_model"] = "Abacus 3".into());
     merge_whole(&workplace, "shards", "in-one");
-    let report: Value = serde_json::from_str(&workplace.read("in-one/report.json")).unwrap();
+    let report = workplace.json("in-one/report.json");
     let rows = report["rows"].as_array().unwrap();
     let values = |metric: &str| {
         let of_metric = rows.iter().filter(|it| it["metric"] == metric);
@@ -187,106 +165,70 @@ fn times_of_unlike_processors_are_never_put_together() {
     let times = workplace.read("in-one/times_of_processors.csv");
     let n = |model: &str| times.lines().filter(|it| it.starts_with(model)).count();
     assert_eq!((n("Abacus 3") > 8, n("Abacus 3") * 2), (true, times.lines().count() - 1), "{times}");
-    assert!(workplace.read("in-one/table_times.md").contains("on Abacus 3"));
+    workplace.check_file("in-one/table_times.md", &["on Abacus 3"]);
 }
 
 #[test]
 fn an_empty_shard_is_a_sound_result_and_a_shard_is_no_run() {
     let workplace = Workplace::new();
-    let run = ["street-narrow", "--simulated-scans", "3", "--sensor", "vlp-16", "-d", "pca", "--no-rrd"];
-    run_shards(&workplace, &run, 4, "shards");
-    let n_lines: Vec<usize> = (1..=4)
-        .map(|it| workplace.read(&format!("shards/shard-{it}-of-4/scans.csv")).lines().count())
-        .collect();
+    let run = "run street-narrow --simulated-scans 3 --sensor vlp-16 -d pca --no-rrd";
+    make_shards(&workplace, run, 4, "shards");
+    let n_lines: Vec<usize> =
+        (1..=4).map(|it| workplace.n_lines(&format!("shards/shard-{it}-of-4/scans.csv"))).collect();
     // Each scan is of a street of its own. Beside the names of columns it has a row for each task.
     assert_eq!((n_lines.iter().filter(|it| **it == 1).count(), n_lines.iter().sum::<usize>()), (1, 4 + 6));
-    for verb in [&["report"][..], &["compare", "-d", "pca,pca"], &["view"]] {
-        let ended = workplace.run(&[verb, &["shards/shard-1-of-4"]].concat());
-        assert_eq!(ended.exit_code, Some(5), "{ended:#?}");
-        assert!(ended.stderr.contains("shards/shard-1-of-4 is shard 1 of 4"), "{ended:#?}");
+    for verb in ["report", "compare -d pca,pca", "view"] {
+        workplace.end_with(&(verb, "shards/shard-1-of-4"), 5, &["shards/shard-1-of-4 is shard 1 of 4"]);
     }
     // The folder of all shards stands for them.
-    workplace.succeed(&["merge", "shards", "-o", "in-one"]);
-    workplace.succeed(&["report", "in-one"]);
+    workplace.succeed("merge shards -o in-one");
+    workplace.succeed("report in-one");
 }
 
 #[test]
 fn options_that_a_shard_cannot_keep_are_refused() {
     let workplace = Workplace::new();
-    let shard = ["run", "street-narrow", "--simulated-scans", "3", "--shard", "1/2"];
     for more in [
-        &[][..],
-        &["-o", "shards", "--mcap"],
-        &["-o", "shards", "--detections-out", "found", "--as", "csv"],
-        &["-o", "shards", "--save-rrd=mine.rrd"],
-        &["-o", "shards", "--serve=0"],
+        "",
+        "-o shards --mcap",
+        "-o shards --detections-out found --as csv",
+        "-o shards --save-rrd=mine.rrd",
+        "-o shards --serve=0",
     ] {
-        let ended = workplace.run(&[&shard[..], more].concat());
-        assert_eq!(ended.exit_code, Some(2), "{more:?}: {ended:#?}");
+        workplace.end_with(&("run street-narrow --simulated-scans 3 --shard 1/2", more), 2, &[]);
     }
-    let ended = workplace.run(&["run", "street-narrow", "--shard", "0/2", "-o", "shards"]);
-    assert!(ended.stderr.contains("the first of 2 is 1/2, the last 2/2"), "{ended:#?}");
+    let first_and_last = "the first of 2 is 1/2, the last 2/2";
+    workplace.end_with("run street-narrow --shard 0/2 -o shards", 2, &[first_and_last]);
     assert_eq!(workplace.top_names(), [""; 0]);
 }
 
 /// A run of many scans.
-const LONG: [&str; 11] = [
-    "run",
-    "street-narrow",
-    "--simulated-scans",
-    "60",
-    "--sensor",
-    "vlp-16",
-    "-d",
-    "simple-grid",
-    "--jobs",
-    "1",
-    "-o",
-];
-
-/// Starts the long run, and returns once some scans are in its journal.
-fn started(workplace: &Workplace) -> Child {
-    let n_bytes = || workplace.path("out.unfinished/journal").metadata().map_or(0, |it| it.len());
-    let n_before = n_bytes();
-    let child = workplace.start(&[&LONG[..], &["out"]].concat());
-    let started = Instant::now();
-    while n_bytes() < n_before + 40_000 {
-        assert!(started.elapsed() < Duration::from_mins(2), "the run does not get on");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    child
-}
-
-fn send(child: &Child, signal: &str) {
-    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
-    assert!(sent.unwrap().success());
-}
+const LONG: &str = "run street-narrow --simulated-scans 60 --sensor vlp-16 -d simple-grid --jobs 1 -o";
 
 #[test]
 fn a_run_goes_on_where_it_was_ended() {
     let workplace = Workplace::new();
     for (signal, exit_code) in [("-KILL", None), ("-TERM", Some(143))] {
-        let child = started(&workplace);
+        // Some scans are in its journal.
+        let journal = "out.unfinished/journal";
+        let n_before = workplace.n_bytes(journal);
+        let child = workplace.start_until(&(LONG, "out"), |it| it.n_bytes(journal) >= n_before + 40_000);
         send(&child, signal);
         let ended = Ended::from(child.wait_with_output().unwrap());
         assert_eq!(ended.exit_code, exit_code, "{ended:#?}");
         assert!(!workplace.path("out").exists());
         if exit_code.is_some() {
             let kept = "of the 60 scans is kept in out.unfinished: to go on with the others, give the same";
-            assert!(ended.stderr.contains(kept) && ended.stderr.contains("interrupted after"), "{ended:#?}");
+            ended.check_stderr(&[kept, "interrupted after"]);
         }
     }
     // Another run does not go on with it.
-    let other = workplace.run(&[&LONG[..], &["out", "--seed", "7"]].concat());
-    assert_eq!(other.exit_code, Some(2), "{other:#?}");
-    assert!(other.stderr.contains("belongs to another run: "), "{other:#?}");
+    workplace.end_with(&(LONG, "out --seed 7"), 2, &["belongs to another run: "]);
     // What needs all scans at once begins anew, and does not touch what is kept.
-    let written = ["at-once", "--no-rrd", "--detections-out", "found", "--as", "csv"];
-    workplace.succeed(&[&LONG[..], &written].concat());
+    workplace.succeed(&(LONG, "at-once --no-rrd --detections-out found --as csv"));
     // What somebody else has put there stays.
     workplace.write("out.unfinished/notes.txt", "");
-    let ended = workplace.succeed(&[&LONG[..], &["out"]].concat());
-    assert!(ended.stderr.contains("Continuing with "), "{ended:#?}");
+    workplace.succeed(&(LONG, "out")).check_stderr(&["Continuing with "]);
     if cfg!(feature = "viewer") {
         // The first was killed, and is not whole.
         for name in ["run-2.rrd", "run-3.rrd", "recordings.json"] {
@@ -303,12 +245,11 @@ fn a_run_goes_on_where_it_was_ended() {
 #[test]
 fn the_page_leads_to_the_recordings_of_the_shards() {
     let workplace = Workplace::new();
-    let run =
-        ["street-narrow", "--simulated-scans", "24", "--sensor", "vlp-16", "-d", "pca", "--rerun-every", "2"];
-    run_shards(&workplace, &run, 2, "shards");
+    let run = "run street-narrow --simulated-scans 24 --sensor vlp-16 -d pca --rerun-every 2";
+    make_shards(&workplace, run, 2, "shards");
     assert!(workplace.path("shards/shard-2-of-2/run.rrd").is_file());
     merge_whole(&workplace, "shards", "in-one");
-    let recordings: Value = serde_json::from_str(&workplace.read("in-one/recordings.json")).unwrap();
+    let recordings = workplace.json("in-one/recordings.json");
     let recorded = recordings["places"].as_array().unwrap();
     let page = workplace.read("in-one/report.html");
     for object in recorded {

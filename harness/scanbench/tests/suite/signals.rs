@@ -65,7 +65,7 @@ fn check(workplace: &Workplace, arguments: &str, turn: usize, left: &[&str]) {
         let said = format!("{arguments} and {signals:?} after {pause:?}: {time:?}, {ended:#?}");
         assert_eq!(ended.exit_code, Some(exit_code), "{said}");
         assert!(time < limit, "{said}");
-        assert!(ended.stderr.contains("error: interrupted"), "{said}");
+        ended.check_stderr(&["error: interrupted"]);
         let names = workplace.top_names();
         // What has not begun leaves nothing to go on with.
         assert!(names.iter().all(|it| left.contains(&it.as_str())), "{names:?}: {said}");

@@ -9,8 +9,7 @@ fn a_model_may_come_from_files() {
     let directory = format!("vehicle_model.groupings_directory={shipped:?}");
     let detect = |options: &[&str]| {
         let arguments = [&["detect", "street", "--scan", "0", "-d", "hierarchical"], options].concat();
-        let ended = workplace.run(&arguments);
-        assert_eq!(ended.exit_code, Some(0), "{arguments:?}: {ended:#?}");
+        workplace.succeed(&arguments);
     };
     detect(&["-P", &directory, "-o", "of_files.csv"]);
     detect(&["-o", "shipped.csv"]);
@@ -27,8 +26,7 @@ fn errors_of_the_command_line_come_before_anything_is_loaded() {
         (vec!["run", "street-narrow", "-P", "nonsense=1"], 2, "nonsense"),
     ] {
         let arguments = [&arguments[..], &broken[..]].concat();
-        let ended = workplace.run(&arguments);
-        assert_eq!(ended.exit_code, Some(exit_code), "{arguments:?}: {ended:#?}");
+        let ended = workplace.end_with(&arguments, exit_code, &[]);
         assert!(ended.stderr.contains(part) && !ended.stderr.contains("nowhere"), "{ended:#?}");
     }
 }

@@ -168,9 +168,8 @@ fn limits_are_those_of_shards_and_merge_and_so_many_run_at_once() {
     let workplace = Workplace::new();
     let options = "--shards 3 --at-once 2 --time 10 --memory 2G -o jobs";
     workplace.succeed(&format!("submit slurm {options} -- run street-narrow -d pca"));
-    assert!(workplace.read("jobs/shards.sh").contains("#SBATCH --array=1-3%2\n"));
+    workplace.check_file("jobs/shards.sh", &["#SBATCH --array=1-3%2\n"]);
     for script in ["shards", "merge"] {
-        let text = workplace.read(&format!("jobs/{script}.sh"));
-        assert!(text.contains("#SBATCH --time=10\n#SBATCH --mem=2G\n"), "{text}");
+        workplace.check_file(&format!("jobs/{script}.sh"), &["#SBATCH --time=10\n#SBATCH --mem=2G\n"]);
     }
 }

@@ -44,7 +44,7 @@ fn a_model_says_what_it_was_made_of_and_what_was_held_out() {
     assert_eq!(last[0] + last[1], n_objects);
     assert_eq!(last[..2], last[2..], "at the lowest threshold everything is classified as a vehicle");
     assert_eq!(workplace.read("model/importance.csv").lines().count(), 9);
-    assert!(workplace.read("model/curves.svg").contains("Held-out drives (simulated)"));
+    workplace.check_file("model/curves.svg", &["Held-out drives (simulated)"]);
     let said = "Run it: scanbench run -d paper -P vehicle_model.paper_directory=model";
     ended.check_stderr(&[said]);
 }

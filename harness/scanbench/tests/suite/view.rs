@@ -51,9 +51,7 @@ fn what_cannot_be_viewed_is_said() {
         ),
         (&["view", "run", "--class", "boat"], 4, "the run has no mistakes of this kind"),
     ] {
-        let ended = workplace.run(arguments);
-        assert_eq!(ended.exit_code, Some(code), "{arguments:?}: {}", ended.stderr);
-        assert!(ended.stderr.contains(message), "{arguments:?}: {}", ended.stderr);
+        workplace.end_with(arguments, code, &[message]);
     }
 }
 
@@ -69,9 +67,7 @@ fn scans_that_would_not_be_the_same_are_not_recorded() {
         assert!(manifest.contains(from), "{manifest}");
         workplace.write("run/manifest.json", &manifest.replace(from, to));
         // The list of mistakes does not need the scans.
-        let ended = workplace.run("view run --task objects");
-        assert_eq!(ended.exit_code, Some(2), "{ended:?}");
-        ended.check_stderr(&[message]);
+        workplace.end_with("view run --task objects", 2, &[message]);
         assert!(!workplace.path("run/worst.rrd").exists());
     }
 }

@@ -6,9 +6,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use detector::OrientedBox;
-use detector::PointCloud;
 use detector::fit::convex_hull_box::ConvexHullBox;
+use detector::{OrientedBox, PointCloud};
 
 use super::kitti_label_line::{CALIBRATION, label_line};
 use super::whole_folder::WholeFolder;

@@ -17,7 +17,6 @@ pub mod kitti_writer;
 pub mod instance_numbers;
 pub mod semantic_kitti_writer;
 pub mod object_folder_writer;
-pub mod proposal_format;
 pub mod proposal_writer;
 pub mod convert;
 pub mod results;

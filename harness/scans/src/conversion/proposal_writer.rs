@@ -5,13 +5,13 @@ use std::path::Path;
 
 use detector::{OrientedBox, PointCloud};
 use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::named::named;
 use serde::Serialize;
 use serde_json::json;
 
 use super::ConversionError;
 use super::kitti_label_line::{CALIBRATION, label_line};
 use super::kitti_writer::bin_bytes;
-use super::proposal_format::ProposalFormat;
 use super::whole_folder::WholeFolder;
 use crate::annotation::{Annotation, LabeledScan};
 use crate::dataset::data_sheet::{DATA_SHEET, DataSheet, LabeledRegion};
@@ -20,6 +20,18 @@ use crate::dataset::proposal_list::{PROPOSALS_CSV, ProposalList};
 use crate::dataset::scan_folder::label_cloud::{LabelCloudFile, LabelCloudObject};
 use crate::dataset::scan_folder::listed_box::ListedBox;
 use crate::dataset::scan_folder::sustech_points::SustechObject;
+
+named! {
+    /// The tool that is to open them, by the files it reads.
+    pub enum ProposalFormat {
+        /// KITTI's object benchmark: `velodyne/*.bin`, `label_2/*.txt`.
+        Kitti = "kitti",
+        /// labelCloud: `pointclouds/*.bin`, `labels/*.json` in its format `centroid_rel`.
+        Labelcloud = "labelcloud",
+        /// `SUSTechPOINTS`: a scene with `lidar/*.pcd` and `label/*.json`.
+        Sustechpoints = "sustechpoints",
+    }
+}
 
 /// What a vehicle is called: detectors do not distinguish cars from vans.
 const CLASS: &str = "Car";

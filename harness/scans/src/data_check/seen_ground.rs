@@ -6,6 +6,7 @@ use detector::PointCloud;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::named::named;
 
 /// Height is measured on squares nearer than this, in metres: roads are not quite plane.
 const NEAR_M: f64 = 9.0;
@@ -45,39 +46,25 @@ pub struct SeenGround {
     n_squares: usize,
 }
 
-/// The axis of a frame that points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum UpAxis {
-    /// As it should be.
-    Z,
-    /// Upside down.
-    MinusZ,
-    /// To the side or forward.
-    X,
-    /// Its opposite.
-    MinusX,
-    /// To the side or forward.
-    Y,
-    /// Its opposite: as in frames of cameras.
-    MinusY,
+named! {
+    /// The axis of a frame that points up.
+    pub enum UpAxis {
+        /// As it should be.
+        Z = "z",
+        /// Upside down.
+        MinusZ = "-z",
+        /// To the side or forward.
+        X = "x",
+        /// Its opposite.
+        MinusX = "-x",
+        /// To the side or forward.
+        Y = "y",
+        /// Its opposite: as in frames of cameras.
+        MinusY = "-y",
+    }
 }
 
 impl UpAxis {
-    /// Each.
-    pub const ALL: [Self; 6] = [Self::Z, Self::MinusZ, Self::X, Self::MinusX, Self::Y, Self::MinusY];
-
-    /// How it is written.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Z => "z",
-            Self::MinusZ => "-z",
-            Self::X => "x",
-            Self::MinusX => "-x",
-            Self::Y => "y",
-            Self::MinusY => "-y",
-        }
-    }
-
     /// A turn that puts the axis up, as a file of `--transform` has it: rows of rotation and shift. Where the format of
     /// cameras or of computer graphics is likely, forward is theirs; otherwise as little as possible is turned.
     pub fn sensor_from_file(self) -> &'static str {
@@ -184,7 +171,7 @@ fn best_plane(points_m: &[Vector3<f64>]) -> Option<(Vector3<f64>, f64, usize)> {
     }
     let (_, mut normal, mut height_m) = best?;
     for _ in 0..3 {
-        (normal, height_m) = refined(points_m, (normal, height_m))?;
+        (normal, height_m) = refined(points_m, normal, height_m)?;
     }
     let n_on = points_m.iter().filter(|it| (normal.dot(it) + height_m).abs() <= ON_PLANE_M).count();
     let height_m = near_height_m(points_m, &normal, height_m);
@@ -223,7 +210,8 @@ fn worth(points_m: &[Vector3<f64>], (normal, height_m): (UnitVector3<f64>, f64))
 /// The plane with the least squares to the points on a plane.
 fn refined(
     points_m: &[Vector3<f64>],
-    (normal, height_m): (UnitVector3<f64>, f64),
+    normal: UnitVector3<f64>,
+    height_m: f64,
 ) -> Option<(UnitVector3<f64>, f64)> {
     let on: Vec<&Vector3<f64>> =
         points_m.iter().filter(|it| (normal.dot(it) + height_m).abs() <= ON_PLANE_M).collect();

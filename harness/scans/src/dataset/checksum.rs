@@ -118,7 +118,7 @@ mod tests {
     use reports::vocabulary::class::AnnotationClass;
 
     use super::*;
-    use crate::annotation::{LabeledArea, PointRegion, ScanId};
+    use crate::annotation::{PointRegion, ScanId};
 
     fn street() -> DatasetChecksum {
         let mut checksum = DatasetChecksum::default();
@@ -150,14 +150,7 @@ mod tests {
         cloud.push([4.0, 5.0, 6.0], 0.25);
         let car =
             Annotation { point_indices: vec![1], track: Some(7), ..Annotation::of(AnnotationClass::Car) };
-        LabeledScan {
-            id: ScanId { sequence: "0000".to_owned(), index: 3 },
-            cloud,
-            annotations: vec![car],
-            point_regions: vec![PointRegion::Labeled; 2],
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        }
+        LabeledScan::everywhere(ScanId { sequence: "0000".to_owned(), index: 3 }, cloud, vec![car])
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use reports::files::archive::pretty_json;
 use serde::{Deserialize, Serialize};
 
 use super::shown_name::is_printable;
@@ -82,7 +83,7 @@ impl DataSheet {
 
     /// The sheet as a file.
     pub fn to_json(&self) -> String {
-        serde_json::to_string_pretty(self).expect("a sheet has text keys only") + "\n"
+        pretty_json(self)
     }
 }
 

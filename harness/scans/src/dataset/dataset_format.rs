@@ -1,50 +1,36 @@
 //! The formats that can be read.
 
-use std::fmt;
 use std::str::FromStr;
+
+use reports::vocabulary::named::named;
 
 use super::DatasetError;
 
-/// How a data set is laid out on disk.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DatasetFormat {
-    /// KITTI's tracking benchmark: whole drives.
-    KittiTracking,
-    /// KITTI's object benchmark: single scans.
-    KittiObject,
-    /// `SemanticKITTI`: KITTI's odometry drives with a label for every point.
-    SemanticKitti,
-    /// A recording of ROS 2 or Foxglove.
-    Mcap,
-    /// Argoverse 2, the sensor data set.
-    #[serde(rename = "argoverse2")]
-    Argoverse2,
-    /// KITTI's raw recordings: whole drives with tracklets.
-    KittiRaw,
-    /// nuScenes.
-    #[serde(rename = "nuscenes")]
-    NuScenes,
-    /// A capture of the packets of a Velodyne sensor.
-    VelodynePcap,
-    /// A folder of scans that are a file each.
-    ScanFolder,
+named! {
+    /// How a data set is laid out on disk.
+    pub enum DatasetFormat {
+        /// KITTI's tracking benchmark: whole drives.
+        KittiTracking = "kitti-tracking",
+        /// KITTI's object benchmark: single scans.
+        KittiObject = "kitti-object",
+        /// `SemanticKITTI`: KITTI's odometry drives with a label for every point.
+        SemanticKitti = "semantic-kitti",
+        /// A recording of ROS 2 or Foxglove.
+        Mcap = "mcap",
+        /// Argoverse 2, the sensor data set.
+        Argoverse2 = "argoverse2",
+        /// KITTI's raw recordings: whole drives with tracklets.
+        KittiRaw = "kitti-raw",
+        /// nuScenes.
+        NuScenes = "nuscenes",
+        /// A capture of the packets of a Velodyne sensor.
+        VelodynePcap = "velodyne-pcap",
+        /// A folder of scans that are a file each.
+        ScanFolder = "scan-folder",
+    }
 }
 
 impl DatasetFormat {
-    /// All formats.
-    pub const ALL: [Self; 9] = [
-        Self::KittiTracking,
-        Self::KittiObject,
-        Self::SemanticKitti,
-        Self::Mcap,
-        Self::Argoverse2,
-        Self::KittiRaw,
-        Self::NuScenes,
-        Self::VelodynePcap,
-        Self::ScanFolder,
-    ];
-
     /// Whether data in this format are in drives, logs or scenes of which some can be chosen.
     pub fn has_sequences(self) -> bool {
         self.is_of_benchmark() && self != Self::KittiObject
@@ -55,30 +41,9 @@ impl DatasetFormat {
         !matches!(self, Self::Mcap | Self::VelodynePcap | Self::ScanFolder)
     }
 
-    /// The name used on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::KittiTracking => "kitti-tracking",
-            Self::KittiObject => "kitti-object",
-            Self::SemanticKitti => "semantic-kitti",
-            Self::Mcap => "mcap",
-            Self::Argoverse2 => "argoverse2",
-            Self::KittiRaw => "kitti-raw",
-            Self::NuScenes => "nuscenes",
-            Self::VelodynePcap => "velodyne-pcap",
-            Self::ScanFolder => "scan-folder",
-        }
-    }
-
     /// The names of all formats.
     pub fn names() -> Vec<String> {
         Self::ALL.map(|format| format.name().to_owned()).to_vec()
-    }
-}
-
-impl fmt::Display for DatasetFormat {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.name())
     }
 }
 
@@ -86,7 +51,7 @@ impl FromStr for DatasetFormat {
     type Err = DatasetError;
 
     fn from_str(name: &str) -> Result<Self, DatasetError> {
-        Self::ALL.into_iter().find(|format| format.name() == name).ok_or_else(|| {
+        Self::from_name(name).ok_or_else(|| {
             let known = Self::names().join(", ");
             DatasetError::Usage(format!("unknown format {name:?}; formats are {known}"))
         })

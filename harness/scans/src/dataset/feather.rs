@@ -94,7 +94,7 @@ impl FeatherTable {
             let message = arrow_ipc::root_as_message(metadata.get(skipped..).unwrap_or_default())
                 .map_err(|error| format!("has a batch of rows without a description: {error}"))?;
             let batch = message.header_as_record_batch().ok_or("has a batch without rows")?;
-            append_batch(&batch, body, (&fields, &mut budget), &mut columns)?;
+            append_batch(&batch, body, &fields, &mut budget, &mut columns)?;
         }
         Ok(Self { columns })
     }
@@ -148,7 +148,8 @@ fn empty_column(field: &Field<'_>) -> Result<Column, String> {
 fn append_batch(
     batch: &RecordBatch<'_>,
     body: &[u8],
-    (fields, budget): (&[Field<'_>], &mut ByteBudget),
+    fields: &[Field<'_>],
+    budget: &mut ByteBudget,
     columns: &mut BTreeMap<String, Column>,
 ) -> Result<(), String> {
     let n_rows = usize::try_from(batch.length()).map_err(|_| "has a batch with a negative number of rows")?;

@@ -100,7 +100,8 @@ impl<'a> PackedPoints<'a> {
     /// `n_points` in a single row.
     pub fn in_a_row(
         fields: Vec<PackedField>,
-        (n_points, point_step): (usize, usize),
+        n_points: usize,
+        point_step: usize,
         byte_order: ByteOrder,
         data: &'a [u8],
     ) -> Self {

@@ -30,7 +30,7 @@ pub fn scan_times(dataset: &dyn Dataset) -> Vec<ScanTime> {
             Nearness::Times => Some(time_s),
             Nearness::Unknown | Nearness::Named => None,
         };
-        let second = DriveSecond::of_scan((&id.sequence, id.index), dataset.scan_block(scan_idx), known_s);
+        let second = DriveSecond::of_scan(&id.sequence, id.index, dataset.scan_block(scan_idx), known_s);
         ScanTime { time_s, known_s, second }
     };
     scan_times_s(dataset).into_iter().enumerate().map(scan).collect()

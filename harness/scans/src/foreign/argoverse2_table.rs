@@ -47,8 +47,8 @@ struct CarBox {
 impl Argoverse2Tables {
     /// Reads the tables at `paths`; `root` is what was named.
     pub fn open(root: &Path, paths: &[&Path], of: ResultsOf<'_>) -> Result<OpenResults, DatasetError> {
-        let words = ("names scans by the logs and times of Argoverse 2", "has none");
-        of.require(root, |it| matches!(it, ForeignFrame::Car { .. }), words)?;
+        let say = "names scans by the logs and times of Argoverse 2";
+        of.require(root, |it| matches!(it, ForeignFrame::Car { .. }), say, "has none")?;
         let ids = of.dataset.scan_ids().iter().enumerate();
         let scans: BTreeMap<(&str, u64), usize> = ids
             .filter_map(|(scan_idx, id)| {

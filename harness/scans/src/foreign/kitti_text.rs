@@ -38,8 +38,9 @@ pub struct KittiText {
 impl KittiText {
     /// Reads the files of drives, and finds those of scans.
     pub fn open(files: &ResultFiles, of: ResultsOf<'_>) -> Result<OpenResults, DatasetError> {
-        let words = ("has boxes in the frame of KITTI's camera", "has no calibration of such a camera");
-        of.require(files.root(), |it| matches!(it, ForeignFrame::Camera { .. }), words)?;
+        let [say, lacks] =
+            ["has boxes in the frame of KITTI's camera", "has no calibration of such a camera"];
+        of.require(files.root(), |it| matches!(it, ForeignFrame::Camera { .. }), say, lacks)?;
         let mut reader = ClassReader::new(of.classes, KITTI_VOCABULARY);
         let (mut drives, mut taken) = (BTreeMap::new(), BTreeSet::new());
         for id in of.dataset.scan_ids() {

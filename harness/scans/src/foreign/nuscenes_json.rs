@@ -47,8 +47,8 @@ pub struct NuScenesJson {
 impl NuScenesJson {
     /// Reads the file at `path`.
     pub fn open(path: &Path, of: &ResultsOf<'_>) -> Result<OpenResults, DatasetError> {
-        let words = ("names scans by the tokens of nuScenes", "has none");
-        of.require(path, |it| matches!(it, ForeignFrame::World { .. }), words)?;
+        let say = "names scans by the tokens of nuScenes";
+        of.require(path, |it| matches!(it, ForeignFrame::World { .. }), say, "has none")?;
         let mut scans = BTreeMap::new();
         for scan_idx in 0..of.dataset.scan_ids().len() {
             if let ForeignFrame::World { sample_token, world_from_sensor } =

@@ -110,7 +110,7 @@ impl RecordedDetections {
         };
         let asked: Option<BTreeMap<usize, ScanFrame>> = of.asked.iter().map(frame_of).collect();
         let has_times = asked.is_some();
-        of.require(path, |_| has_times, ("names scans by their times", "has none"))?;
+        of.require(path, |_| has_times, "names scans by their times", "has none")?;
         let asked = asked.unwrap_or_default();
         let stamp_by_scan = nearest_pairs(&asked, &by_stamp);
         let taken: BTreeSet<u64> = stamp_by_scan.values().copied().collect();

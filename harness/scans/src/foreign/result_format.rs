@@ -3,52 +3,33 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use reports::vocabulary::named::named;
+
 use super::result_files::{ResultFiles, is_named_after_scans};
 use super::{argoverse2_table, kitti_text, own_files, semantic_labels};
 use crate::dataset::folder_name::folder_name;
 use crate::dataset::mcap::mcap_dataset::is_mcap;
 use crate::dataset::{Dataset, DatasetError};
 
-/// A format of results.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ResultFormat {
-    /// KITTI's text files.
-    KittiText,
-    /// A submission of nuScenes.
-    NuScenesJson,
-    /// Tables of Argoverse 2.
-    Argoverse2Tables,
-    /// `SemanticKITTI`'s labels.
-    SemanticLabels,
-    /// What `detect` writes.
-    OwnFiles,
-    /// A recording.
-    Recording,
+named! {
+    /// A format of results.
+    pub enum ResultFormat {
+        /// KITTI's text files.
+        KittiText = "KITTI's .txt",
+        /// A submission of nuScenes.
+        NuScenesJson = "nuScenes' .json",
+        /// Tables of Argoverse 2.
+        Argoverse2Tables = "Argoverse 2's .feather",
+        /// `SemanticKITTI`'s labels.
+        SemanticLabels = "SemanticKITTI's .label",
+        /// What `detect` writes.
+        OwnFiles = "scanbench's .csv and .u32",
+        /// A recording.
+        Recording = ".mcap",
+    }
 }
 
 impl ResultFormat {
-    /// All formats.
-    pub const ALL: [Self; 6] = [
-        Self::KittiText,
-        Self::NuScenesJson,
-        Self::Argoverse2Tables,
-        Self::SemanticLabels,
-        Self::OwnFiles,
-        Self::Recording,
-    ];
-
-    /// What it is called on screens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::KittiText => "KITTI's .txt",
-            Self::NuScenesJson => "nuScenes' .json",
-            Self::Argoverse2Tables => "Argoverse 2's .feather",
-            Self::SemanticLabels => "SemanticKITTI's .label",
-            Self::OwnFiles => "scanbench's .csv and .u32",
-            Self::Recording => ".mcap",
-        }
-    }
-
     /// The endings of its files.
     fn endings(self) -> &'static [&'static str] {
         match self {

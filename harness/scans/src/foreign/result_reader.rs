@@ -65,7 +65,8 @@ impl<'a> ResultsOf<'a> {
         &self,
         path: &Path,
         fits: impl Fn(&ForeignFrame) -> bool,
-        (say, lacks): (&str, &str),
+        say: &str,
+        lacks: &str,
     ) -> Result<(), DatasetError> {
         if self.asked.values().all(fits) {
             return Ok(());

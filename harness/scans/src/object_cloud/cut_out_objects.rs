@@ -230,7 +230,6 @@ fn middle_m(cloud: &PointCloud) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{LabeledArea, PointRegion};
     use crate::dataset::{AnnotatedClasses, DatasetDescription, Listing};
     use detector::OrientedBox;
     use reports::vocabulary::class::AnnotationClass;
@@ -267,17 +266,11 @@ mod tests {
                 track,
                 ..Annotation::of(class)
             };
-            Ok(LabeledScan {
-                id: self.listing.scan_ids[scan_idx].clone(),
-                point_regions: vec![PointRegion::Labeled; cloud.len()],
-                cloud,
-                annotations: vec![
-                    annotation(AnnotationClass::Van, Some(bounding_box), vec![0, 1, 2], Some(7)),
-                    annotation(AnnotationClass::Pole, None, vec![3, 4, 5], None),
-                ],
-                labeled_area: LabeledArea::Everywhere,
-                points_left_out: Vec::new(),
-            })
+            let annotations = vec![
+                annotation(AnnotationClass::Van, Some(bounding_box), vec![0, 1, 2], Some(7)),
+                annotation(AnnotationClass::Pole, None, vec![3, 4, 5], None),
+            ];
+            Ok(LabeledScan::everywhere(self.listing.scan_ids[scan_idx].clone(), cloud, annotations))
         }
 
         fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

@@ -3,29 +3,18 @@
 use std::ops::RangeInclusive;
 
 use detector::PointCloud;
+use reports::vocabulary::named::named;
 
 /// The steps in which an object is uncovered: at the last everything is seen.
 pub const UNCOVER_STEPS: RangeInclusive<u32> = 1..=10;
 
-/// Which end of an object is seen first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum UncoverFrom {
-    /// The foot, as by a scanner that is tilted down: what it hits of an object rises as the vehicle comes nearer.
-    Below,
-    /// The top, as by a scanner that is tilted up: what it hits of an object sinks as the vehicle comes nearer.
-    Above,
-}
-
-impl UncoverFrom {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Below, Self::Above];
-
-    /// The name used in files and on screens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Below => "below",
-            Self::Above => "above",
-        }
+named! {
+    /// Which end of an object is seen first.
+    pub enum UncoverFrom {
+        /// The foot, as by a scanner that is tilted down: what it hits of an object rises as the vehicle comes nearer.
+        Below = "below",
+        /// The top, as by a scanner that is tilted up: what it hits of an object sinks as the vehicle comes nearer.
+        Above = "above",
     }
 }
 

@@ -96,7 +96,7 @@ fn check_round_trip(output: ResultOutput, dataset: &dyn Dataset, folder: &std::p
             boxes.push(ForeignBox { bounding_box, class: Some(AnnotationClass::Car), score });
         }
         let frame = dataset.foreign_frame(scan_idx).unwrap();
-        writer.add("echo", (&scan, &frame), &detections).unwrap();
+        writer.add("echo", &scan, &frame, &detections).unwrap();
         expected.push(boxes);
     }
     writer.end_dataset().unwrap();

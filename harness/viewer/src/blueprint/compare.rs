@@ -170,3 +170,10 @@ pub fn drawn_legend(origin: &'static str, properties: &mut Vec<Property>) -> Con
     add(properties, &view, "Background", plain_background());
     view
 }
+
+/// What each detector got right and wrong, with the eye going along.
+pub fn drive(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
+    let view = |detector| outcomes(layout, detector, entity_paths::WORLD, Eye::ALONG, properties);
+    let views: Vec<ContainerLike> = layout.detectors.iter().map(view).collect();
+    Horizontal::new(views).with_name("follow the drive").into()
+}

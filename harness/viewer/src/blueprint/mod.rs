@@ -5,11 +5,9 @@ use rerun::blueprint::{Blueprint, BlueprintActivation, BlueprintPanel, Selection
 use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
 use rerun::{RecordingStream, RecordingStreamBuilder};
 
-use self::compare::compare;
-use self::drive::drive;
-use self::figures::figures;
+use self::compare::{compare, drive};
 use self::scene::Property;
-use self::stages::stages;
+use self::stages::{figures, stages};
 use super::error::StreamError;
 use super::product_views::DetectorViews;
 use super::recording_axis::RecordingAxis;
@@ -18,8 +16,6 @@ use super::stream_options::{FirstTab, Opening};
 mod scene;
 mod compare;
 mod stages;
-mod figures;
-mod drive;
 pub mod growth;
 
 /// What there is to lay out.

@@ -12,11 +12,9 @@ use scans::annotation::LabeledScan;
 use super::blueprint::{RecordingLayout, send_blueprint};
 use super::drawn_points::{DrawnPoints, PointChoice};
 use super::error::StreamError;
-use super::log_mistakes::log_mistakes;
-use super::log_outcomes::log_outcomes;
-use super::log_pose::log_pose;
+use super::log_outcomes::{log_mistakes, log_outcomes};
 use super::log_products::log_products;
-use super::log_scan::{log_scan, log_title};
+use super::log_scan::{log_pose, log_scan, log_title};
 use super::log_scores::log_scores;
 use super::log_series::{
     log_counts, log_f_rate, log_further, log_further_lines, log_latency, log_lines, log_stage_times,

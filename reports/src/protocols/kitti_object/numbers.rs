@@ -103,8 +103,8 @@ fn matched(scans: &[(u32, &KittiScan)], class: KittiClass) -> Vec<OfQuestion> {
     for (index, scan) in scans {
         let scan = ClassScan::of(scan, class);
         for (question, [official, sound]) in &mut of_questions {
-            official_matching.add((*index, &scan), question, official);
-            sound_matching.add((*index, &scan), question, sound);
+            official_matching.add(*index, &scan, question, official);
+            sound_matching.add(*index, &scan, question, sound);
         }
     }
     let sorted = |(question, [official, sound]): (Question, [ScoreEvents; 2])| OfQuestion {

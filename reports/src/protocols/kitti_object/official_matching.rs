@@ -31,12 +31,7 @@ struct Found {
 
 impl OfficialMatching {
     /// Adds what is found in the scan at this index.
-    pub fn add(
-        &mut self,
-        (index, scan): (u32, &ClassScan<'_>),
-        question: &Question,
-        events: &mut ScoreEvents,
-    ) {
+    pub fn add(&mut self, index: u32, scan: &ClassScan<'_>, question: &Question, events: &mut ScoreEvents) {
         let n_annotations = scan.n_annotations(question.difficulty);
         events.annotations.extend((n_annotations > 0).then_some((index, n_annotations)));
         for flags in [&mut self.is_alone, &mut self.is_taken] {
@@ -171,7 +166,7 @@ mod tests {
     fn counted(scan: &KittiScan) -> (Vec<f64>, Vec<(f64, i32, i32)>) {
         let mut events = ScoreEvents::default();
         let scan = ClassScan::of(scan, KittiClass::Car);
-        OfficialMatching::default().add((0, &scan), &QUESTION, &mut events);
+        OfficialMatching::default().add(0, &scan, &QUESTION, &mut events);
         let (mut tp, mut fp) = (0, 0);
         let mut counted: Vec<(f64, i32, i32)> = Vec::new();
         for change in changes(&events) {

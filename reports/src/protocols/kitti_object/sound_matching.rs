@@ -29,12 +29,7 @@ pub struct SoundMatching {
 
 impl SoundMatching {
     /// Adds what is found in the scan at this index.
-    pub fn add(
-        &mut self,
-        (index, scan): (u32, &ClassScan<'_>),
-        question: &Question,
-        events: &mut ScoreEvents,
-    ) {
+    pub fn add(&mut self, index: u32, scan: &ClassScan<'_>, question: &Question, events: &mut ScoreEvents) {
         let n_annotations = scan.n_annotations(question.difficulty);
         events.annotations.extend((n_annotations > 0).then_some((index, n_annotations)));
         self.match_all(scan, *question);
@@ -111,7 +106,7 @@ mod tests {
     fn events(scan: &KittiScan) -> Vec<(f64, i32, i32)> {
         let mut events = ScoreEvents::default();
         let scan = ClassScan::of(scan, KittiClass::Car);
-        SoundMatching::default().add((0, &scan), &QUESTION, &mut events);
+        SoundMatching::default().add(0, &scan, &QUESTION, &mut events);
         changes(&events)
     }
 

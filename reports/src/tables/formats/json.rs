@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::files::archive::SCHEMA;
+use crate::files::archive::{SCHEMA, pretty_json};
 use crate::run_folder::run_archive::ClaimName;
 use crate::tables::formats::format::Format;
 use crate::verdicts::changed_claims::ChangedClaim;
@@ -140,10 +140,7 @@ impl Format<Verdict> for Json {
                 })
                 .collect(),
         };
-        let mut json =
-            serde_json::to_string_pretty(&record).expect("a verdict has text keys and finite numbers");
-        json.push('\n');
-        json
+        pretty_json(&record)
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
+use crate::files::archive::pretty_json;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::Interval;
 use crate::numbers::run_report::{MetricRow, RunReport};
@@ -35,7 +36,7 @@ impl Format<RunReport> for BencherMetrics {
             let name = format!("{}/{}", row.subject.task, row.subject.detector);
             benchmarks.entry(name).or_default().insert(row.metric.id(), measure);
         }
-        pretty(&serde_json::to_value(benchmarks).expect("names are text"))
+        pretty_json(&serde_json::to_value(benchmarks).expect("names are text"))
     }
 }
 
@@ -69,7 +70,7 @@ impl Format<RunReport> for CustomSmallerIsBetter {
             }
             Some(entry)
         });
-        pretty(&Value::Array(entries.collect()))
+        pretty_json(&Value::Array(entries.collect()))
     }
 }
 
@@ -85,11 +86,4 @@ fn headline_rows(report: &RunReport) -> impl Iterator<Item = &MetricRow> {
     let is_headline =
         |metric: &Metric| RATIOS.contains(metric) || *metric == Metric::Latency(LatencyStatistic::P50);
     rows.filter(move |it| it.subject.slice == Slice::All && is_headline(&it.metric))
-}
-
-/// JSON over several lines.
-fn pretty(value: &Value) -> String {
-    let mut json = serde_json::to_string_pretty(value).expect("keys are text and numbers finite");
-    json.push('\n');
-    json
 }

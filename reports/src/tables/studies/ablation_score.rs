@@ -50,19 +50,12 @@ impl AblationScore {
         });
         let of_row = |row: &MeasuredRow| {
             let variants = table.detectors.iter().zip(&row.scores);
-            variants
-                .map(|(variant, score)| Self::new(table, report, (row, score), variant))
-                .collect::<Vec<_>>()
+            variants.map(|(variant, score)| Self::new(table, report, row, score, variant)).collect::<Vec<_>>()
         };
         measured.flat_map(of_row).collect()
     }
 
-    fn new(
-        table: &TaskTable,
-        report: &RunReport,
-        (row, score): (&MeasuredRow, &Score),
-        variant: &str,
-    ) -> Self {
+    fn new(table: &TaskTable, report: &RunReport, row: &MeasuredRow, score: &Score, variant: &str) -> Self {
         let subject = Subject::of_all(row.extent.name(), table.task, variant);
         let value = |metric| report.row(&subject, &metric)?.value();
         Self {

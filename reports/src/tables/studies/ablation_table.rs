@@ -3,13 +3,11 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::run_report::RunReport;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Undefined};
-use crate::tables::notes::about_matching;
-use crate::tables::notes::{INTERVAL_TITLE, about_interval};
+use crate::tables::notes::{INTERVAL_TITLE, about_interval, about_matching};
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::studies::ablation_score::AblationScore;
 use crate::tables::task_grids::{extent_cell, interval_cell, rate_cell, recall_cell};
 use crate::tables::task_table::TaskTable;
-use crate::vocabulary::extent::Extent;
 use crate::vocabulary::task::Task;
 
 /// Scores with what is to be said of them all.
@@ -86,14 +84,10 @@ impl AblationTable {
 
 /// What all variants have in common on a data set.
 fn head(score: &AblationScore) -> Line {
-    let kind = match score.extent {
-        Extent::Dataset(_) => LineKind::Dataset,
-        Extent::Overall | Extent::OverallOf(_) => LineKind::Overall,
-    };
     let mut cells = vec![extent_cell(&score.extent, score.origin)];
     cells.extend([score.n_scans, score.counts.no()].map(|it| Cell::new(it.to_string())));
     cells.resize(12, Cell::default());
-    Line { kind, cells }
+    Line { kind: LineKind::of(&score.extent), cells }
 }
 
 fn line(score: &AblationScore) -> Line {
@@ -125,12 +119,12 @@ fn line(score: &AblationScore) -> Line {
 mod tests {
     use super::*;
     use crate::files::csv_rows::tests::csv_text;
-    use crate::numbers::blocks::Interval;
-    use crate::numbers::blocks::{BlockCount, BlockKind};
+    use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
     use crate::rows::counts::Counts;
     use crate::tables::formats::format::Format as _;
     use crate::tables::formats::terminal::Terminal;
     use crate::tables::studies::ablation_score::AblationRow;
+    use crate::vocabulary::extent::Extent;
     use crate::vocabulary::origin::Origin;
 
     fn interval() -> Interval {

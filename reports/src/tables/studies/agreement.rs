@@ -1,6 +1,6 @@
 //! The table of how well the statistics of two collections of scans agree.
 
-use crate::files::fixed_decimals::{fixed_decimals, three_digits};
+use crate::files::fixed_decimals::{decimals_or_dash, fixed_decimals, three_digits};
 use crate::numbers::curve_pair::{ALIKE_FACTOR, Agreement, CurvePair, Sides};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
@@ -71,7 +71,7 @@ fn numbers(curves: &CurvePair, agreement: &Agreement) -> [String; 7] {
         worst.name.clone(),
         text(worst.measured.left.value),
         text(worst.measured.right.value),
-        curves.ratio(agreement.worst_bin_idx).map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, 2)),
+        decimals_or_dash(curves.ratio(agreement.worst_bin_idx), 2),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! The table of how far fitted boxes are from annotated ones.
 
-use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::fixed_decimals::decimals_or_dash;
 use crate::numbers::box_errors::{BoxErrorLine, by_data};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Mark};
 use crate::tables::notes::about_interval;
@@ -58,9 +58,7 @@ fn grid(lines: &[BoxErrorLine]) -> Grid {
         let [n_pairs, n_tracks] = counts.map(|it| shown(it.to_string(), are_new));
         let head = [by, slice, n_pairs, n_tracks];
         let error = format!("{}, {}", line.error.name(), line.error.unit());
-        let number = |it: Option<f64>| {
-            Cell::new(it.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, line.error.decimals())))
-        };
+        let number = |it: Option<f64>| Cell::new(decimals_or_dash(it, line.error.decimals()));
         let numbers = line.fits.iter().map(|(_, it)| {
             let mark = it.and_then(|it| it.within).and_then(|it| Mark::of_blocks(it.blocks));
             Cell { mark, ..number(it.map(|it| it.value)) }

@@ -2,12 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::files::fixed_decimals::{Fixed, fixed_decimals};
+use crate::files::fixed_decimals::{Fixed, decimals_or_dash, fixed_decimals, percent_or_dash};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
 use crate::verdicts::fitness_verdict::{CONFIGURED, FitnessVerdict};
 use crate::vocabulary::extent::Extent;
-use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
 
 const TITLE: &str = "Cell size picked by each variant of the fitness formula.";
@@ -124,9 +123,6 @@ fn summary_line(subject: &str, reading: &str, verdicts: &[&FitnessVerdict]) -> L
     let ranks: Vec<f64> = verdicts.iter().filter_map(|it| Some(it.rank_correlation?.0)).collect();
     let mean =
         |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
-    let number = |value: Option<f64>, decimals| {
-        value.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, decimals))
-    };
     let count =
         |is_counted: fn(&&&FitnessVerdict) -> bool| verdicts.iter().filter(is_counted).count().to_string();
     let cells = [
@@ -135,9 +131,9 @@ fn summary_line(subject: &str, reading: &str, verdicts: &[&FitnessVerdict]) -> L
         verdicts.len().to_string(),
         count(|it| it.recommended_cell_size_m.is_some()),
         count(|it| it.recommends_an_end == Some(true)),
-        number(mean(&losses).map(|it| 100.0 * it), 1),
-        number(losses.iter().copied().reduce(f64::max).map(|it| 100.0 * it), 1),
-        number(mean(&ranks), 2),
+        percent_or_dash(mean(&losses)),
+        percent_or_dash(losses.iter().copied().reduce(f64::max)),
+        decimals_or_dash(mean(&ranks), 2),
     ];
     Line { kind: LineKind::Dataset, cells: cells.map(Cell::new).to_vec() }
 }
@@ -145,20 +141,14 @@ fn summary_line(subject: &str, reading: &str, verdicts: &[&FitnessVerdict]) -> L
 /// What all readings of a curve have in common.
 fn subject(verdict: &FitnessVerdict) -> String {
     let FitnessVerdict { dataset, origin, sensor, detector, others, task, rate, .. } = verdict;
-    let origin = match origin {
-        Origin::Recorded => String::new(),
-        Origin::Simulated | Origin::PartlySimulated => format!(" ({})", origin.name()),
-    };
+    let origin = origin.in_brackets();
     let others = if others.is_empty() { String::new() } else { format!(", {others}") };
     format!("{dataset}{origin}, {sensor}, {detector}{others}, {task}, {rate}")
 }
 
 fn line(verdict: &FitnessVerdict, subject: &str) -> Line {
-    let number = |value: Option<f64>, decimals: usize| {
-        value.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, decimals))
-    };
-    let percent = |value: Option<Fixed<6>>| number(value.map(|it| 100.0 * it.0), 1);
-    let size = |value: Option<Fixed<3>>| number(value.map(|it| it.0), 2);
+    let percent = |value: Option<Fixed<6>>| percent_or_dash(value.map(|it| it.0));
+    let size = |value: Option<Fixed<3>>| decimals_or_dash(value.map(|it| it.0), 2);
     let mark = if verdict.recommends_an_end == Some(true) { "*" } else { "" };
     let of_curve = |text: String| if subject.is_empty() { String::new() } else { text };
     let cells = [
@@ -171,7 +161,7 @@ fn line(verdict: &FitnessVerdict, subject: &str) -> Line {
         format!("{}{mark}", size(verdict.recommended_cell_size_m)),
         percent(verdict.rate_there),
         percent(verdict.loss),
-        number(verdict.rank_correlation.map(|it| it.0), 2),
+        decimals_or_dash(verdict.rank_correlation.map(|it| it.0), 2),
     ];
     Line { kind: LineKind::Dataset, cells: cells.map(Cell::new).to_vec() }
 }

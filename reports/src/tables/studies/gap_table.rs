@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
-use crate::files::fixed_decimals::{Fixed, fixed_decimals};
+use crate::files::fixed_decimals::{Fixed, decimals_or_dash, fixed_decimals};
 use crate::numbers::gap_curve::{GapBin, GapCurve, PairCounts};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
@@ -62,8 +62,7 @@ fn line(gap_m: f64, curves: &[&GapCurve]) -> Line {
         let found = curve.points.iter().find(|(it, _)| *it == gap_m);
         found.map_or_else(PairCounts::default, |(_, counts)| *counts)
     };
-    let percent =
-        |share: Option<f64>| share.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 0));
+    let percent = |share: Option<f64>| decimals_or_dash(share.map(|it| 100.0 * it), 0);
     let of_detector = |curve: &&GapCurve| {
         let counts = counts_at(curve);
         let within = counts.separated_within();

@@ -1,6 +1,6 @@
 //! The values that the papers leave open, and how much hangs on each.
 
-use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::fixed_decimals::{decimals_or_dash, fixed_decimals};
 use crate::reproduction::sensitivity::Sensitivity;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Sheet, Tabular};
@@ -23,7 +23,7 @@ impl Tabular for OpenValuesTable<'_> {
             let texts = [&it.parameter, &it.said, &it.range, &it.chosen].map(Clone::clone);
             let of_rate = |correlations: &Vec<(String, Option<f64>)>| {
                 let found = correlations.iter().find(|(name, _)| *name == it.parameter);
-                found.and_then(|it| it.1).map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, 2))
+                decimals_or_dash(found.and_then(|it| it.1), 2)
             };
             let cells = texts.into_iter().chain(correlations.iter().map(of_rate)).map(Cell::new).collect();
             Line { kind: LineKind::Dataset, cells }

@@ -1,6 +1,6 @@
 //! The tables of how partly seen objects are classified.
 
-use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::fixed_decimals::{fixed_decimals, percent_or_dash};
 use crate::numbers::blocks::Interval;
 use crate::partial_study::partial_claims::{MeasuredClaim, PartialClaim};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
@@ -92,10 +92,6 @@ fn text_cells(curve: &PartialCurve) -> impl Iterator<Item = Cell> + '_ {
 impl PartialTable<'_> {
     /// A line for each curve, with a number and its interval for each of the shown steps.
     fn intervals(&self) -> Grid {
-        let columns = SHOWN_AT.iter().flat_map(|step| {
-            let group = format!("step {step}");
-            [Column::number("%").within(group.clone()), Column::number("95 %").within(group)]
-        });
         let lines = self.curves.iter().map(|curve| {
             let cells = SHOWN_AT.iter().flat_map(|step| {
                 let at_step = curve.steps.iter().find(|it| it.step == *step);
@@ -104,15 +100,11 @@ impl PartialTable<'_> {
             Line { kind: LineKind::Dataset, cells: text_cells(curve).chain(cells).collect() }
         });
         let texts = TEXT_TITLES.map(Column::left).into_iter();
-        Grid { columns: texts.chain(columns).collect(), lines: lines.collect() }
+        Grid { columns: texts.chain(interval_columns()).collect(), lines: lines.collect() }
     }
 
     /// Two lines for each curve: strangers, and known objects.
     fn rejected(&self) -> Grid {
-        let columns = SHOWN_AT.iter().flat_map(|step| {
-            let group = format!("step {step}");
-            [Column::number("%").within(group.clone()), Column::number("95 %").within(group)]
-        });
         let lines = self.curves.iter().flat_map(|curve| {
             ["strangers", "known"].into_iter().enumerate().map(move |(index, who)| {
                 let cells = SHOWN_AT.iter().flat_map(move |step| {
@@ -125,8 +117,16 @@ impl PartialTable<'_> {
             })
         });
         let texts = TEXT_TITLES.into_iter().chain(["objects"]).map(Column::left);
-        Grid { columns: texts.chain(columns).collect(), lines: lines.collect() }
+        Grid { columns: texts.chain(interval_columns()).collect(), lines: lines.collect() }
     }
+}
+
+/// A number and its interval for each of the shown steps.
+fn interval_columns() -> impl Iterator<Item = Column> {
+    SHOWN_AT.iter().flat_map(|step| {
+        let group = format!("step {step}");
+        [Column::number("%").within(group.clone()), Column::number("95 %").within(group)]
+    })
 }
 
 fn interval(within: Option<Interval>) -> Cell {
@@ -138,7 +138,7 @@ fn interval(within: Option<Interval>) -> Cell {
 }
 
 fn percent(share: Option<f64>) -> Cell {
-    Cell::new(share.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 1)))
+    Cell::new(percent_or_dash(share))
 }
 
 fn confusion(step: &PartialStep) -> Grid {

@@ -1,6 +1,6 @@
 //! Rates of several detectors on one part of the objects after another.
 
-use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::fixed_decimals::percent_or_dash;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::paper_figures::{PAPER_TABLES, PaperTable};
 use crate::tables::sheet::{Sheet, Tabular};
@@ -56,9 +56,8 @@ impl Tabular for RateTable {
         let mut columns = vec![Column::left("part"), Column::number("NO")];
         columns.extend(self.detectors.iter().map(|it| Column::number(self.rate).within(it.clone())));
         let line = |RateRow { name, no, rates, is_printed }: &RateRow| {
-            let percent =
-                |it: &Option<f64>| it.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 1));
-            let texts = [name.clone(), no.to_string()].into_iter().chain(rates.iter().map(percent));
+            let rates = rates.iter().map(|it| percent_or_dash(*it));
+            let texts = [name.clone(), no.to_string()].into_iter().chain(rates);
             let kind = if *is_printed { LineKind::Paper } else { LineKind::Dataset };
             Line { kind, cells: texts.map(Cell::new).collect() }
         };

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
-use crate::files::fixed_decimals::{Fixed, fixed_decimals};
+use crate::files::fixed_decimals::{Fixed, percent_or_dash};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::{INTERVAL_TITLE, about_interval};
 use crate::tables::sheet::{Sheet, Tabular};
@@ -112,8 +112,7 @@ fn line(group: &str, scores: &ConditionScores) -> Line {
     let NamedCondition { condition, trained, .. } = &scores.named;
     let condition = if *trained { format!("{condition} ✓") } else { condition.clone() };
     let texts = [group.to_owned(), condition, no(0), no(1)];
-    let percent = |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 1));
-    let rates = scores.scores().map(|(.., it)| percent(it.counts.f_rate()));
+    let rates = scores.scores().map(|(.., it)| percent_or_dash(it.counts.f_rate()));
     Line { kind: LineKind::Dataset, cells: texts.into_iter().chain(rates).map(Cell::new).collect() }
 }
 

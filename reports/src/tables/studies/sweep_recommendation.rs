@@ -21,9 +21,9 @@ const OPTIMISTIC: &str = "The best value of a sweep looks better on the scans th
 pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>, held_out: HeldOut<'_>) -> Vec<String> {
     let curves = sweep.curves();
     let is_widest = |it: &&SweepCurve<'_>| {
-        let ours = &it.points[0].score.subject;
+        let ours = &it.first().subject;
         let is_wider = |other: &SweepCurve<'_>| {
-            let subject = &other.points[0].score.subject;
+            let subject = &other.first().subject;
             subject.extent.is_overall() && subject.origin == ours.origin
         };
         ours.extent.is_overall() || !curves.iter().any(is_wider)
@@ -31,7 +31,7 @@ pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>, held_out: HeldOu
     let mut texts: Vec<String> = curves
         .iter()
         .filter(is_widest)
-        .filter_map(|it| recommendation(sweep, it, (paired, held_out)))
+        .filter_map(|it| recommendation(sweep, it, paired, held_out))
         .collect();
     if !texts.is_empty() {
         texts.push(OPTIMISTIC.to_owned());
@@ -42,20 +42,21 @@ pub fn recommendations(sweep: &SweepScores, paired: Paired<'_>, held_out: HeldOu
 fn recommendation(
     sweep: &SweepScores,
     curve: &SweepCurve<'_>,
-    (paired, held_out): (Paired<'_>, HeldOut<'_>),
+    paired: Paired<'_>,
+    held_out: HeldOut<'_>,
 ) -> Option<String> {
-    let first = curve.points[0].score;
+    let first = curve.first();
     let best = &curve.points[curve.best()?];
     let percent = |it: f64| fixed_decimals(100.0 * it, 1);
-    let within = best.score.rate_within().map_or_else(String::new, |[low, high]| {
+    let within = best.reached.rate_within().map_or_else(String::new, |[low, high]| {
         let caveat = first.blocks.caveat_of_conclusions().map_or_else(String::new, |it| format!(", {it}"));
         format!(" ({} to {}{caveat})", percent(low), percent(high))
     });
-    let scores: Vec<&SweepScore> = curve.points.iter().map(|it| it.score).collect();
+    let scores: Vec<&SweepScore> = curve.points.iter().map(|it| it.reached).collect();
     let elsewhere = held_out(&scores).map_or_else(String::new, |it| {
         format!("; {} % if each block of scans is judged at the value that the others choose", percent(it))
     });
-    let detector = [vec![first.subject.detector.clone()], curve.others.clone()].concat().join(", ");
+    let detector = curve.named(&first.subject.detector);
     let is_best =
         |it: &&String| *it == best.x_text || it.parse::<f64>().is_ok_and(|it| (it - best.x).abs() < 1e-9);
     let configured = sweep.configured.as_ref().filter(|it| !is_best(it));
@@ -67,20 +68,20 @@ fn recommendation(
         sweep.parameters[0],
         best.x_text,
         first.rate_name(),
-        percent(best.score.rate()?),
+        percent(best.reached.rate()?),
         about_others(curve, best, paired)
     ))
 }
 
 /// Which values the scans cannot distinguish from the best one.
-fn about_others(curve: &SweepCurve<'_>, best: &CurvePoint<'_>, paired: Paired<'_>) -> String {
-    if let Some(shortfall) = best.score.blocks.shortfall() {
+fn about_others(curve: &SweepCurve<'_>, best: &CurvePoint<'_, &SweepScore>, paired: Paired<'_>) -> String {
+    if let Some(shortfall) = best.reached.blocks.shortfall() {
         let (head, rest) = shortfall.split_at(shortfall.chars().next().map_or(0, char::len_utf8));
         return format!("{}{rest} to distinguish any other value from it.", head.to_uppercase());
     }
-    let others = || curve.points.iter().filter(|it| it.x_text != best.x_text && it.score.rate().is_some());
-    let is_like = |it: &&CurvePoint<'_>| {
-        paired([best.score, it.score]).is_none_or(|[low, high]| low <= 0.0 && high >= 0.0)
+    let others = || curve.points.iter().filter(|it| it.x_text != best.x_text && it.reached.rate().is_some());
+    let is_like = |it: &&CurvePoint<'_, &SweepScore>| {
+        paired([best.reached, it.reached]).is_none_or(|[low, high]| low <= 0.0 && high >= 0.0)
     };
     let like: Vec<&str> = others().filter(is_like).map(|it| it.x_text).collect();
     match (like.len(), others().count()) {

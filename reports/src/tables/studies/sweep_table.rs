@@ -1,14 +1,12 @@
 //! The table of a sweep: for every curve the best point.
 
-use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::fixed_decimals::{decimals_or_dash, percent, percent_or_dash};
 use crate::numbers::blocks::BlockKind;
 use crate::numbers::sweep_curve::SweepCurve;
 use crate::numbers::sweep_score::SweepScores;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::about_interval;
 use crate::tables::sheet::{Sheet, Tabular};
-use crate::vocabulary::extent::Extent;
-use crate::vocabulary::origin::Origin;
 
 /// For every curve the best point.
 #[derive(Debug, Clone, Copy)]
@@ -36,14 +34,8 @@ impl Tabular for SweepTable<'_> {
 fn grid(sweep: &SweepScores) -> Grid {
     let names = ["data set", "detector", "task", "rate"].map(Column::left);
     let numbers = ["scans", "NO", "best at", "rate there", "95 %", "lowest", "time ms"].map(Column::number);
-    let mut lines: Vec<Line> = sweep.curves().iter().map(line).collect();
-    // A rule stands above the first of them alone.
-    lines
-        .iter_mut()
-        .filter(|it| it.kind == LineKind::Overall)
-        .skip(1)
-        .for_each(|it| it.kind = LineKind::Dataset);
-    Grid { columns: names.into_iter().chain(numbers).collect(), lines }
+    let lines = sweep.curves().iter().map(|it| line(sweep, it)).collect();
+    Grid::with_one_rule(names.into_iter().chain(numbers).collect(), lines)
 }
 
 fn n_values(sweep: &SweepScores) -> String {
@@ -51,20 +43,15 @@ fn n_values(sweep: &SweepScores) -> String {
     format!("{n} values")
 }
 
-fn line(curve: &SweepCurve<'_>) -> Line {
-    let first = curve.points[0].score;
+fn line(sweep: &SweepScores, curve: &SweepCurve<'_>) -> Line {
+    let first = curve.first();
     let subject = &first.subject;
-    let name = match (&subject.extent, subject.origin) {
-        (Extent::Dataset(id), Origin::Recorded) => id.clone(),
-        (extent, Origin::Recorded) => extent.name().to_owned(),
-        (extent, origin) => format!("{} ({})", extent.name(), origin.name()),
-    };
+    let name = format!("{}{}", subject.extent.name(), subject.origin.in_brackets());
     let undefined = || "–".to_owned();
-    let percent = |it: Option<f64>| it.map_or_else(undefined, |it| fixed_decimals(100.0 * it, 1));
     let best = curve.best().map(|it| &curve.points[it]);
-    let lowest = curve.points.iter().filter_map(|it| it.score.rate()).reduce(f64::min);
-    let within = best.and_then(|it| it.score.rate_within());
-    let detector = [vec![subject.detector.clone()], curve.others.clone()].concat().join(", ");
+    let lowest = curve.points.iter().filter_map(|it| it.reached.rate()).reduce(f64::min);
+    let within = best.and_then(|it| it.reached.rate_within());
+    let detector = curve.named(&subject.detector);
     let texts = [
         name,
         detector,
@@ -73,16 +60,19 @@ fn line(curve: &SweepCurve<'_>) -> Line {
         first.n_scans.to_string(),
         first.counts.no().to_string(),
         best.map_or_else(undefined, |it| it.x_text.to_owned()),
-        percent(best.and_then(|it| it.score.rate())),
+        percent_or_dash(best.and_then(|it| it.reached.rate())),
     ];
     let interval = within.map_or_else(
         || Cell::new(undefined()),
-        |it| Cell::interval(it.map(|it| percent(Some(it))).join(" to "), first.blocks),
+        |it| Cell::interval(it.map(percent).join(" to "), first.blocks),
     );
-    let time = best.and_then(|it| it.time).map_or_else(undefined, |it| fixed_decimals(it.typical_ms, 2));
-    let kind = if subject.extent.is_overall() { LineKind::Overall } else { LineKind::Dataset };
-    let last = [interval, Cell::new(percent(lowest)), Cell::new(time)];
-    Line { kind, cells: texts.map(Cell::new).into_iter().chain(last).collect() }
+    let time = best.and_then(|it| sweep.time_of(&it.reached.subject));
+    let time = decimals_or_dash(time.map(|it| it.typical_ms), 2);
+    let last = [interval, Cell::new(percent_or_dash(lowest)), Cell::new(time)];
+    Line {
+        kind: LineKind::of(&subject.extent),
+        cells: texts.map(Cell::new).into_iter().chain(last).collect(),
+    }
 }
 
 #[cfg(test)]

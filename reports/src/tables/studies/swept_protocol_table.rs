@@ -8,8 +8,6 @@ use crate::protocols::swept_numbers::SweptNumbers;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::about_interval_of;
 use crate::tables::sheet::{Sheet, Tabular};
-use crate::vocabulary::extent::Extent;
-use crate::vocabulary::origin::Origin;
 
 /// For every principal number the best point.
 #[derive(Debug, Clone, Copy)]
@@ -23,10 +21,6 @@ impl Tabular for SweptProtocolTable<'_> {
         let curves = self.swept.principal_curves();
         let columns = ["data set", "detector", "protocol", "class", "metric"].map(Column::left);
         let numbers = ["n", "best at", "value there", "95 %", "worst"].map(Column::number);
-        let mut lines: Vec<Line> = curves.iter().map(line).collect();
-        // A rule stands above the first of them alone.
-        let overall = lines.iter_mut().filter(|it| it.kind == LineKind::Overall);
-        overall.skip(1).for_each(|it| it.kind = LineKind::Dataset);
         let kind = self.swept.numbers.iter().find_map(|it| it.number.interval).map(|it| it.blocks.kind);
         let about_interval = kind.map(|it| format!("95 %: {}", about_interval_of(N_PROTOCOL_RESAMPLES, it)));
         let sentences = [
@@ -37,33 +31,32 @@ impl Tabular for SweptProtocolTable<'_> {
         let n_values = curves.first().map_or(0, |it| it.points.len());
         let title =
             format!("Protocols of others: best of {n_values} values over {}.", self.swept.parameters[0]);
-        let grid = Grid { columns: columns.into_iter().chain(numbers).collect(), lines };
+        let columns = columns.into_iter().chain(numbers).collect();
+        let grid = Grid::with_one_rule(columns, curves.iter().map(line).collect());
         Sheet::of(title, grid, sentences.into_iter().flatten().collect()).labelled("sweep_protocols")
     }
 }
 
 fn line(curve: &NumberCurve<'_>) -> Line {
     let first = curve.first();
-    let name = match (&first.subject.extent, first.subject.origin) {
-        (Extent::Dataset(id), Origin::Recorded) => id.clone(),
-        (extent, Origin::Recorded) => extent.name().to_owned(),
-        (extent, origin) => format!("{} ({})", extent.name(), origin.name()),
-    };
+    let name = format!("{}{}", first.subject.extent.name(), first.subject.origin.in_brackets());
     let ProtocolNumber { protocol, detector, metric, .. } = &first.number;
-    let detector = [vec![detector.clone()], curve.others.clone()].concat().join(", ");
+    let detector = curve.named(detector);
     let best = curve.best().map(|it| &curve.points[it]);
     let undefined = || Cell::new("–");
     let value = |it: &ProtocolNumber| it.value.map(|it| Cell::new(fixed_decimals(it, 4)));
     let interval = best
-        .and_then(|it| it.swept.number.interval)
+        .and_then(|it| it.reached.number.interval)
         .map(|it| Cell::interval(it.ends.map(|end| fixed_decimals(end, 4)).join(" to "), it.blocks));
-    let worst = curve.worst().and_then(|it| value(&curve.points[it].swept.number));
+    let worst = curve.worst().and_then(|it| value(&curve.points[it].reached.number));
     let texts = [&name, &detector, protocol.name(), &metric.class, &metric.id, &metric.n.to_string()];
     let numbers =
-        [best.map(|it| Cell::new(it.x_text)), best.and_then(|it| value(&it.swept.number)), interval, worst];
-    let kind = if first.subject.extent.is_overall() { LineKind::Overall } else { LineKind::Dataset };
+        [best.map(|it| Cell::new(it.x_text)), best.and_then(|it| value(&it.reached.number)), interval, worst];
     let numbers = numbers.into_iter().map(|it| it.unwrap_or_else(undefined));
-    Line { kind, cells: texts.map(Cell::new).into_iter().chain(numbers).collect() }
+    Line {
+        kind: LineKind::of(&first.subject.extent),
+        cells: texts.map(Cell::new).into_iter().chain(numbers).collect(),
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 pub(crate) mod wording;
 pub(crate) mod tolerated;
 pub mod comparison;
-pub mod difference_row;
 pub mod summary;
 pub mod brief;
 pub mod partial_comparison;

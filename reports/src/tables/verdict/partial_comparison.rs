@@ -290,6 +290,7 @@ impl PartialDifferenceRow {
 mod tests {
     use super::*;
     use crate::files::csv_rows::to_csv_bytes;
+    use crate::files::texts::check_holds;
     use crate::tables::formats::format::Format as _;
     use crate::tables::formats::markdown::Markdown;
     use crate::verdicts::partial_difference::tests::archive;
@@ -299,9 +300,7 @@ mod tests {
     fn two_results_stand_side_by_side_with_the_interval_of_their_difference() {
         let comparison = PartialComparison::of_results(&archive(40), &archive(35)).unwrap();
         let text = Markdown.text(&comparison);
-        for part in ["(simulated)", "−12.5", "mean of recalls", "10 times (counted per object"] {
-            assert!(text.contains(part), "no {part} in {text}");
-        }
+        check_holds(&text, &["(simulated)", "−12.5", "mean of recalls", "10 times (counted per object"]);
         let rows = String::from_utf8(to_csv_bytes(&PartialDifferenceRow::all(&comparison)).unwrap()).unwrap();
         assert!(
             rows.contains("street,below,graphs,parts,mean_recall,1,1.000000,0.875000,-0.125000,-0."),
@@ -329,9 +328,7 @@ mod tests {
     fn a_verdict_names_what_is_worse_and_which_predictions_changed() {
         let verdict = judge_partial(&archive(40), &archive(30), &PartialTolerances::built_in()).unwrap();
         let brief = Markdown.text(&PartialSummary { verdict: &verdict, extent: SummaryExtent::Brief });
-        for part in ["FAILED: worse", "1 worse", "tree-30 at step 1: tree, and now pole", "−25.0"] {
-            assert!(brief.contains(part), "no {part} in {brief}");
-        }
+        check_holds(&brief, &["FAILED: worse", "1 worse", "tree-30 at step 1: tree, and now pole", "−25.0"]);
         assert!(!brief.contains("pole-39"), "{brief}");
         let full = Markdown.text(&PartialSummary { verdict: &verdict, extent: SummaryExtent::Full });
         assert!(full.contains("tree-39"), "{full}");

@@ -78,6 +78,15 @@ pub enum JudgeError {
 }
 
 impl Conclusion {
+    /// Where nothing is surely worse.
+    pub fn without_loss(is_changed: bool, drift: DriftRule) -> Self {
+        match drift {
+            _ if !is_changed => Self::Same,
+            DriftRule::Fail => Self::Drift,
+            DriftRule::Warn => Self::AllowedDrift,
+        }
+    }
+
     /// What people read.
     pub fn in_words(self) -> &'static str {
         match self {
@@ -105,13 +114,8 @@ impl Verdict {
             Conclusion::Regression
         } else if self.n(Finding::Incomparable) > 0 {
             Conclusion::Incomparable
-        } else if self.drift.is_empty() {
-            Conclusion::Same
         } else {
-            match self.tolerances.drift {
-                DriftRule::Fail => Conclusion::Drift,
-                DriftRule::Warn => Conclusion::AllowedDrift,
-            }
+            Conclusion::without_loss(!self.drift.is_empty(), self.tolerances.drift)
         }
     }
 

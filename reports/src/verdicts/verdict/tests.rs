@@ -5,7 +5,6 @@ use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
-use crate::run_folder::manifest::{DetectorEntry, ForeignEntry};
 use crate::tables::formats::format::Format as _;
 use crate::tables::formats::json::Json;
 use crate::tables::formats::junit::JUnit;
@@ -13,13 +12,10 @@ use crate::tables::formats::markdown::Markdown;
 use crate::tables::formats::terminal::Terminal;
 use crate::tables::sample;
 use crate::tables::sheet::Tabular;
-use crate::tables::verdict::brief::{Brief, Purpose};
-use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::Question;
 use crate::verdicts::gated_metrics::Missing;
 use crate::verdicts::least_loss::{LeastLosses, least_losses};
-use crate::verdicts::rule_problems::RuleProblem;
 use crate::verdicts::tolerances::{DriftRule, Origin, Rule};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::criterion::CriterionKind;
@@ -27,6 +23,11 @@ use crate::vocabulary::metric::Metric;
 use crate::vocabulary::reason::MissReason;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
+
+mod built_in;
+mod comparable;
+mod in_brief;
+mod rules;
 
 /// A run of the detectors `kd-tree`, which finds 5 of 10 cars in every scan in 100 ms, and `pca`.
 struct SampleScans<'a> {
@@ -159,13 +160,6 @@ fn numbers_of(
     })
 }
 
-/// The usual run, whose only entry is `pca`, of others.
-fn with_foreign(foreign: ForeignEntry) -> RunArchive {
-    let mut run = USUAL.archive();
-    run.manifest.detectors = vec![DetectorEntry { foreign: Some(foreign), ..sample::detector("pca") }];
-    run
-}
-
 #[track_caller]
 fn check_quality(tp_of: &dyn Fn(u32) -> u64, expected: Finding) {
     let verdict = judged(&SampleScans { tp_of, ..USUAL });
@@ -288,344 +282,11 @@ fn times_that_were_not_taken_are_missing() {
     }
 }
 
-#[test]
-fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
-    let mut run = USUAL.archive();
-    run.scans.retain(|it| it.detector == "kd-tree" || it.scan > 0);
-    let error = against_usual(&run).unwrap_err().to_string();
-    check_holds(&error, "pca was evaluated on 30 scans of main_road in the task objects, and now on 29");
-    run.scans.retain(|it| it.detector == "kd-tree");
-    assert_eq!(
-        against_usual(&run).unwrap_err().to_string(),
-        "the runs cannot be compared: the detector pca is only in the earlier run, not in the later one"
-    );
-
-    // A new one has nothing to be judged by, and is named.
-    let verdict = judge(&run, &USUAL.archive(), &tolerances()).unwrap();
-    check_holds(&printed(&verdict), "Not judged, because only the later run has it: pca.");
-    let comparison = compare_runs(&run, &USUAL.archive(), ComparedSlices::All).unwrap();
-    check_holds(&printed(&comparison), "Not compared, because only the later run has it: pca.");
-}
-
-#[test]
-fn a_changed_configuration_is_reported_with_both_values() {
-    let with = |it: &str| with_foreign(ForeignEntry { vehicles: it.to_owned(), ..ForeignEntry::default() });
-    let (before, after) = (with("size"), with("model"));
-    let verdict = judge(&before, &after, &tolerances()).unwrap();
-    let purpose = Purpose::Gate { in_full: "gate --full" };
-    let brief = Brief { verdict: &verdict, sides: ["run", "baseline"], purpose };
-    let comparison = compare_runs(&before, &after, ComparedSlices::All).unwrap();
-    for text in [printed(&verdict), printed(&brief), printed(&comparison)] {
-        check_holds(&text, "Configuration changed: pca: vehicles: size → model.");
-    }
-    check_holds(&Json.text(&verdict), "\"pca: vehicles: size → model\"");
-    let same = judge(&before, &before, &tolerances()).unwrap();
-    assert!(!printed(&same).contains("Configuration changed"));
-}
-
-#[test]
-fn scans_of_which_points_or_labels_changed_are_not_gated() {
-    let mut relabelled = USUAL.archive();
-    numbers_of(&mut relabelled, |it| it.scan == 1).for_each(|it| it.checksum += 1);
-    let error = against_usual(&relabelled).unwrap_err().to_string();
-    let expected = "the runs cannot be compared: points or labels changed in 1 of ";
-    assert!(error.starts_with(expected) && error.ends_with("their checksums differ"), "{error}");
-}
-
-#[test]
-fn results_of_other_files_are_not_gated() {
-    let with = |checksum: &str| {
-        let [results, results_checksum] = ["found", checksum].map(|it| Some(it.to_owned()));
-        with_foreign(ForeignEntry { results, results_checksum, ..ForeignEntry::default() })
-    };
-    assert!(judge(&with("a"), &with("a"), &tolerances()).is_ok());
-    assert!(against_usual(&with("a")).is_ok());
-    assert_eq!(
-        judge(&with("a"), &with("b"), &tolerances()).unwrap_err().to_string(),
-        "the runs cannot be compared: the results of pca changed: their checksums differ"
-    );
-    // What lies between the two is no secret.
-    let comparison = compare_runs(&with("a"), &with("b"), ComparedSlices::All).unwrap();
-    check_holds(&printed(&comparison), "The results of these changed before they were judged: pca.");
-}
-
-#[test]
-fn speed_is_held_of_the_detectors_that_its_rule_names() {
-    let slow = SampleScans { ms_of: Some(&|_| 100.0), ..USUAL }.archive();
-    let speeds_of = |names: Option<&[&str]>| {
-        let mut tolerances = tolerances();
-        tolerances.speed.as_mut().unwrap().detectors = names.map(texts);
-        judge(&USUAL.archive(), &slow, &tolerances)
-    };
-    let held = |names| -> Vec<String> {
-        let verdict = speeds_of(names).unwrap();
-        verdict.speeds.iter().map(|it| it.detector.clone()).collect()
-    };
-    let all = held(None);
-    assert!(all.len() > 1 && all.iter().any(|it| it == "pca"), "{all:?}");
-    assert_eq!(held(Some(&["pca"])), ["pca"]);
-    let Err(JudgeError::Rules(problems)) = speeds_of(Some(&["pcaa"])) else { panic!("no such detector") };
-    let said = "bad tolerances \"tolerances.toml\": [speed]: there is no detector \"pcaa\" in either run; did you mean \"pca\"?";
-    assert_eq!(problems.to_string(), said);
-}
-
-/// `pca` has lost 15 points of F-rate, and rules that name it wrongly have to say so.
-#[test]
-fn rules_about_nothing_are_refused_all_at_once() {
-    let worse = SampleScans { tp_of: &|step| seven_or_five(step) - 2, ..USUAL }.archive();
-    let problem = |rules: Vec<Rule>| {
-        let tolerances = held_to(rules);
-        match judge(&USUAL.archive(), &worse, &tolerances) {
-            Err(JudgeError::Rules(RuleProblems { problems, .. })) => {
-                problems.iter().map(RuleProblem::to_string).collect::<Vec<_>>().join("; ")
-            }
-            other => panic!("{other:?}"),
-        }
-    };
-    let of_detector = Rule { detectors: Some(texts(&["pcaa"])), ..rule(&["recall"], &["all"]) };
-    assert_eq!(
-        problem(vec![
-            rule_of("vehicles", &["recall"]),
-            rule(&["recall"], &["al"]),
-            rule(&["recall"], &["range/0-20"]),
-            of_detector
-        ]),
-        "[[quality]] 1: there is no task \"vehicles\" in either run; choose from objects; \
-         [[quality]] 2: there is no slice \"al\" in either run; did you mean \"all\"?; \
-         [[quality]] 3: there is no slice \"range/0-20\" in either run; did you mean \"range/0-15\"?; \
-         [[quality]] 4: there is no detector \"pcaa\" in either run; did you mean \"pca\"?"
-    );
-    // A beginning that no slice has.
-    check_holds(&problem(vec![rule(&["recall"], &["occlusion/*"])]), "there is no slice \"occlusion/*\"");
-    // Precision is not measured of classes, and what is torn apart is measured of everything alone.
-    for (metric, slice) in
-        [("precision", "class/car"), ("over_segmentation", "range/*"), ("box_yaw_error_deg", "all")]
-    {
-        let problem = problem(vec![rule(&[metric, "recall"], &[slice, "all"])]);
-        check_holds(&problem, &format!("no effect on {metric} of {slice:?}"));
-        assert!(!problem.contains("on recall"), "{problem}");
-    }
-    // A rule before it decides about all that it is about.
-    let shadowed = problem(vec![rule(&["recall"], &["class/*", "all"]), rule(&["recall"], &["class/car"])]);
-    assert!(shadowed.starts_with("[[quality]] 2: the rule has no effect"), "{shadowed}");
-}
-
-#[test]
-fn a_beginning_that_stands_for_some_slices_is_no_mistake() {
-    let tolerances = held_to(vec![rule(&["recall", "f_rate"], &["all", "range/*"])]);
-    let verdict = judge(&USUAL.archive(), &USUAL.archive(), &tolerances).unwrap();
-    let of_pca: Vec<String> = verdict
-        .metrics
-        .iter()
-        .filter(|it| it.detector == "pca")
-        .map(|it| format!("{} of {}", it.metric.id(), it.slice))
-        .collect();
-    assert_eq!(of_pca, ["recall of all", "f_rate of all", "recall of range/0-15", "f_rate of range/0-15"]);
-}
-
-#[test]
-fn a_number_that_is_missing_is_named_and_nothing_passes() {
-    // False objects cannot be known in the run: no F-rate, which a rule is about.
-    let unknown = SampleScans { fo: None, ..USUAL };
-    let of_task = rule_of("objects", &["f_rate"]);
-    for (before, after, named, missing) in [
-        (&USUAL, &unknown, &of_task, Missing::InRun),
-        (&unknown, &USUAL, &of_task, Missing::InBaseline),
-        (&unknown, &USUAL, &rule(&["f_rate"], &["a*"]), Missing::InBaseline),
-        (&unknown, &unknown, &of_task, Missing::InBoth),
-    ] {
-        let tolerances = held_to(vec![named.clone()]);
-        let verdict = judge(&before.archive(), &after.archive(), &tolerances).unwrap();
-        assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
-        assert!(verdict.metrics.iter().all(|it| it.difference == Err(missing)), "{verdict:?}");
-        check_holds(
-            &printed(&verdict),
-            &format!("\nf_rate of all, pca, objects, main_road: {}.\n", missing.in_words()),
-        );
-    }
-    // Of no named task, and nowhere else either: the rule is about nothing.
-    let tolerances = held_to(vec![rule(&["f_rate"], &["all"])]);
-    let error = judge(&unknown.archive(), &unknown.archive(), &tolerances).unwrap_err().to_string();
-    check_holds(&error, "no effect on f_rate of \"all\"");
-}
-
-#[test]
-fn a_missing_number_is_no_regression_but_a_regression_goes_first() {
-    let worse = SampleScans { fo: None, tp_of: &|step| seven_or_five(step) - 2, ..USUAL };
-    let mut tolerances = tolerances();
-    tolerances.quality.push(rule(&["f_rate"], &["all"]));
-    let verdict = judge(&USUAL.archive(), &worse.archive(), &tolerances).unwrap();
-    assert_eq!(verdict.conclusion(), Conclusion::Regression);
-    assert_eq!((verdict.n(Finding::Incomparable), verdict.n(Finding::Regression)), (2, 1));
-    let metrics = verdict.metrics.iter().map(|it| it.metric.clone()).collect::<Vec<_>>();
-    assert_eq!(metrics, [Metric::Recall, Metric::FRate, Metric::Recall, Metric::FRate]);
-}
-
 fn read_back(text: &str) -> Tolerances {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tolerances.toml");
     std::fs::write(&path, text).unwrap();
     Tolerances::read(&path).unwrap()
-}
-
-/// `kd-tree` and `pca` have one task and no boxes, and `pca` was not timed.
-fn half_timed() -> RunArchive {
-    let mut run = USUAL.archive();
-    numbers_of(&mut run, |it| it.detector == "pca").for_each(|it| it.least_latency_ms = None);
-    run
-}
-
-#[test]
-fn built_in_tolerances_are_about_exactly_what_the_baseline_has() {
-    let tolerances = Tolerances::built_in(&half_timed());
-    insta::assert_snapshot!(tolerances.annotated(), @r#"
-    # How much worse than the accepted run a number may become before `scanbench gate` fails.
-    #
-    # A rule is about its metrics, in its slices (a * at the end stands for anything), tasks and detectors. The first rule
-    # that is about a number decides. Tolerated is the larger of `absolute`, in the unit of the metric, and `relative`, a
-    # share of the accepted value. A number fails only if its whole 95 % interval is worse than that. What no rule is about
-    # is not judged: delete what does not matter to you.
-
-    # Detection is deterministic. If the outcome of any object changed though no number is surely worse, "fail" ends with exit
-    # code 101, and "warn" passes and says what changed. `scanbench gate --allow-drift` has the last word.
-    drift = "fail"
-
-    # F-rate, 2 TP / (NO + ND): one number for how much is found and how much of it is right. 1 is perfect.
-    # TP: found, NO: annotations that count, ND: detections that count. absolute = 0.01 is one point of a hundred.
-    [[quality]]
-    metrics = ["f_rate"]
-    slices = ["all"]
-    tasks = ["objects"]
-    detectors = ["kd-tree", "pca"]
-    absolute = 0.01
-    relative = 0.0
-
-    # Recall, TP / NO: the share of the annotated objects that is found.
-    [[quality]]
-    metrics = ["recall"]
-    slices = ["all"]
-    tasks = ["objects"]
-    detectors = ["kd-tree", "pca"]
-    absolute = 0.01
-    relative = 0.0
-
-    # Precision, TP / ND: the share of the detections that is right.
-    [[quality]]
-    metrics = ["precision"]
-    slices = ["all"]
-    tasks = ["objects"]
-    detectors = ["kd-tree", "pca"]
-    absolute = 0.01
-    relative = 0.0
-
-    # The share of the annotated objects that is torn into several detections.
-    [[quality]]
-    metrics = ["over_segmentation"]
-    slices = ["all"]
-    tasks = ["objects"]
-    detectors = ["kd-tree", "pca"]
-    absolute = 0.01
-    relative = 0.0
-
-    # How far the points of an object are spread over several detections: an entropy, in nats. 0 is not at all.
-    [[quality]]
-    metrics = ["ose_per_object"]
-    slices = ["all"]
-    tasks = ["objects"]
-    detectors = ["kd-tree", "pca"]
-    absolute = 0.02
-    relative = 0.1
-
-    # Recall of parts of the objects: by class, by distance in metres, by number of points, by what hides them.
-    [[quality]]
-    metrics = ["recall"]
-    slices = ["class/*", "range/*", "points/*"]
-    tasks = ["objects"]
-    detectors = ["kd-tree", "pca"]
-    absolute = 0.02
-    relative = 0.0
-
-    # Time: that of a detector divided by that of `grid-write`, a plain write of a grid on the same scans, timed in turns with it.
-    # relative = 0.5 is half as slow again. It can be 0.1 if both runs are made with --repeats 5 on a machine with nothing else to do.
-    # Times are compared only between runs on the same processor.
-    [speed]
-    reference = "grid-write"
-    detectors = ["kd-tree"]
-    relative = 0.5
-    "#);
-}
-
-#[test]
-fn built_in_tolerances_are_printed_and_written() {
-    let run = half_timed();
-    let tolerances = Tolerances::built_in(&run);
-    let verdict = judge(&run, &run, &tolerances).unwrap();
-    assert_eq!(verdict.conclusion(), Conclusion::Same);
-    // They are printed.
-    insta::assert_snapshot!(printed(&verdict).lines().nth(2).unwrap(), @r"
-    Tolerances: built in, because the baseline has no tolerances.toml. rates: 1.00 points; entropies: 0.02 nats or 10 %; recall of slices: 2.00 points; time: 50 %.
-    ");
-    // The file says the same.
-    let mut read = read_back(&tolerances.annotated());
-    assert!(read.problems.is_empty(), "{:?}", read.problems);
-    read.origin = Origin::BuiltIn;
-    read.speed.as_mut().unwrap().line = None;
-    read.quality.iter_mut().for_each(|it| it.line = None);
-    assert_eq!(read, tolerances);
-}
-
-#[test]
-fn built_in_tolerances_leave_out_what_cannot_be_known() {
-    // Nothing false can be known: there is no rule about precision, and nothing is missing.
-    let unknown = SampleScans { fo: None, ms_of: None, ..USUAL }.archive();
-    let tolerances = Tolerances::built_in(&unknown);
-    assert!(!tolerances.metrics().contains(&Metric::Precision) && tolerances.speed.is_none());
-    assert_eq!(judge(&unknown, &unknown, &tolerances).unwrap().conclusion(), Conclusion::Same);
-}
-
-/// Unknown entries of the file, names missing in the runs, and rules without effect are reported together. A rule that is
-/// wrong in one way is not reported to have no effect as well.
-#[test]
-fn problems_of_the_file_and_of_the_runs_are_reported_together() {
-    let tolerances = read_back(
-        r#"
-[[quality]]
-metrics = ["recal"]
-slices = ["all"]
-tasks = ["vehicles"]
-absolute = 2.0
-relative = 0.0
-
-[[quality]]
-metrics = ["recall"]
-slices = ["al"]
-detectors = ["pcaa"]
-absolute = 0.01
-relative = 0.0
-
-[[quality]]
-metrics = ["precision", "recall"]
-slices = ["class/*"]
-absolute = 0.01
-relative = 0.0
-
-[speed]
-reference = "grid-write"
-detectors = ["nobody"]
-relative = 1.5
-"#,
-    );
-    let error = judge(&USUAL.archive(), &USUAL.archive(), &tolerances).unwrap_err().to_string();
-    let said = error.lines().skip(1).collect::<Vec<_>>().join("\n");
-    insta::assert_snapshot!(said, @r#"
-    line 2, [[quality]] 1: there is no task "vehicles" in either run; choose from objects
-    line 3, [[quality]] 1: there is no metric "recal"; did you mean "recall"?
-    line 9, [[quality]] 2: there is no detector "pcaa" in either run; did you mean "pca"?
-    line 9, [[quality]] 2: there is no slice "al" in either run; did you mean "all"?
-    line 16, [[quality]] 3: the rule has no effect on precision of "class/*": neither run has it, or an earlier rule applies
-    line 22, [speed]: there is no detector "nobody" in either run; choose from kd-tree, pca
-    line 25, [speed]: relative = 1.5 tolerates 150 %; it must be less than 1, which is 100 %
-    "#);
 }
 
 /// What changed is counted by scans, and what it comes to is up to the tolerances.
@@ -663,96 +324,6 @@ fn changed_results_fail_unless_they_are_allowed() {
     let verdict = judge(&USUAL.archive(), &worse, &tolerances).unwrap();
     assert_eq!(verdict.conclusion(), Conclusion::Regression);
     assert!(Markdown.text(&verdict).starts_with("**FAILED: worse**\n"));
-}
-
-fn brief(verdict: &Verdict) -> String {
-    let in_full = "scanbench gate runs/after --baseline runs/before --full";
-    let sides = ["runs/after", "runs/before"];
-    Terminal { width: Some(80) }.text(&Brief { verdict, sides, purpose: Purpose::Gate { in_full } })
-}
-
-#[test]
-fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
-    let run = SampleScans { tp_of: &|step| seven_or_five(step) - 1, ms_of: Some(&|_| 20.0), ..USUAL };
-    let verdict = judge(&USUAL.archive(), &run.archive(), &Tolerances::built_in(&USUAL.archive())).unwrap();
-    insta::assert_snapshot!(brief(&verdict), @r"
-    FAILED: worse
-    Judged: runs/after by runs/before, kd-tree, pca on 30 scans of main_road.
-    18 numbers: 4 worse, 0 inconclusive, 0 missing. Results changed on 30 scans.
-    4 numbers changed; of these up to 0.1 are called worse by chance, on average.
-    Tolerances: built in, because the baseline has no tolerances.toml. rates: 1.00
-      points; entropies: 0.02 nats or 10 %; recall of slices: 2.00 points; time: 50
-      %.
-
-    All losses:
-    - recall, pca, objects: 60.0 → 50.0 %, −10.00 (95 % −10.00 to −10.00, tolerated
-      1.00): worse
-    - f_rate, pca, objects: 66.7 → 58.8 %, −7.84 (95 % −8.21 to −7.50, tolerated
-      1.00): worse
-    - precision, pca, objects: 75.0 → 71.4 %, −3.57 (95 % −3.99 to −3.22, tolerated
-      1.00): worse
-    - time, pca: 20.00 → 40.00 times grid-write, 100 % slower (95 % 100 to 100 %
-      slower, tolerated 50 %): worse
-    Most results changed on main_road 0000/000000, pca, objects: 1 object.
-    All of it: scanbench gate runs/after --baseline runs/before --full
-    ");
-    assert_eq!((verdict.n_worse(), verdict.n_at_risk()), (4, 4));
-    // The other way round all of it is gained.
-    let before = run.archive();
-    let better = judge(&before, &USUAL.archive(), &Tolerances::built_in(&before)).unwrap();
-    let text = brief(&better);
-    let (_, gains) = text.split_once("\nAll gains:\n").unwrap();
-    assert!(gains.starts_with("- recall, pca, objects: 50.0 → 60.0 %, +10.00 (95 % +10.00 to +10.00, tolerated\n  1.00): better\n"), "{gains}");
-    assert!(!text.contains("losses:"), "{text}");
-    assert!(Markdown.text(&better).contains("| better |"), "{}", Markdown.text(&better));
-    let same = judged(&USUAL);
-    assert_eq!((same.n_worse(), same.n_at_risk()), (0, 0), "what is the same is no matter of chance");
-    insta::assert_snapshot!(brief(&same), @r"
-    PASSED
-    Judged: runs/after by runs/before, kd-tree, pca on 30 scans of main_road.
-    4 numbers: 0 worse, 0 inconclusive, 0 missing. No result changed.
-    Tolerances: tolerances.toml.
-
-    All of it: scanbench gate runs/after --baseline runs/before --full
-    ");
-}
-
-/// However much is changed or missing.
-#[test]
-fn a_verdict_in_brief_has_thirty_lines_of_eighty_characters_at_most() {
-    let run = SampleScans { tp_of: &|step| u64::from(step % 3), fo: None, ms_of: None, n_scans: 9 };
-    let after = run.archive();
-    let before = SampleScans { n_scans: 9, ..USUAL }.archive();
-    let tolerances = Tolerances::built_in(&before);
-    let verdict = judge(&before, &after, &tolerances).unwrap();
-    let text = brief(&verdict);
-    assert!(verdict.n(Finding::Incomparable) > 3, "{text}");
-    assert!(text.lines().count() <= 30, "{}\n{text}", text.lines().count());
-    assert!(text.lines().all(|it| it.chars().count() <= 80), "{text}");
-    assert!(text.contains("more numbers are missing."), "{text}");
-}
-
-/// Scans of which nobody knows when they were taken: however large a loss is, it is not sure.
-#[test]
-fn scans_that_may_be_neighbours_show_no_loss() {
-    let without_times = |mut archive: RunArchive| {
-        archive.scans.iter_mut().for_each(|it| it.time_s = None);
-        archive
-    };
-    let run = SampleScans { tp_of: &|step| seven_or_five(step) - 4, ..USUAL };
-    let [before, after] = [USUAL.archive(), run.archive()].map(without_times);
-    let verdict = judge(&before, &after, &tolerances()).unwrap();
-    assert_eq!((verdict.conclusion(), verdict.n_at_risk()), (Conclusion::Drift, 0));
-    assert!(verdict.n(Finding::Inconclusive) > 0 && verdict.n_worse() == verdict.n(Finding::Inconclusive));
-    let text = brief(&verdict);
-    check_holds(&text, "These scans may be neighbours, because their times are not known");
-    check_holds(&Markdown.text(&verdict), "inconclusive: scans may be neighbours");
-    check_holds(&JUnit.text(&verdict), "inconclusive, scans may be neighbours: ");
-    // The same scans with times are no others, but their intervals would be.
-    let reasons = against_usual(&after).unwrap_err().to_string();
-    check_holds(&reasons, "the time of scan 0000/000000 of main_road changed");
-    let said = "No loss will be sure: scans without known times, which may be neighbours, are not enough to show one.";
-    assert_eq!(least_losses(&before, &tolerances()).lines(), [said]);
 }
 
 #[test]

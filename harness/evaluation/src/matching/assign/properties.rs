@@ -10,7 +10,7 @@ use scans::annotation::{Annotation, LabeledArea, PointRegion};
 use super::*;
 use crate::matching::drawn_labels::{annotation, labeled, standard};
 use crate::metrics::counts::{Counts, FalseDetections};
-use crate::metrics::segmentation_quality::SegmentationQuality;
+use crate::metrics::segmentation_quality::segmentation_quality;
 
 use AnnotationClass::{Car, Pedestrian, Pole, Tram, Tree};
 
@@ -144,7 +144,7 @@ proptest! {
         let [one, other] = [&drawn, &shuffled].map(|it| judged(&scan, it, task, criterion));
         prop_assert_eq!(Counts::of(&one), Counts::of(&other));
         prop_assert_eq!(said_without_indices(&drawn, &one), said_without_indices(&shuffled, &other));
-        let quality = |drawn: &[Drawn], it: &Assignment| SegmentationQuality::of(&scan, &detections_of(drawn), it);
+        let quality = |drawn: &[Drawn], it: &Assignment| segmentation_quality(&scan, &detections_of(drawn), it);
         // To the last bit.
         prop_assert_eq!(quality(&drawn, &one), quality(&shuffled, &other));
     }

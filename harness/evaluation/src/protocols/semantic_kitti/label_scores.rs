@@ -8,13 +8,13 @@ use reports::vocabulary::ground_definition::GroundDefinition;
 use reports::vocabulary::protocol::{Protocol, ProtocolFamily};
 use reports::vocabulary::thing_class::ThingClass;
 
-use super::found_segments::found_segments;
 use super::ground_points::ground_counts;
 use super::instance_scores::instance_scores;
 use super::label_numbers::{class_number, instance_number, is_ground, is_surface};
 use super::same_label_clusters::same_label_clusters;
 use super::segmentation_entropies::segmentation_entropies;
 use super::thing_counts::thing_counts;
+use crate::matching::detection_order::detection_ranks;
 
 /// Whether a protocol scores labels of points.
 pub fn scores_labels(protocol: Protocol) -> bool {
@@ -126,10 +126,29 @@ fn segments_of(labels: &[u32]) -> Vec<u32> {
     labels.iter().map(|label| if instance_number(*label) == 0 { 0 } else { *label }).collect()
 }
 
+/// For every point of a scan of `n_points` the number of the detection it belongs to, from 1; 0 of none.
+///
+/// Of several it is the first by [`detection_ranks`], so that the order in which a detector reports them changes nothing.
+fn found_segments(detections: &Detections, n_points: usize) -> Vec<u32> {
+    let ranks = detection_ranks(detections);
+    let mut segments = vec![0; n_points];
+    for (detection_idx, detection) in detections.iter().enumerate() {
+        for &point_idx in detection.point_indices {
+            let segment: &mut u32 = &mut segments[point_idx as usize];
+            if *segment == 0 || ranks[detection_idx] < ranks[*segment as usize - 1] {
+                *segment = detection_idx as u32 + 1;
+            }
+        }
+    }
+    segments
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use detector::{DetectedClass, Detection, OrientedBox};
     use reports::rows::label_score_row::InstanceScore;
+
+    use super::*;
 
     const CAR: u32 = 10 + (3 << 16);
 
@@ -165,5 +184,17 @@ mod tests {
         assert_eq!((counts.n_found, counts.n_false, counts.n_missed, counts.n_others), (1, 1, 0, 1));
         let of_labels = FoundPoints { labels: Some(&[0, 40, 40, 40]), ..predicted(None) };
         assert_eq!(scores(Protocol::Ground, &of_labels), found);
+    }
+
+    #[test]
+    fn a_point_of_several_detections_belongs_to_the_surest() {
+        let bounding_box = OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
+        let detection = |point_indices, score| {
+            Detection::new(point_indices, bounding_box, DetectedClass::Object, Some(score))
+        };
+        let (sure, unsure) = (detection(&[1, 2], 0.9), detection(&[0, 1], 0.1));
+        let of = |all: [Detection<'_>; 2]| found_segments(&all.into_iter().collect(), 4);
+        assert_eq!(of([sure, unsure]), [2, 1, 1, 0]);
+        assert_eq!(of([unsure, sure]), [1, 2, 2, 0]);
     }
 }

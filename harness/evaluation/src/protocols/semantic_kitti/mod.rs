@@ -2,7 +2,6 @@
 //! object has.
 
 pub mod label_numbers;
-pub mod found_segments;
 pub mod segment_overlaps;
 pub mod instance_scores;
 pub mod thing_counts;

@@ -162,9 +162,9 @@ impl DetectorTable<'_> {
         match written {
             None => Ok(VehicleRule::default()),
             Some(Value::String(word)) => {
-                let rule = VehicleRule::ALL.into_iter().find(|it| it.name() == word);
                 let known = VehicleRule::ALL.map(VehicleRule::name).join(", ");
-                rule.ok_or_else(|| entry.problem(format!(" = {word:?} is none of {known}")))
+                VehicleRule::from_name(&word)
+                    .ok_or_else(|| entry.problem(format!(" = {word:?} is none of {known}")))
             }
             Some(other) => Err(entry.wrong_type(&other, "string")),
         }

@@ -11,7 +11,7 @@ use crate::commands::standard_streams::print_result;
 /// Writes single objects, a folder for each class.
 pub fn data_objects(arguments: &DataObjectsArgs) -> Result<(), Failure> {
     let DataObjectsArgs { objects: name, choice, source, .. } = arguments;
-    refuse_idle_options((std::slice::from_ref(name), &[]), choice, source)?;
+    refuse_idle_options(std::slice::from_ref(name), &[], choice, source)?;
     let objects = ObjectOpening::of(source)?.open(name, &choice.options())?;
     write_object_folder(&*objects, &arguments.output)?;
     let of_classes = PartialClass::ALL.into_iter().filter_map(|class| {

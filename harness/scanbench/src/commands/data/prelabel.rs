@@ -31,7 +31,7 @@ pub fn data_prelabel(arguments: &PrelabelArgs) -> Result<(), Failure> {
     let _new_folders = (opened.len() > 1).then(|| folder_of_several(&arguments.output)).transpose()?;
     for it in &opened {
         let path = path_of(&arguments.output, it, opened.len());
-        prelabel(arguments, it, &path, (&detectors[0], &config), interrupted)?;
+        prelabel(arguments, it, &path, &detectors[0], &config, interrupted)?;
     }
     Ok(())
 }
@@ -47,7 +47,8 @@ fn prelabel(
     arguments: &PrelabelArgs,
     opened: &OpenedDataset,
     path: &Path,
-    (listed, config): (&ListedDetector, &RunConfig),
+    listed: &ListedDetector,
+    config: &RunConfig,
     interrupted: &AtomicBool,
 ) -> Result<(), Failure> {
     let description = opened.dataset.description();

@@ -27,8 +27,7 @@ use crate::commands::paper_files::write_figure;
 use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{dataset_entry, seeds};
-use crate::commands::standard_streams::print_result_in;
-use crate::commands::standard_streams::terminal;
+use crate::commands::standard_streams::{print_result_in, terminal};
 
 /// One row for every bin of every statistic.
 const REALISM_CSV: &str = "realism.csv";

@@ -38,7 +38,7 @@ pub fn first_growths(
         let is_of_class = |it: &&usize| set.judged.classes()[**it] == *class;
         let Some(&object_idx) = set.judged_indices().iter().find(is_of_class) else { continue };
         let drive = approached.as_ref().and_then(|it| it.drive(object_idx));
-        found.extend(growths(&*set.judged, object_idx, (seen, drive), (&model, choice))?);
+        found.extend(growths(&*set.judged, object_idx, seen, drive, &model, choice)?);
     }
     Ok(found)
 }

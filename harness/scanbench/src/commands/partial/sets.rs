@@ -38,7 +38,7 @@ pub enum Known {
 /// Opens all objects before anything is judged, so that a misspelled last name costs nothing.
 pub fn open_all(arguments: &PartialArgs) -> Result<Vec<Compared>, Failure> {
     let learned_from: Vec<String> = arguments.train.iter().cloned().collect();
-    refuse_idle_options((&arguments.objects, &learned_from), &arguments.choice, &arguments.source)?;
+    refuse_idle_options(&arguments.objects, &learned_from, &arguments.choice, &arguments.source)?;
     if let Some(name) = arguments.objects.iter().find(|it| arguments.drives && *it != APPROACHED) {
         return Err(Usage(format!("--drives is for {APPROACHED}; nobody drove toward {name:?}")).into());
     }

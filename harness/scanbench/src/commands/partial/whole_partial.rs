@@ -28,10 +28,12 @@ impl WholeResult for WholePartial {
 
     fn write(
         _: Study,
-        (shards, manifests): (&[ShardDirectory<'_>], &[&PartialManifest]),
-        (directory, pieces): (&RunDirectory, Pieces),
+        shards: &[ShardDirectory<'_>],
+        manifests: &[&PartialManifest],
+        directory: &RunDirectory,
+        pieces: Pieces,
     ) -> Result<Self, Failure> {
-        let manifest = whole_manifest(manifests, (directory.target(), pieces));
+        let manifest = whole_manifest(manifests, directory.target(), pieces);
         let mut rows: Vec<PartialRow> = Vec::new();
         for shard in shards {
             let mut file = shard.open(PARTIAL_CSV)?;
@@ -68,7 +70,7 @@ fn in_order_of_whole(rows: Vec<PartialRow>) -> Vec<PartialRow> {
     groups.into_iter().flatten().collect()
 }
 
-fn whole_manifest(shards: &[&PartialManifest], (target, pieces): (&Path, Pieces)) -> PartialManifest {
+fn whole_manifest(shards: &[&PartialManifest], target: &Path, pieces: Pieces) -> PartialManifest {
     let mut whole = PartialManifest { shard: None, ..shards[0].clone() };
     if pieces == Pieces::Shards {
         whole.created = shards.iter().map(|it| it.created.clone()).min().unwrap_or_default();

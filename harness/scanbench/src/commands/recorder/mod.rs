@@ -54,9 +54,12 @@ pub struct RecordingPlan<'a> {
 /// Begins the recording `file` of what `entrants` do on `datasets`, which is called `name`, and returns it with every how
 /// many scans are in it; `None` if none is wanted.
 pub fn begin_recording(
-    (arguments, figures): (&StreamArgs, &'static [FigureView]),
-    (entrants, datasets): (&[Entrant], &[OpenedDataset]),
-    (name, file): (&str, PathBuf),
+    arguments: &StreamArgs,
+    figures: &'static [FigureView],
+    entrants: &[Entrant],
+    datasets: &[OpenedDataset],
+    name: &str,
+    file: PathBuf,
 ) -> Result<Option<(Recorder, u64)>, Failure> {
     // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
     let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);

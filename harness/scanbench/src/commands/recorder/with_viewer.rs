@@ -8,10 +8,11 @@ use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
-use viewer::partial_recording;
 use viewer::run_recording::{RecordingError, RunRecording, RunRecordingOptions};
-use viewer::sweep_recording;
-use viewer::{FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice};
+use viewer::{
+    FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice, partial_recording,
+    sweep_recording,
+};
 
 use super::RecordingPlan;
 use crate::cli::PartialArgs;
@@ -93,10 +94,11 @@ impl ScanRecorder for Recorder {
 /// Records one scan of a sweep, from its first data set, at all points of the plan.
 pub fn record_sweep(
     directory: &RunDirectory,
-    swept: (&SweepPlan, &SweptDataset<'_>),
+    plan: &SweepPlan,
+    swept: &SweptDataset<'_>,
     scores: &SweepScores,
 ) -> Result<(), Failure> {
-    Ok(sweep_recording::record_sweep(directory, swept, scores)?)
+    Ok(sweep_recording::record_sweep(directory, plan, swept, scores)?)
 }
 
 /// Whether objects that grow are recorded.

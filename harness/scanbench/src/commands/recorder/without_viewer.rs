@@ -53,7 +53,8 @@ impl ScanRecorder for Recorder {
 #[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
 pub fn record_sweep(
     _: &RunDirectory,
-    _: (&SweepPlan, &SweptDataset<'_>),
+    _: &SweepPlan,
+    _: &SweptDataset<'_>,
     _: &SweepScores,
 ) -> Result<(), Failure> {
     Ok(())

@@ -29,7 +29,7 @@ pub fn choose(arguments: &ReproduceArgs, detector: ChosenFor) -> Result<(), Fail
     let datasets = look_first_at_all(datasets, &mut config);
     let values = open_values_of(detector.name());
     let n = arguments.settings as usize;
-    let mut points = latin_hypercube(&config, values, (n, arguments.settings_seed))?;
+    let mut points = latin_hypercube(&config, values, n, arguments.settings_seed)?;
     let names: Vec<&str> = values.iter().map(|it| it.parameter).collect();
     let shipped = names.iter().map(|it| config.value_of(it).expect("the list is tested").to_string());
     points.push(point(&config, &names, shipped.collect())?);
@@ -63,7 +63,7 @@ fn rates(
     for it in datasets {
         let description = it.dataset.description();
         let progress = progress_over_scans(it.scan_indices.len(), &description.id);
-        let counts = count(plan, (&*it.dataset, &it.scan_indices), interrupted, || progress.inc(1))?;
+        let counts = count(plan, &*it.dataset, &it.scan_indices, interrupted, || progress.inc(1))?;
         progress.finish_and_clear();
         for (rates, counts) in rates.iter_mut().zip(counts) {
             let counts: TaskCounts = counts[0];

@@ -54,7 +54,7 @@ impl<'a> Judge<'a> {
         let all = [METHOD, RIVALS[0].0, RIVALS[1].0];
         let points = points_by_criterion(config)?.split_off(1);
         let by_criterion =
-            CountedPoints::of((config, &all), (&["matching.criterion"], points), datasets, interrupted)?;
+            CountedPoints::of(config, &all, &["matching.criterion"], points, datasets, interrupted)?;
         let observed = Observations::of(of_first_origin(datasets), config, interrupted)?;
         Ok(Self { tally, report, leads, datasets, settings, by_criterion, observed, objects })
     }
@@ -133,11 +133,11 @@ impl<'a> Judge<'a> {
         readings.push(seen(LETTER, &leads(letter)));
         let on_each = scenes == "every";
         let of_points = criteria().iter().skip(1).enumerate();
-        readings.extend(of_points.map(|(idx, criterion)| self.by_criterion(pair, (idx, criterion), on_each)));
+        readings.extend(of_points.map(|(idx, criterion)| self.by_criterion(pair, idx, criterion, on_each)));
         (readings, self.settings.and_then(|it| it.n_leading(pair.task, on_each)))
     }
 
-    fn by_criterion(&self, pair: Pair<'_>, (point_idx, criterion): (usize, &str), on_each: bool) -> Seen {
+    fn by_criterion(&self, pair: Pair<'_>, point_idx: usize, criterion: &str, on_each: bool) -> Seen {
         let rival_idx = 1 + RIVALS.iter().position(|it| it.0 == pair.rival).expect("it was looked at");
         let scenes: Vec<Vec<usize>> =
             if on_each { (0..self.datasets.len()).map(|it| vec![it]).collect() } else { self.by_origin() };

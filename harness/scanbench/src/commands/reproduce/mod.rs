@@ -3,7 +3,6 @@
 mod choose;
 mod settings_study;
 mod partial_objects;
-mod figures;
 mod observations;
 mod backgrounds;
 mod judge;

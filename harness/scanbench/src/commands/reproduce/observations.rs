@@ -54,7 +54,7 @@ impl Observations {
             point(config, &names, vec![size_m.to_string(), cells.to_string()])
         };
         let points = swept_sizes_m().map(at_size).collect::<Result<Vec<_>, _>>()?;
-        let by_cell_size = CountedPoints::of((config, &[METHOD]), (&names, points), datasets, interrupted)?;
+        let by_cell_size = CountedPoints::of(config, &[METHOD], &names, points, datasets, interrupted)?;
         let (mut scans, mut pairs) = (Vec::new(), Vec::new());
         let method = built_in_named(&[METHOD.to_owned()], config)?[0];
         for it in datasets {

@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use clap::Parser as _;
+use detector::stage;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
+use evaluation::run::scan_recorder::FigureView;
 use reports::files::archive::{ArchiveError, SCHEMA};
 use reports::pages::reproduction_page::ReproductionPage;
 use reports::plots::study_plots::settings_plot;
@@ -23,7 +25,6 @@ use reports::vocabulary::study::Study;
 
 use super::METHOD;
 use super::backgrounds::backgrounds;
-use super::figures::FIGURES;
 use super::judge::{Judge, of_first_origin};
 use super::partial_objects::PartialObjects;
 use super::rate_tables::RateTables;
@@ -98,7 +99,7 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     for it in &mut datasets {
         it.part = 0..it.scan_indices.len();
     }
-    let claims = judge(arguments, (&config, &datasets), (&made.directory, &made.whole))?;
+    let claims = judge(arguments, &config, &datasets, &made.directory, &made.whole)?;
     let printed = print_claims(&claims, &made.finish()?.0);
     if let Some(served) = served {
         serve_until_interrupted(&*served, interruption_flag());
@@ -117,7 +118,7 @@ pub fn merge_reproduction(whole: &WholeRun, directory: RunDirectory) -> Result<(
     };
     let (config, datasets) = open(&arguments)?;
     refuse_other_scans(manifest, &datasets, arguments.data.scans.as_deref())?;
-    let claims = judge(&arguments, (&config, &datasets), (&directory, whole))?;
+    let claims = judge(&arguments, &config, &datasets, &directory, whole)?;
     print_claims(&claims, &directory.finish()?)
 }
 
@@ -132,8 +133,10 @@ fn open(arguments: &ReproduceArgs) -> Result<(RunConfig, Vec<OpenedDataset>), Fa
 /// Judges the claims by `whole`, and writes what comes of them into `directory`.
 fn judge(
     arguments: &ReproduceArgs,
-    (config, datasets): (&RunConfig, &[OpenedDataset]),
-    (directory, whole): (&RunDirectory, &WholeRun),
+    config: &RunConfig,
+    datasets: &[OpenedDataset],
+    directory: &RunDirectory,
+    whole: &WholeRun,
 ) -> Result<Vec<JudgedClaim>, Failure> {
     let settings = SettingsStudy::run(arguments, config, interruption_flag())?;
     let WholeRun { tally, numbers, .. } = whole;
@@ -292,4 +295,19 @@ fn settings_csv(sensitivity: &Sensitivity) -> String {
         writer.write_record(row).expect("memory takes all that is written");
     }
     String::from_utf8(writer.into_inner().expect("memory takes all that is written")).expect("it is text")
+}
+
+/// What shows the same of a scan. Their titles say of which figure.
+const FIGURES: [FigureView; 7] = [
+    view("HG figs. 1, 3: cells, façades as lines", "paper", stage::WALLS),
+    view("HG fig. 3: without the Hough transform", "paper, no Hough transform", stage::BOXES),
+    view("HG fig. 4: links cut between dense cells", "paper", stage::SEPARATION),
+    view("HG fig. 7: coarse level alone", "paper, coarse level alone", stage::BOXES),
+    view("HG fig. 7, VM figs. 1, 5: both levels, hulls", "paper", stage::BOXES),
+    view("VM figs. 1, 5: principal axes", "pca", stage::BOXES),
+    view("VM figs. 6 and 7: spheres and side profiles", "paper", stage::FEATURES),
+];
+
+const fn view(title: &'static str, detector: &'static str, stage: &'static str) -> FigureView {
+    FigureView { title, detector, stage }
 }

@@ -25,7 +25,7 @@ impl RateTables<'_> {
         let mut scenes: Vec<String> = self.tally.datasets().to_vec();
         scenes.extend(overall.filter(|_| scenes.len() > 1).collect::<Vec<_>>());
         let table = |task: Task| {
-            let rows = scenes.iter().filter_map(|scene| self.row(scene.clone(), scene, (task, Slice::All)));
+            let rows = scenes.iter().filter_map(|scene| self.row(scene.clone(), scene, task, Slice::All));
             let detectors = self.tally.detectors().to_vec();
             RateTable {
                 title: format!("Task {task}, scene by scene"),
@@ -47,7 +47,7 @@ impl RateTables<'_> {
         let table = |task: Task| {
             let slices = self.tally.slices(task, METHOD).into_iter();
             let slices = slices.filter(Slice::has_false_detections);
-            let rows = slices.filter_map(|slice| self.row(slice.name(), pool.extent.name(), (task, slice)));
+            let rows = slices.filter_map(|slice| self.row(slice.name(), pool.extent.name(), task, slice));
             RateTable {
                 title: format!(
                     "Task {task}, {}, by range in metres and by number of points",
@@ -62,7 +62,7 @@ impl RateTables<'_> {
         Task::ALL.map(table).to_vec()
     }
 
-    fn row(&self, name: String, dataset: &str, (task, slice): (Task, Slice)) -> Option<RateRow> {
+    fn row(&self, name: String, dataset: &str, task: Task, slice: Slice) -> Option<RateRow> {
         let sample = |detector: &String| -> Option<Sample> {
             self.leads.sample(&Question { dataset, task, detector, slice })
         };

@@ -38,8 +38,10 @@ pub struct CountedPoints {
 impl CountedPoints {
     /// Counts what `detectors` make of `datasets` at `points` of the parameters `names`.
     pub fn of(
-        (config, detectors): (&RunConfig, &[&str]),
-        (names, points): (&[&str], Vec<SweepPoint>),
+        config: &RunConfig,
+        detectors: &[&str],
+        names: &[&str],
+        points: Vec<SweepPoint>,
         datasets: &[OpenedDataset],
         interrupted: &AtomicBool,
     ) -> Result<Self, Failure> {
@@ -52,7 +54,7 @@ impl CountedPoints {
             let progress = progress_over_scans(it.scan_indices.len(), &description.id);
             counted
                 .counts
-                .push(count(&plan, (&*it.dataset, &it.scan_indices), interrupted, || progress.inc(1))?);
+                .push(count(&plan, &*it.dataset, &it.scan_indices, interrupted, || progress.inc(1))?);
             counted.known.push(Task::ALL.map(|task| FalseDetections::of(&description.annotated, task)));
             progress.finish_and_clear();
         }
@@ -151,13 +153,15 @@ impl SettingsStudy {
             &mut config,
         );
         let names: Vec<&str> = OPEN_VALUES.iter().map(|it| it.parameter).collect();
-        let points = latin_hypercube(&config, &OPEN_VALUES, (n, arguments.settings_seed))?;
+        let points = latin_hypercube(&config, &OPEN_VALUES, n, arguments.settings_seed)?;
         let settings: Vec<Vec<String>> = points.iter().map(|it| it.values.clone()).collect();
-        let methods = CountedPoints::of((&config, &[METHOD]), (&names, points), &datasets, interrupted)?;
+        let methods = CountedPoints::of(&config, &[METHOD], &names, points, &datasets, interrupted)?;
         let rivals = RIVALS.map(|it| it.0);
         let rivals = CountedPoints::of(
-            (&config, &rivals),
-            (&[CRITERION], points_by_criterion(&config)?),
+            &config,
+            &rivals,
+            &[CRITERION],
+            points_by_criterion(&config)?,
             &datasets,
             interrupted,
         )?;

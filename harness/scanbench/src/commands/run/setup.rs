@@ -84,13 +84,13 @@ impl OpenedRun {
 
     /// How it goes over the data sets.
     pub fn watched<'a>(&'a self, arguments: &RunArgs, progress: &'a RunProgress) -> WatchedRun<'a> {
-        let timing = (arguments.timing.warmup, arguments.timing.n_jobs());
+        let timing = &arguments.timing;
         WatchedRun {
             results: Some(&self.results),
             damage: arguments.damage.policy(),
             n_repeats: arguments.repeats,
             on_failure: arguments.on_detector_failure.rule(),
-            ..WatchedRun::of_study(&self.entrants, &self.datasets, timing, progress)
+            ..WatchedRun::of_study(&self.entrants, &self.datasets, timing.warmup, timing.n_jobs(), progress)
         }
     }
 }

@@ -31,8 +31,10 @@ pub trait WholeResult: Sized {
     /// Makes that of `shards`, whose manifests are `manifests`, both in order, in `directory`.
     fn write(
         study: Study,
-        shards: (&[ShardDirectory<'_>], &[&Self::Manifest]),
-        directory: (&RunDirectory, Pieces),
+        shards: &[ShardDirectory<'_>],
+        manifests: &[&Self::Manifest],
+        directory: &RunDirectory,
+        pieces: Pieces,
     ) -> Result<Self, Failure>;
 }
 
@@ -131,7 +133,7 @@ pub fn execute<W: SharedWork>(
     let record = output.record(share);
     let identity = identity_of(&work.manifest(Some(record.clone())), work.rules());
     let (ids, extent) = (work.ids(), work.extent());
-    let unfinished = UnfinishedWork::open(output, &ids, (&identity, extent), |it| work.add_done(it))?;
+    let unfinished = UnfinishedWork::open(output, &ids, &identity, extent, |it| work.add_done(it))?;
     if let Some(done) = work.done() {
         unfinished.report_continuing(&done);
     }
@@ -147,7 +149,7 @@ pub fn execute<W: SharedWork>(
     }
     let (claimed, remains) = unfinished.into_parts();
     let directory = RunDirectory::begin(claimed)?;
-    match put_in_one_piece(work, (study, record), &remains, &directory) {
+    match put_in_one_piece(work, study, record, &remains, &directory) {
         Ok(whole) => Ok(Some(Made { remains, directory, whole })),
         Err(failure) => {
             if !is_kept || matches!(failure, Failure::NothingEvaluated(_)) {
@@ -182,7 +184,8 @@ fn leave_shard<W: SharedWork>(
 /// The result of what was kept in `remains`, written into `directory`.
 fn put_in_one_piece<W: SharedWork>(
     work: &mut W,
-    (study, record): (Study, ShardRecord),
+    study: Study,
+    record: ShardRecord,
     remains: &Remains,
     directory: &RunDirectory,
 ) -> Result<W::Whole, Failure> {
@@ -190,5 +193,5 @@ fn put_in_one_piece<W: SharedWork>(
     work.carry_over(remains, &manifest, directory)?;
     let record = manifest.shard().expect("its files were just written into it");
     let shards = [ShardDirectory { folder: remains.folder.clone(), record }];
-    W::Whole::write(study, (&shards, &[&manifest]), (directory, Pieces::One))
+    W::Whole::write(study, &shards, &[&manifest], directory, Pieces::One)
 }

@@ -1,7 +1,6 @@
 //! How work is done in one piece or in shards: what there is to do, what is done so far, and what comes of it.
 
 pub mod share_of_work;
-pub mod finished_shard;
 pub mod work_output;
 pub mod unfinished_work;
 pub mod checksummed_file;

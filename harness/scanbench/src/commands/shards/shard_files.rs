@@ -33,7 +33,8 @@ use crate::commands::failure::Failure;
 pub fn write_shard_files(
     journal: &Journal,
     folder: &Path,
-    (manifest, record): (&mut Manifest, &mut ShardRecord),
+    manifest: &mut Manifest,
+    record: &mut ShardRecord,
 ) -> Result<(), Failure> {
     let mut files = ShardFiles::begin(folder, record.parts.len(), &manifest.protocols)?;
     let mut failure = None;
@@ -45,7 +46,7 @@ pub fn write_shard_files(
     if let Some(failure) = failure {
         return Err(failure);
     }
-    files.finish(folder, (manifest, record))
+    files.finish(folder, manifest, record)
 }
 
 /// What is known of a data set after some scans.
@@ -146,11 +147,7 @@ impl ShardFiles {
         Ok(())
     }
 
-    fn finish(
-        self,
-        folder: &Path,
-        (manifest, record): (&mut Manifest, &mut ShardRecord),
-    ) -> Result<(), Failure> {
+    fn finish(self, folder: &Path, manifest: &mut Manifest, record: &mut ShardRecord) -> Result<(), Failure> {
         record.files = vec![self.scans.finish()?, self.matches.finish()?, self.stages.finish()?];
         for file in [self.boxes, self.kitti, self.labels].into_iter().flatten() {
             record.files.push(file.finish()?);

@@ -38,7 +38,8 @@ impl<'a> ShardJournal<'a> {
     /// last scan.
     pub fn new(
         journal: &'a Journal,
-        (datasets, protocols): (&'a [OpenedDataset], &[Protocol]),
+        datasets: &'a [OpenedDataset],
+        protocols: &[Protocol],
         end: &'a Cell<Option<u64>>,
     ) -> Self {
         // What opening a data set left out is reported again when it is opened again.

@@ -84,7 +84,8 @@ impl UnfinishedWork {
     pub fn open<Entry: DeserializeOwned>(
         mut output: WorkOutput,
         ids: &str,
-        (identity, extent): (&JournalIdentity, String),
+        identity: &JournalIdentity,
+        extent: String,
         on_entry: impl FnMut(Entry),
     ) -> Result<Self, Failure> {
         let claimed = output.target(ids)?;
@@ -104,7 +105,7 @@ impl UnfinishedWork {
             (None, _) => "run",
         };
         let had_journal = folder.join(JOURNAL).is_file();
-        let journal = Journal::open(&folder.join(JOURNAL), (kind, identity), other, on_entry);
+        let journal = Journal::open(&folder.join(JOURNAL), kind, identity, other, on_entry);
         if journal.is_err() && !had_journal {
             // Nobody could continue from a journal that the disk does not take.
             let _ = std::fs::remove_file(folder.join(JOURNAL)).and_then(|()| std::fs::remove_dir(&folder));

@@ -159,7 +159,7 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
     ) -> Result<Manifest, Failure> {
         // Programs of others have introduced themselves by now.
         let mut manifest = self.study.manifest();
-        write_shard_files(journal, folder, (&mut manifest, &mut record))?;
+        write_shard_files(journal, folder, &mut manifest, &mut record)?;
         manifest.shard = Some(record);
         Ok(manifest)
     }
@@ -205,7 +205,7 @@ impl<S: WatchedStudy> Watched<'_, S> {
         let protocols = study.manifest().protocols;
         let mut sinks = if has_all { study.sinks(folder)? } else { Vec::new() };
         sinks.push(Box::new(recorder.map(|(it, _)| RerunRecording::new(it, &progress, &mut served))));
-        sinks.push(Box::new(ShardJournal::new(journal, (study.datasets(), &protocols), &self.end)));
+        sinks.push(Box::new(ShardJournal::new(journal, study.datasets(), &protocols, &self.end)));
         sinks.push(Box::new(Terminal::new(&progress)));
         let ended = study.watched(&progress).run(sinks);
         let is_complete = matches!(ended, Ok(()) | Err(Failure::Interrupted(_) | Failure::Detector(_)));

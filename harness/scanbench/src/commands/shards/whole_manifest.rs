@@ -17,7 +17,7 @@ pub enum Pieces {
 
 /// That of the whole in one piece which leaves it in `target`, with the list of shards, whose manifests `shards` are in
 /// order.
-pub fn merged_manifest(shards: &[&Manifest], (target, pieces): (&Path, Pieces)) -> Manifest {
+pub fn merged_manifest(shards: &[&Manifest], target: &Path, pieces: Pieces) -> Manifest {
     let manifests = || shards.iter().copied();
     let mut whole = shards[0].clone();
     whole.shard = None;

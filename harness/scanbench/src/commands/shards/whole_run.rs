@@ -18,10 +18,9 @@ use super::rows_of_shards::merge_rows;
 use super::shard_directory::ShardDirectory;
 use super::whole_manifest::{Pieces, merged_manifest, path_from};
 use crate::commands::failure::Failure;
-use crate::commands::run_agreement::write_agreement;
-use crate::commands::run_numbers::{RunNumbers, write_numbers};
-use crate::commands::run_protocols::write_protocols;
-use crate::commands::times_of_processors::write_times_of_processors;
+use crate::commands::run_numbers::{
+    RunNumbers, write_agreement, write_numbers, write_protocols, write_times_of_processors,
+};
 use crate::commands::watched_run::report_nothing_to_find;
 
 /// A run in which all scans are judged, and its numbers, which are written.
@@ -42,18 +41,20 @@ impl WholeResult for WholeRun {
     /// Puts the rows of `shards` one after the other, and writes these and all numbers that are made of them.
     fn write(
         study: Study,
-        (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
-        (directory, pieces): (&RunDirectory, Pieces),
+        shards: &[ShardDirectory<'_>],
+        manifests: &[&Manifest],
+        directory: &RunDirectory,
+        pieces: Pieces,
     ) -> Result<Self, Failure> {
-        let mut manifest = merged_manifest(manifests, (directory.target(), pieces));
+        let mut manifest = merged_manifest(manifests, directory.target(), pieces);
         let merged = merge_rows(shards, &manifest, directory)?;
-        write_worst(shards, &merged.worst, (directory, pieces))?;
+        write_worst(shards, &merged.worst, directory, pieces)?;
         let agreement = if study == Study::Run { agreement_of(shards, &manifest)? } else { Vec::new() };
         refuse_nothing(study, &manifest, &merged.tally)?;
         if pieces == Pieces::One && merged.of_processors.is_empty() {
             manifest.shards.clear();
         }
-        let mut more = write_protocols(directory, &manifest, (&merged.tally, &merged.protocols))?;
+        let mut more = write_protocols(directory, &manifest, &merged.tally, &merged.protocols)?;
         more.extend(write_agreement(directory, &agreement)?);
         let numbers = write_numbers(directory, &manifest, &merged.tally)?;
         write_times_of_processors(directory, &manifest, &merged.of_processors)?;
@@ -65,7 +66,8 @@ impl WholeResult for WholeRun {
 fn write_worst(
     shards: &[ShardDirectory<'_>],
     worst: &WorstObjects<usize>,
-    (directory, pieces): (&RunDirectory, Pieces),
+    directory: &RunDirectory,
+    pieces: Pieces,
 ) -> Result<(), Failure> {
     let seen = shards.iter().map(ShardDirectory::worst_points).collect::<Result<Vec<WorstPoints>, _>>()?;
     let objects: Vec<(&ObjectName, usize)> =

@@ -1,12 +1,15 @@
 //! Where the result of a verb goes, and which part of it is made.
 
+use std::path::Path;
+
 use jiff::Timestamp;
-use reports::run_folder::run_target::{ClaimedTarget, LatestPointer};
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::partial_manifest::PartialManifest;
+use reports::run_folder::run_target::{ClaimedTarget, LatestPointer, MANIFEST_JSON};
 use reports::run_folder::shard_record::ShardRecord;
 use reports::vocabulary::shard::Shard;
 use reports::vocabulary::study::Study;
 
-use super::finished_shard::finished_shard;
 use super::share_of_work::ShareOfWork;
 use crate::cli::{OutputArgs, StreamArgs};
 use crate::commands::failure::{Failure, Usage};
@@ -113,4 +116,11 @@ pub fn unnamed(study: Study, ids: &str, started: Timestamp) -> (String, LatestPo
         }
         Study::Robustness | Study::Partial | Study::Gaps => (format!("{now}-{verb}"), LatestPointer::Leave),
     }
+}
+
+/// What the shard in `directory` says of itself; `None` if there is none that can be read.
+pub fn finished_shard(directory: &Path) -> Option<ShardRecord> {
+    let path = directory.join(MANIFEST_JSON);
+    let of_run = Manifest::read(&path).ok().and_then(|it| it.shard);
+    of_run.or_else(|| PartialManifest::read(&path).ok()?.shard)
 }

@@ -2,7 +2,6 @@
 
 pub mod template;
 pub mod sharded_command;
-pub mod tried_command;
 pub mod job_folder;
 pub mod slurm;
 pub mod kubernetes;

@@ -1,9 +1,15 @@
 //! A command that is run as shards.
 
 use clap::Parser as _;
+use jiff::Timestamp;
 
 use crate::cli::{Cli, Command, OutputArgs, ShardArgs};
-use crate::commands::failure::Usage;
+use crate::commands::ablation::open_ablation;
+use crate::commands::failure::{Failure, Usage};
+use crate::commands::partial::sets::open_all;
+use crate::commands::robustness::open_robustness;
+use crate::commands::run::setup::ChosenRun;
+use crate::commands::sweep::setup::{Sweep, sweep_plan};
 
 /// A command of `scanbench` of which each task makes one shard.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,6 +66,19 @@ impl ShardedCommand {
             Usage(format!("the command after -- has no shards\n{}", error.to_string().trim_end()))
         })?;
         Ok(parsed.command)
+    }
+
+    /// Opens data sets, detectors and models as a task would, and looks at nothing else.
+    pub fn try_here(&self) -> Result<(), Failure> {
+        let now = Timestamp::now();
+        match self.as_parsed()? {
+            Command::Run(it) => ChosenRun::of(&it)?.open(&it).map(drop),
+            Command::Sweep(it) => Sweep::open(&it, sweep_plan(&it)?, now).map(drop),
+            Command::Ablation(it) => open_ablation(&it, now).map(drop),
+            Command::Robustness(it) => open_robustness(&it, now).map(drop),
+            Command::Partial(it) => open_all(&it).map(drop),
+            _ => unreachable!("others have no shards"),
+        }
     }
 
     /// The words after the verb and `--shard I/N` by which a task makes its shard in `folder`.

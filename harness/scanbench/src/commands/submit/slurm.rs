@@ -14,7 +14,6 @@ use crate::commands::submit::job_folder::{
 };
 use crate::commands::submit::sharded_command::ShardedCommand;
 use crate::commands::submit::template::filled;
-use crate::commands::submit::tried_command::try_here;
 
 const SHARDS_SH: &str = include_str!("slurm/shards.sh");
 const MERGE_SH: &str = include_str!("slurm/merge.sh");
@@ -29,7 +28,7 @@ pub fn submit_slurm(arguments: &SlurmArgs) -> Result<(), Failure> {
     let name = job_name(&submitted.output)?;
     refuse_occupied(&submitted.output)?;
     if !arguments.untried {
-        try_here(&command)?;
+        command.try_here()?;
     }
     let scripts = JobScripts {
         name,

@@ -66,7 +66,8 @@ pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<Stri
 /// What the sweep of `manifest` recommends, one text after the other, which are written into `directory`, too.
 pub fn write_best(
     directory: &RunDirectory,
-    (manifest, tally): (&Manifest, &SweepTally<'_>),
+    manifest: &Manifest,
+    tally: &SweepTally<'_>,
     sweep: &SweepScores,
 ) -> Result<Vec<String>, Failure> {
     let points = PairedPoints::draw(tally);

@@ -28,8 +28,7 @@ pub fn sweep(arguments: &SweepArgs) -> Result<(), Failure> {
     let mut sweep = Sweep::open(arguments, plan, output.started)?;
     let Some(made) = execute(&mut sweep, output)? else { return Ok(()) };
     if !arguments.no_rrd {
-        let recorded = (&sweep.plan, &sweep.swept_datasets()[0]);
-        record_sweep(&made.directory, recorded, &made.whole.scores)?;
+        record_sweep(&made.directory, &sweep.plan, &sweep.swept_datasets()[0], &made.whole.scores)?;
     }
     let (finished, whole) = made.finish()?;
     print_sweep(whole, &finished)

@@ -20,7 +20,8 @@ use crate::commands::standard_streams::{print_diagnostic, terminal};
 /// that is printed.
 pub fn write_swept_protocols(
     directory: &RunDirectory,
-    (manifest, tally): (&Manifest, &SweepTally<'_>),
+    manifest: &Manifest,
+    tally: &SweepTally<'_>,
     scores: &SweepScores,
 ) -> Result<String, ArchiveError> {
     let n_points = manifest.sweep.as_ref().map_or(0, |it| it.points.len());

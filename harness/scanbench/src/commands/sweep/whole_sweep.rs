@@ -1,9 +1,9 @@
 //! A sweep made of the results of its shards.
 
 use evaluation::metrics::counts::Counts;
+use evaluation::sweep::journal_entry::TimedScan;
 use evaluation::sweep::scan_at_point::ScanAtPoint;
 use evaluation::sweep::sweep_tally::SweepTally;
-use evaluation::sweep::timed_scan::TimedScan;
 use reports::numbers::sweep_score::SweepScores;
 use reports::pages::sweep_page::SweepPage;
 use reports::run_folder::manifest::Manifest;
@@ -35,10 +35,12 @@ impl WholeResult for WholeSweep {
 
     fn write(
         _: Study,
-        (shards, manifests): (&[ShardDirectory<'_>], &[&Manifest]),
-        (directory, pieces): (&RunDirectory, Pieces),
+        shards: &[ShardDirectory<'_>],
+        manifests: &[&Manifest],
+        directory: &RunDirectory,
+        pieces: Pieces,
     ) -> Result<Self, Failure> {
-        let mut manifest = merged_manifest(manifests, (directory.target(), pieces));
+        let mut manifest = merged_manifest(manifests, directory.target(), pieces);
         let no_sweep = || shards[0].damaged("its manifest does not say what was swept".to_owned());
         let mut tally = SweepTally::of(&manifest).ok_or_else(no_sweep)?;
         let progress = progress_over_results(shards.len(), 0, "shards");
@@ -51,10 +53,10 @@ impl WholeResult for WholeSweep {
         refuse_nothing(&scores)?;
         let mut printed = write_sweep(directory, &scores)?;
         if !manifest.protocols.is_empty() {
-            printed.push_str(&write_swept_protocols(directory, (&manifest, &tally), &scores)?);
+            printed.push_str(&write_swept_protocols(directory, &manifest, &tally, &scores)?);
         }
         // The answer last.
-        let best = write_best(directory, (&manifest, &tally), &scores)?;
+        let best = write_best(directory, &manifest, &tally, &scores)?;
         printed = format!("{}\n\n{}", printed.trim_end(), terminal().sentences(best).trim_end());
         let unlike = tally.times_of_processors();
         write_times_of_unlike(directory, &scores, &unlike)?;

@@ -32,8 +32,10 @@ pub struct FoldedCandidates<'a> {
     pub taught: &'a [&'a Candidate],
     /// The data set of each.
     pub datasets: &'a [&'a str],
-    /// Most vehicles, and most others for each.
-    pub numbers: (usize, f64),
+    /// Most vehicles.
+    pub most_vehicles: usize,
+    /// Most others for each of them.
+    pub others_per_vehicle: f64,
     /// Seed of the choice of examples.
     pub seed: u64,
 }
@@ -114,7 +116,7 @@ impl FoldedCandidates<'_> {
         let mut described = |candidates: &[&Candidate]| -> Vec<DescribedObject<D>> {
             candidates.iter().filter_map(|it| DescribedObject::of(it, &mut describer)).collect()
         };
-        let selected = select(&learned, self.numbers, self.seed);
+        let selected = select(&learned, self.most_vehicles, self.others_per_vehicle, self.seed);
         Ok([described(&selected), described(&judged)])
     }
 }

@@ -37,7 +37,8 @@ pub struct TrainedModel<'a, const D: usize> {
 
 /// The files by their names.
 pub fn write_files<const D: usize>(
-    (data, started): (&TrainingData<'_>, Timestamp),
+    data: &TrainingData<'_>,
+    started: Timestamp,
     trained: &TrainedModel<'_, D>,
 ) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
     let TrainedModel { model, file_name, file, judged, evaluation } = trained;

@@ -145,7 +145,7 @@ impl TrainedTrees {
         let model = train_on_groups(&taught, rounds, library, &|| progress.inc(1))
             .map_err(|error| nothing(&error))?;
         progress.finish_and_clear();
-        let judgement = Judgement::of((&model, rounds), &judged);
+        let judgement = Judgement::of(&model, rounds, &judged);
         let n_taught = taught.iter().flat_map(|it| &it.groups).filter(|it| it.labels.is_some()).count();
         Ok(Self { model, judgement, n_taught })
     }
@@ -168,12 +168,12 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    fn of((model, rounds): (&GroupingModel, u8), judged: &[&ScanGroups]) -> Self {
+    fn of(model: &GroupingModel, rounds: u8, judged: &[&ScanGroups]) -> Self {
         let mut buffers = RefinementBuffers::default();
         let (mut expected_ious, mut odds) = (Vec::new(), Vec::new());
         for scan in judged {
             for (expected_iou, it) in
-                scan.expected_ious((&model.objects, rounds), &mut buffers).into_iter().zip(&scan.groups)
+                scan.expected_ious(&model.objects, rounds, &mut buffers).into_iter().zip(&scan.groups)
             {
                 let Some(GroupLabels { iou, is_vehicle }) = it.labels else { continue };
                 expected_ious.push((expected_iou, iou));

@@ -12,8 +12,7 @@ use detector::describe::object_describer::ObjectDescriber;
 use detector::describe::paper_features::PaperDescriber;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
-use evaluation::run::config::RunConfig;
-use evaluation::run::config::{PAPER_FILE, PCA_FILE};
+use evaluation::run::config::{PAPER_FILE, PCA_FILE, RunConfig};
 use evaluation::training::candidates::Candidate;
 use evaluation::training::described_object::{DescribedObject, fit_model};
 use evaluation::training::evaluation::evaluate;
@@ -62,12 +61,12 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
             let library = training.prototypes(&training.taught)?;
             let mut describer = PaperDescriber::new(library.clone());
             let file = |svm: &SvmModel<_>, made| (PAPER_FILE, PaperModel::file(&library, svm, made));
-            training.fit_and_judge((&params, said), &mut describer, file, Some(&library))?
+            training.fit_and_judge(&params, said, &mut describer, file, Some(&library))?
         }
         ModelKind::Pca => {
             let file = |svm: &SvmModel<_>, made| (PCA_FILE, PcaVehicleModel::file(svm, made));
             let (params, said) = training.params(|_| Ok(PcaDescriber::default()))?;
-            training.fit_and_judge((&params, said), &mut PcaDescriber::default(), file, None)?
+            training.fit_and_judge(&params, said, &mut PcaDescriber::default(), file, None)?
         }
     };
     for (name, content) in files {
@@ -165,7 +164,8 @@ impl Training<'_> {
         let folded = FoldedCandidates {
             taught: &self.taught,
             datasets: &self.datasets_of_taught,
-            numbers: (self.arguments.vehicles as usize, self.arguments.others),
+            most_vehicles: self.arguments.vehicles as usize,
+            others_per_vehicle: self.arguments.others,
             seed: self.arguments.choice_seed,
         };
         folded.best(&pairs, describer_of, interruption_flag())
@@ -173,13 +173,14 @@ impl Training<'_> {
 
     fn fit_and_judge<const D: usize, S: ObjectDescriber<D>>(
         &self,
-        (params, said): (&NuSvcParams, String),
+        params: &NuSvcParams,
+        said: String,
         describer: &mut S,
         file: impl FnOnce(&SvmModel<D>, Provenance) -> (&'static str, ModelFile),
         library: Option<&PrototypeLibrary>,
     ) -> Result<FilesAndText, Failure> {
-        let numbers = (self.arguments.vehicles as usize, self.arguments.others);
-        let selected = select(&self.taught, numbers, self.arguments.choice_seed);
+        let of = self.arguments;
+        let selected = select(&self.taught, of.vehicles as usize, of.others, of.choice_seed);
         let model = fit_model(&selected, describer, params).map_err(|error| nothing(&error))?;
         let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = self
             .judged
@@ -191,6 +192,6 @@ impl Training<'_> {
         let printed = said + &summary(&self.data.parted, &selected, library, &model, &evaluation);
         let (file_name, file) = file(&model, self.made.clone());
         let trained = TrainedModel { model, file_name, file, judged, evaluation };
-        Ok((write_files((self.data, self.started), &trained)?, printed))
+        Ok((write_files(self.data, self.started, &trained)?, printed))
     }
 }

@@ -73,7 +73,7 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
         let ended = workplace.run(&["data", "check", data, "--skip-damaged"]);
         // Nothing is damaged: the user has to name the classes, and all unknown ones are reported together.
         assert_eq!(ended.exit_code, Some(2), "{data}: {ended:#?}");
-        assert!(ended.stderr.contains("have 2 unknown classes:"), "{data}: {ended:#?}");
+        ended.check_stderr(&["have 2 unknown classes:"]);
         let lines: Vec<&str> = ended.stderr.lines().map(str::trim).collect();
         assert!(
             lines.iter().any(|it| it.starts_with("\"gizmo\"") && it.contains(" times, first in ")),
@@ -87,16 +87,14 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
         );
         // A run says the same, and nothing of scans that it could not read.
         let ended = workplace.run(&["run", data, "-d", "pca", "--no-rrd", "-o", "out"]);
-        assert!(ended.stderr.contains("have 2 unknown classes:"), "{data}: {ended:#?}");
+        ended.check_stderr(&["have 2 unknown classes:"]);
         assert!(!ended.stderr.contains("beams"), "{data}: {ended:#?}");
         let mapped = ["--class", "fork lift=truck", "--class", "GIZMO=Pole"];
-        let ended = workplace.run(&(["data", "check", data], &mapped));
-        assert_eq!(ended.exit_code, Some(0), "{data}: {ended:#?}");
+        let ended = workplace.succeed(&(["data", "check", data], &mapped));
         let annotations = ended.stdout.lines().find(|it| it.starts_with("annotations")).unwrap();
         assert!(annotations.contains(" truck") && annotations.contains(" pole"), "{data}: {annotations}");
         // One of the two is not enough, and both are still said where both are missing.
-        let ended = workplace.run(&["data", "check", data, "--class", "fork lift=truck"]);
-        assert_eq!(ended.exit_code, Some(2), "{data}: {ended:#?}");
+        let ended = workplace.end_with(&["data", "check", data, "--class", "fork lift=truck"], 2, &[]);
         assert!(
             ended.stderr.contains("have 1 unknown classes:") && !ended.stderr.contains("fork"),
             "{data}: {ended:#?}"
@@ -112,8 +110,7 @@ fn labels_of_semantic_kitti_that_nobody_knows_are_listed_by_number() {
         let labels = [12 + number as u8, 0, 1, 0, 40, 0, 0, 0];
         workplace.write(&format!("s/sequences/00/labels/{number:06}.label"), &labels);
     }
-    let ended = workplace.run("data check s");
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    let ended = workplace.end_with("data check s", 2, &[]);
     // 13 is a bus; of 12 there are only points in the first scan.
     ended.check_stderr(&["\"12\"", "000000.label\", point 0"]);
     assert!(!ended.stderr.contains("\"13\""), "{ended:#?}");
@@ -125,9 +122,7 @@ fn an_object_without_a_class_has_to_be_given_one() {
     let workplace = Workplace::new();
     let messages = foxglove_messages(SECOND, &serde_json::json!([]));
     write(&workplace, WriteOptions::new(), &messages);
-    let ended = workplace.run("data check drive.mcap");
-    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    ended.check_stderr(&["--class =misc", "\"\" = \"misc\""]);
+    workplace.end_with("data check drive.mcap", 2, &["--class =misc", "\"\" = \"misc\""]);
     workplace.succeed("data check drive.mcap --class =car").check_stdout(&[": 1 car"]);
 }
 

@@ -54,9 +54,7 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
     workplace.write("there.mcap", "already");
     let refused = |arguments: &[&str], exit_code: i32, part: &str| {
         let small = ["--simulated-scans", "1", "--sensor", "vlp-16"];
-        let ended = workplace.run(&("data simulate street-narrow", arguments, &small));
-        assert_eq!(ended.exit_code, Some(exit_code), "{ended:#?}");
-        ended.check_stderr(&[part]);
+        workplace.end_with(&("data simulate street-narrow", arguments, &small), exit_code, &[part]);
         assert_eq!(workplace.top_names(), ["there.mcap"]);
     };
     refused(&["-o", "there.mcap"], 2, "\"there.mcap\" exists; choose another name or remove it");
@@ -184,13 +182,10 @@ fn damage_in_the_middle_of_a_drive_is_skipped_by_all_that_read_scans() {
     let prelabel = ["data", "prelabel", "street", "--to", "kitti", "-o", "project"];
     let verbs = [&["selftest", "street"][..], &["data", "check", "street"], &sweep, &prelabel];
     for verb in verbs {
-        let refused = workplace.run(verb);
-        assert_eq!(refused.exit_code, Some(3), "{refused:#?}");
-        refused.check_stderr(&["000001.bin"]);
+        workplace.end_with(verb, 3, &["000001.bin"]);
         workplace.succeed(&(verb, "--skip-damaged"));
     }
-    let swept = workplace.read("swept/manifest.json");
-    assert!(swept.contains("0000/000001"), "what was left out is written down: {swept}");
+    workplace.check_file("swept/manifest.json", &["0000/000001"]);
 }
 
 #[test]

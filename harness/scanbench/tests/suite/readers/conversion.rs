@@ -5,37 +5,27 @@ use std::path::{Path, PathBuf};
 
 use detector::PointCloud;
 use reports::vocabulary::class::AnnotationClass;
-use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use scans::annotation::{Annotation, LabeledScan, ScanId};
 use scans::conversion::ConversionError;
 use scans::conversion::convert::{Output, convert};
 use scans::conversion::mcap_writer::ChunkCompression;
 use scans::conversion::output_format::OutputFormat;
 use scans::dataset::{Dataset, DatasetError, Listing};
-use simulator::catalogue::built_in_catalogue;
-use simulator::open::{OpenOptions, open_dataset};
 use test_data::test_data;
 
+use super::made::scans;
 use super::open;
 use crate::program::Workplace;
 
 /// Three scans of a simulated street.
 fn street() -> Box<dyn Dataset> {
-    let options = OpenOptions {
-        n_simulated_scans: Some(3),
-        sensor: Some("vlp-16".to_owned()),
-        ..OpenOptions::default()
-    };
-    open_dataset("street-intersection", &options, &built_in_catalogue().unwrap()).unwrap()
+    super::made::street(3)
 }
 
 fn write(dataset: &dyn Dataset, format: OutputFormat, compression: ChunkCompression, path: &Path) {
     let all: Vec<usize> = (0..dataset.scan_ids().len()).collect();
     let output = Output { path, format, compression };
     convert(dataset, &all, output, |_, error| Err(error), || Ok::<(), ConversionError>(())).unwrap();
-}
-
-fn scans(dataset: &dyn Dataset) -> Vec<LabeledScan> {
-    (0..dataset.scan_ids().len()).map(|scan_idx| dataset.read_scan(scan_idx).unwrap()).collect()
 }
 
 /// Boxes differ at most by the rounding of a turn.
@@ -276,21 +266,12 @@ impl Dataset for Drawn {
         let cloud: PointCloud =
             (0..objects.len()).map(|it| [2.0 * (it % 500) as f32, 2.0 * (it / 500) as f32, 0.0]).collect();
         let annotation = |(index, &(class, track)): (usize, &(AnnotationClass, Option<u32>))| Annotation {
-            class,
-            bounding_box: None,
             point_indices: vec![index as u32],
             track,
-            occlusion: None,
-            truncation: None,
+            ..Annotation::of(class)
         };
-        Ok(LabeledScan {
-            id: self.listing.scan_ids[scan_idx].clone(),
-            annotations: objects.iter().enumerate().map(annotation).collect(),
-            point_regions: vec![PointRegion::Labeled; cloud.len()],
-            cloud,
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out: Vec::new(),
-        })
+        let annotations = objects.iter().enumerate().map(annotation).collect();
+        Ok(LabeledScan::everywhere(self.listing.scan_ids[scan_idx].clone(), cloud, annotations))
     }
 }
 

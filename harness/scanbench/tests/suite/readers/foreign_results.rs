@@ -66,7 +66,7 @@ pub fn write_echo(dataset: &dyn Dataset, output: ResultOutput, folder: &Path) {
     for scan_idx in 0..dataset.scan_ids().len() {
         let scan = dataset.read_scan(scan_idx).unwrap();
         let frame = dataset.foreign_frame(scan_idx).unwrap();
-        writer.add("echo", (&scan, &frame), &echo(dataset, scan_idx).0).unwrap();
+        writer.add("echo", &scan, &frame, &echo(dataset, scan_idx).0).unwrap();
     }
     writer.end_dataset().unwrap();
     assert_eq!(writer.finish().unwrap(), 0);
@@ -136,7 +136,7 @@ fn formats_are_for_the_data_sets_of_their_makers() {
         let mut writer =
             ResultFolder::create(&workplace.path(&format!("out{number}")), output, false).unwrap();
         writer.begin_dataset(dataset.description());
-        let error = writer.add("echo", (&scan, &frame), &echo(&*dataset, 0).0).expect_err("another's");
+        let error = writer.add("echo", &scan, &frame, &echo(&*dataset, 0).0).expect_err("another's");
         assert!(error.to_string().contains("its data set has no "), "{error}");
     }
     workplace.write("a.json", "{\"results\": {}}");
@@ -360,18 +360,8 @@ fn detections_of_ros_are_carried_into_the_frame_of_the_cloud() {
     let other = workplace.path("drive.mcap:/others");
     check_refused(&other, &*dataset, true, &["has no objects on the topic \"/others\"", "/labels ("]);
     // A recording of other moments.
-    let second = mcap::SECOND;
     let elsewhere = Workplace::new();
-    let late = [1, 2, 3].map(|it| {
-        let time_ns = it * second;
-        (
-            "/found",
-            "vision_msgs/msg/Detection3DArray",
-            "cdr",
-            time_ns,
-            mcap::detections(time_ns, "lidar", [5.0, 0.0, 0.0], 0.0),
-        )
-    });
+    let late = [1, 2, 3].map(|it| mcap::found_at(it * mcap::SECOND, "lidar", [5.0, 0.0, 0.0]));
     let late = mcap::write(&elsewhere, ::mcap::WriteOptions::new(), &late);
     check_refused(
         &late,
@@ -388,11 +378,7 @@ fn a_message_of_results_is_that_of_one_scan() {
         let workplace = Workplace::new();
         let messages: Vec<mcap::Logged> = found_ms
             .iter()
-            .map(|it| {
-                let time_ns = mcap::SECOND + it * millisecond;
-                let boxes = mcap::detections(time_ns, "lidar", [*it as f64, 0.0, 0.0], 0.0);
-                ("/found", "vision_msgs/msg/Detection3DArray", "cdr", time_ns, boxes)
-            })
+            .map(|it| mcap::found_at(mcap::SECOND + it * millisecond, "lidar", [*it as f64, 0.0, 0.0]))
             .collect();
         let path = mcap::write(&workplace, ::mcap::WriteOptions::new(), &messages);
         (workplace, path)
@@ -421,16 +407,7 @@ fn a_message_of_results_is_that_of_one_scan() {
 #[test]
 fn a_frame_that_nobody_knows_is_refused() {
     let workplace = Workplace::new();
-    let messages = [
-        mcap::cloud_at(mcap::SECOND),
-        (
-            "/found",
-            "vision_msgs/msg/Detection3DArray",
-            "cdr",
-            mcap::SECOND,
-            mcap::detections(mcap::SECOND, "moon", [5.0, 0.0, 0.0], 0.0),
-        ),
-    ];
+    let messages = [mcap::cloud_at(mcap::SECOND), mcap::found_at(mcap::SECOND, "moon", [5.0, 0.0, 0.0])];
     let path = mcap::write(&workplace, ::mcap::WriteOptions::new(), &messages);
     let clouds = Workplace::new();
     let clouds = open(&mcap::write(&clouds, ::mcap::WriteOptions::new(), &messages[..1]));

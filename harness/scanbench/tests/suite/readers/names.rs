@@ -1,46 +1,19 @@
 //! Names and labels that do not fit the scans: found, said, and never mixed up.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use mcap::records::Metadata;
-use mcap::{Channel, Message, Schema, WriteOptions};
+use mcap::WriteOptions;
 use scans::dataset::Dataset;
 
-use super::mcap::{Logged, SECOND, category, cloud_at, foxglove_messages, write};
+use super::mcap::{Logged, SECOND, category, cloud_at, foxglove_messages, write, write_named};
 use super::{check_damaged, made, open, try_open};
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Workplace, copy_folder};
 
 /// Two clouds, and the names that the recording gives them.
 fn named(workplace: &Workplace, scan_ids: &str) -> PathBuf {
-    let path = workplace.path("drive.mcap");
-    let mut writer = WriteOptions::new().create(std::fs::File::create(&path).unwrap()).unwrap();
-    for (sequence, (topic, schema, encoding, log_time, data)) in
-        (0..).zip([cloud_at(SECOND), cloud_at(2 * SECOND)])
-    {
-        let schema =
-            Schema { id: 1, name: schema.to_owned(), encoding: "ros2msg".to_owned(), data: b"x"[..].into() };
-        let channel = Channel {
-            id: 1,
-            topic: topic.to_owned(),
-            schema: Some(schema.into()),
-            message_encoding: encoding.to_owned(),
-            metadata: BTreeMap::new(),
-        };
-        let message = Message {
-            channel: channel.into(),
-            sequence,
-            log_time,
-            publish_time: log_time,
-            data: data.into(),
-        };
-        writer.write(&message).unwrap();
-    }
-    let metadata = BTreeMap::from([("scan_ids".to_owned(), scan_ids.to_owned())]);
-    writer.write_metadata(&Metadata { name: "scanbench".to_owned(), metadata }).unwrap();
-    writer.finish().unwrap();
-    path
+    let clouds = [1, 2].map(|it| cloud_at(it * SECOND));
+    write_named(workplace, WriteOptions::new(), &clouds, Some(scan_ids))
 }
 
 #[test]

@@ -184,7 +184,7 @@ fn every_verb_says_what_it_left_out() {
         let ended = workplace.run(arguments);
         // Some find too little to do in three drawn scans; what they read is said all the same.
         assert!(![Some(2), Some(101)].contains(&ended.exit_code), "{arguments:?}: {ended:#?}");
-        assert!(ended.stderr.contains(SAID), "{arguments:?}: {ended:#?}");
+        ended.check_stderr(&[SAID]);
     }
     let manifest = workplace.json("run/manifest.json");
     assert_eq!(manifest["datasets"][0]["n_points_left_out"], 3);

@@ -84,7 +84,8 @@ impl ResultFolder {
     pub fn add(
         &mut self,
         detector: &str,
-        (scan, frame): (&LabeledScan, &ForeignFrame),
+        scan: &LabeledScan,
+        frame: &ForeignFrame,
         detections: &Detections,
     ) -> Result<(), ConversionError> {
         let layout = self.dataset.as_ref().map_or(KittiLayout::Tracking, |(_, layout)| *layout);

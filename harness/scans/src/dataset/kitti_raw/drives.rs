@@ -97,7 +97,7 @@ pub fn open_kitti_raw(mut source: DatasetSource) -> Result<Box<dyn Dataset>, Dat
         }
         let last = numbers.last().copied().unwrap_or_default();
         scan_ids.extend(numbers.into_iter().map(|index| ScanId { sequence: name.clone(), index }));
-        let drive = open_drive(folder.clone(), (&name, last), &mut checksum, &mut classes)?;
+        let drive = open_drive(folder.clone(), &name, last, &mut checksum, &mut classes)?;
         if let Some(other) = drives.insert(name.clone(), drive) {
             return Err(DatasetError::same_name("drives", &name, &[&other.folder, &folder]));
         }
@@ -207,7 +207,8 @@ fn drives_below(folder: &Path) -> Vec<PathBuf> {
 
 fn open_drive(
     folder: PathBuf,
-    (name, last_scan): (&str, u32),
+    name: &str,
+    last_scan: u32,
     checksum: &mut DatasetChecksum,
     classes: &mut ClassReader<'_>,
 ) -> Result<Drive, DatasetError> {

@@ -144,17 +144,16 @@ fn annotations_of(
                 continue;
             }
             by_scan.entry(scan).or_default().push(Annotation {
-                class,
                 bounding_box: Some(OrientedBox {
                     center_m: [pose.x_m, pose.y_m, pose.bottom_m + tracklet.height_m / 2.0]
                         .map(|it| it as f32),
                     length_width_height_m: sides_m.map(|it| it as f32),
                     yaw_rad: pose.yaw_rad as f32,
                 }),
-                point_indices: Vec::new(),
                 track: Some(track),
                 occlusion: pose.occlusion(),
                 truncation: pose.truncation(),
+                ..Annotation::of(class)
             });
         }
     }

@@ -64,14 +64,8 @@ impl SceneObject {
             .as_ref()
             .map(|(frame_from_box, size_m)| sensible_box(&(sensor_from_frame * frame_from_box), *size_m))
             .transpose()?;
-        Ok(Annotation {
-            class,
-            bounding_box,
-            point_indices: Vec::new(),
-            track: self.track,
-            occlusion: self.occlusion,
-            truncation: self.truncation,
-        })
+        let Self { track, occlusion, truncation, .. } = *self;
+        Ok(Annotation { bounding_box, track, occlusion, truncation, ..Annotation::of(class) })
     }
 }
 

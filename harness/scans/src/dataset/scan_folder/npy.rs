@@ -55,7 +55,7 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let field =
         |(index, name): (usize, &str)| PackedField { name: name.to_owned(), offset: index * n_bytes, number };
     let fields = names.enumerate().map(field).collect();
-    PackedPoints::in_a_row(fields, (n_points, n_columns * n_bytes), byte_order, data).positioned()
+    PackedPoints::in_a_row(fields, n_points, n_columns * n_bytes, byte_order, data).positioned()
 }
 
 /// What the header says about `key`; nothing if it says nothing.

@@ -36,7 +36,7 @@ pub fn parse_pcd(bytes: &[u8]) -> Result<PositionedPoints, String> {
 
 fn packed<'a>(header: &Header<'_>, data: &'a [u8]) -> PackedPoints<'a> {
     let fields = header.fields.iter().map(|(field, _)| field.clone()).collect();
-    PackedPoints::in_a_row(fields, (header.n_points, header.point_step), ByteOrder::Little, data)
+    PackedPoints::in_a_row(fields, header.n_points, header.point_step, ByteOrder::Little, data)
 }
 
 fn parse_header(bytes: &[u8]) -> Result<(Header<'_>, &[u8]), String> {

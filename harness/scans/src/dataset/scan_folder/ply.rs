@@ -42,8 +42,7 @@ pub fn parse_ply(bytes: &[u8]) -> Result<PositionedPoints, String> {
         }
     }
     let n_points = n_points.ok_or("has no vertices")?;
-    let packed =
-        |byte_order| PackedPoints::in_a_row(fields.clone(), (n_points, point_step), byte_order, rest);
+    let packed = |byte_order| PackedPoints::in_a_row(fields.clone(), n_points, point_step, byte_order, rest);
     match format {
         Some("binary_little_endian") => packed(ByteOrder::Little).positioned(),
         Some("binary_big_endian") => packed(ByteOrder::Big).positioned(),
@@ -91,8 +90,8 @@ fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<Po
         number: NumberType::F64,
     };
     let of_rows = fields.iter().enumerate().map(field).collect();
-    let size = (n_rows, fields.len() * NumberType::F64.n_bytes());
-    let packed = PackedPoints::in_a_row(of_rows, size, ByteOrder::Little, &rows);
+    let point_step = fields.len() * NumberType::F64.n_bytes();
+    let packed = PackedPoints::in_a_row(of_rows, n_rows, point_step, ByteOrder::Little, &rows);
     let mut points = packed.positioned()?;
     packed.take_lasers_and_times(fields, &mut points)?;
     Ok(points)

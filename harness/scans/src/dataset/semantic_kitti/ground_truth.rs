@@ -7,7 +7,7 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::semantic_class::{SemanticClass, semantic_class};
 use super::upright_components::upright_components;
-use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::positioned_points::PositionedPoints;
 
@@ -22,7 +22,8 @@ use crate::dataset::positioned_points::PositionedPoints;
 pub fn label_scan(
     id: ScanId,
     points: PositionedPoints,
-    (labels, path): (&[u32], &Path),
+    labels: &[u32],
+    path: &Path,
     classes: &mut ClassReader<'_>,
 ) -> LabeledScan {
     let labels = points.values_of_kept(labels);
@@ -60,15 +61,8 @@ pub fn label_scan(
     let of_uprights = upright_components(&cloud, &uprights)
         .into_iter()
         .map(|points| annotation(AnnotationClass::Pole, points, None));
-    let annotations = of_instances.chain(of_uprights).collect();
-    LabeledScan {
-        id,
-        cloud,
-        annotations,
-        point_regions,
-        labeled_area: LabeledArea::Everywhere,
-        points_left_out,
-    }
+    let everywhere = LabeledScan::everywhere(id, cloud, of_instances.chain(of_uprights).collect());
+    LabeledScan { point_regions, points_left_out, ..everywhere }
 }
 
 /// What becomes of the points of a label: as the user says of its number, else as the format does. A number that neither
@@ -108,7 +102,7 @@ mod tests {
         }
         let mut classes = ClassReader::new(rules, &[]);
         let id = ScanId { sequence: "00".to_owned(), index: 0 };
-        let scan = label_scan(id, points, (&labels, Path::new("a.label")), &mut classes);
+        let scan = label_scan(id, points, &labels, Path::new("a.label"), &mut classes);
         (scan, classes.unknown().clone())
     }
 
@@ -167,7 +161,7 @@ mod tests {
         let (rules, labels) = (ClassRules::default(), [40, 0xa | 1 << 16, 0xa | 2 << 16]);
         let id = ScanId { sequence: "00".to_owned(), index: 0 };
         let mut classes = ClassReader::new(&rules, &[]);
-        let scan = label_scan(id, points, (&labels, Path::new("a.label")), &mut classes);
+        let scan = label_scan(id, points, &labels, Path::new("a.label"), &mut classes);
         assert_eq!((scan.points_left_out, scan.point_regions.len()), (vec![1], 2));
         let [car] = &scan.annotations[..] else { panic!("{:?}", scan.annotations) };
         assert_eq!((car.track, &car.point_indices[..]), (Some(0xa | 2 << 16), &[1][..]));

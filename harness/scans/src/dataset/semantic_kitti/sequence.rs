@@ -88,7 +88,7 @@ impl Dataset for SemanticKitti {
         let path = self.label_file(&id);
         let labels = parse_label_file(&path, &bytes_of(&path)?, points.n_in_file())?;
         let mut classes = ClassReader::new(&self.classes, &[]);
-        let scan = label_scan(id, points, (&labels, &path), &mut classes);
+        let scan = label_scan(id, points, &labels, &path, &mut classes);
         if !classes.unknown().is_empty() {
             self.all_unknown_classes().refuse(&self.listing.description.id)?;
         }

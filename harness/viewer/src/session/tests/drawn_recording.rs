@@ -23,7 +23,7 @@ use rerun::external::arrow::array::Array as _;
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
-use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
+use scans::annotation::{Annotation, LabeledScan, ScanId};
 
 use super::super::{Stream, StreamEnding};
 use crate::{
@@ -39,21 +39,16 @@ pub fn unit_box(x_m: f32) -> OrientedBox {
 
 pub fn scan(index: u32) -> LabeledScan {
     let annotation = |bounding_box, point_indices| Annotation {
-        class: AnnotationClass::Car,
         bounding_box,
         point_indices,
         track: Some(7),
-        occlusion: None,
-        truncation: None,
+        ..Annotation::of(AnnotationClass::Car)
     };
-    LabeledScan {
-        id: ScanId { sequence: "0000".to_owned(), index },
-        cloud: (0..N_POINTS).map(|it| [it as f32, 0.5, 0.5]).collect(),
-        annotations: vec![annotation(Some(unit_box(0.0)), vec![0]), annotation(None, vec![2, 3])],
-        point_regions: vec![PointRegion::Labeled; N_POINTS],
-        labeled_area: LabeledArea::Everywhere,
-        points_left_out: Vec::new(),
-    }
+    LabeledScan::everywhere(
+        ScanId { sequence: "0000".to_owned(), index },
+        (0..N_POINTS).map(|it| [it as f32, 0.5, 0.5]).collect(),
+        vec![annotation(Some(unit_box(0.0)), vec![0]), annotation(None, vec![2, 3])],
+    )
 }
 
 pub fn output() -> DetectorOutput {

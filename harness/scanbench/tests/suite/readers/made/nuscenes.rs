@@ -36,54 +36,35 @@ const CATEGORIES: [&str; 5] =
 /// The tables that are the same for all scans, with a camera as well.
 fn fixed_tables(table: &impl Fn(&str, Vec<Value>)) {
     let (translation, rotation) = pose(&car_from_lidar());
+    let numbered = |names: &[&str], row: &dyn Fn(usize, &str) -> Value| -> Vec<Value> {
+        names.iter().enumerate().map(|(number, name)| row(number, name)).collect()
+    };
+    let channels = ["CAM_FRONT", "LIDAR_TOP"];
+    let modality = ["camera", "lidar"];
     table(
         "sensor",
-        vec![
-            json!({"token": token(1, 0), "channel": "CAM_FRONT", "modality": "camera"}),
-            json!({"token": token(1, 1), "channel": "LIDAR_TOP", "modality": "lidar"}),
-        ],
+        numbered(
+            &channels,
+            &|it, name| json!({"token": token(1, it), "channel": name, "modality": modality[it]}),
+        ),
     );
     table(
         "calibrated_sensor",
-        (0..2)
-            .map(|it| {
-                json!({"token": token(2, it), "sensor_token": token(1, it),
-        "translation": translation, "rotation": rotation, "camera_intrinsic": []})
-            })
-            .collect(),
+        numbered(&channels, &|it, _| {
+            json!({"token": token(2, it), "sensor_token": token(1, it), "translation": translation,
+                "rotation": rotation, "camera_intrinsic": []})
+        }),
     );
     table("log", vec![json!({"token": token(3, 0), "vehicle": "n015", "location": "street"})]);
-    table(
-        "scene",
-        vec![json!({"token": token(4, 0), "log_token": token(3, 0), "name": "scene-0061", "nbr_samples": 3})],
-    );
-    let visibility = ["v0-40", "v40-60", "v60-80", "v80-100"];
-    table(
-        "visibility",
-        visibility
-            .iter()
-            .enumerate()
-            .map(|(it, level)| {
-                json!({"token": (it + 1).to_string(),
-        "level": level})
-            })
-            .collect(),
-    );
-    table(
-        "attribute",
-        vec![
-            json!({"token": token(5, 0), "name": "cycle.with_rider"}),
-            json!({"token": token(5, 1), "name": "vehicle.parked"}),
-        ],
-    );
-    table(
-        "category",
-        CATEGORIES
-            .iter()
-            .enumerate()
-            .map(|(it, name)| json!({"token": token(6, it), "name": name}))
-            .collect(),
-    );
+    let scene =
+        json!({"token": token(4, 0), "log_token": token(3, 0), "name": "scene-0061", "nbr_samples": 3});
+    table("scene", vec![scene]);
+    let levels = ["v0-40", "v40-60", "v60-80", "v80-100"];
+    let visibility = |it: usize, level: &str| json!({"token": (it + 1).to_string(), "level": level});
+    table("visibility", numbered(&levels, &visibility));
+    let named = |kind| move |it, name: &str| json!({"token": token(kind, it), "name": name});
+    table("attribute", numbered(&["cycle.with_rider", "vehicle.parked"], &named(5)));
+    table("category", numbered(&CATEGORIES, &named(6)));
 }
 
 /// The drive as a scene of nuScenes, with tables that name other sensors and scans between keyframes as well.

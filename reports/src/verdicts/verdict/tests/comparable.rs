@@ -1,0 +1,74 @@
+//! Which runs can be judged by each other.
+
+use super::*;
+use crate::run_folder::manifest::{DetectorEntry, ForeignEntry};
+use crate::tables::verdict::brief::{Brief, Purpose};
+use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
+
+/// The usual run, whose only entry is `pca`, of others.
+fn with_foreign(foreign: ForeignEntry) -> RunArchive {
+    let mut run = USUAL.archive();
+    run.manifest.detectors = vec![DetectorEntry { foreign: Some(foreign), ..sample::detector("pca") }];
+    run
+}
+
+#[test]
+fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
+    let mut run = USUAL.archive();
+    run.scans.retain(|it| it.detector == "kd-tree" || it.scan > 0);
+    let error = against_usual(&run).unwrap_err().to_string();
+    check_holds(&error, "pca was evaluated on 30 scans of main_road in the task objects, and now on 29");
+    run.scans.retain(|it| it.detector == "kd-tree");
+    assert_eq!(
+        against_usual(&run).unwrap_err().to_string(),
+        "the runs cannot be compared: the detector pca is only in the earlier run, not in the later one"
+    );
+
+    // A new one has nothing to be judged by, and is named.
+    let verdict = judge(&run, &USUAL.archive(), &tolerances()).unwrap();
+    check_holds(&printed(&verdict), "Not judged, because only the later run has it: pca.");
+    let comparison = compare_runs(&run, &USUAL.archive(), ComparedSlices::All).unwrap();
+    check_holds(&printed(&comparison), "Not compared, because only the later run has it: pca.");
+}
+
+#[test]
+fn a_changed_configuration_is_reported_with_both_values() {
+    let with = |it: &str| with_foreign(ForeignEntry { vehicles: it.to_owned(), ..ForeignEntry::default() });
+    let (before, after) = (with("size"), with("model"));
+    let verdict = judge(&before, &after, &tolerances()).unwrap();
+    let purpose = Purpose::Gate { in_full: "gate --full" };
+    let brief = Brief { verdict: &verdict, sides: ["run", "baseline"], purpose };
+    let comparison = compare_runs(&before, &after, ComparedSlices::All).unwrap();
+    for text in [printed(&verdict), printed(&brief), printed(&comparison)] {
+        check_holds(&text, "Configuration changed: pca: vehicles: size → model.");
+    }
+    check_holds(&Json.text(&verdict), "\"pca: vehicles: size → model\"");
+    let same = judge(&before, &before, &tolerances()).unwrap();
+    assert!(!printed(&same).contains("Configuration changed"));
+}
+
+#[test]
+fn scans_of_which_points_or_labels_changed_are_not_gated() {
+    let mut relabelled = USUAL.archive();
+    numbers_of(&mut relabelled, |it| it.scan == 1).for_each(|it| it.checksum += 1);
+    let error = against_usual(&relabelled).unwrap_err().to_string();
+    let expected = "the runs cannot be compared: points or labels changed in 1 of ";
+    assert!(error.starts_with(expected) && error.ends_with("their checksums differ"), "{error}");
+}
+
+#[test]
+fn results_of_other_files_are_not_gated() {
+    let with = |checksum: &str| {
+        let [results, results_checksum] = ["found", checksum].map(|it| Some(it.to_owned()));
+        with_foreign(ForeignEntry { results, results_checksum, ..ForeignEntry::default() })
+    };
+    assert!(judge(&with("a"), &with("a"), &tolerances()).is_ok());
+    assert!(against_usual(&with("a")).is_ok());
+    assert_eq!(
+        judge(&with("a"), &with("b"), &tolerances()).unwrap_err().to_string(),
+        "the runs cannot be compared: the results of pca changed: their checksums differ"
+    );
+    // What lies between the two is no secret.
+    let comparison = compare_runs(&with("a"), &with("b"), ComparedSlices::All).unwrap();
+    check_holds(&printed(&comparison), "The results of these changed before they were judged: pca.");
+}
