@@ -43,7 +43,7 @@ pub struct PartialArgs {
     /// Compare the method with itself without each part, instead of with rivals
     #[arg(long, requires = "train", hide_short_help = true, help_heading = JUDGING)]
     pub ablation: bool,
-    /// Also fences, hedges and the like, which are none of the four; methods may reject
+    /// Also judge fences, hedges and the like; methods may reject objects
     #[arg(long, help_heading = JUDGING)]
     pub others: bool,
     /// Show objects of objects-approach as the drive does, and not step by step

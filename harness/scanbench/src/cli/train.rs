@@ -26,10 +26,10 @@ pub enum TrainCommand {
     /// Train the classifier of pca
     #[command(after_help = PCA_EXAMPLES, after_long_help = with_details(PCA_EXAMPLES, SVM_DETAILS))]
     Pca(Box<SvmTrainingArgs>),
-    /// Train what makes the boxes of vehicles whole, for all detectors but those of the papers
+    /// Train the boxes of whole vehicles, for all detectors but paper and pca
     #[command(after_help = BOXES_EXAMPLES, after_long_help = with_details(BOXES_EXAMPLES, BOXES_DETAILS))]
     Boxes(Box<BoxTrainingArgs>),
-    /// Train the classifier of partial objects, of which more and more is seen
+    /// Train the classifier of partly seen objects
     #[command(after_help = PARTIAL_EXAMPLES)]
     Partial(Box<PartialTrainingArgs>),
 }
