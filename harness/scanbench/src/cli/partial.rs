@@ -99,7 +99,7 @@ Examples:
   scanbench partial ~/data/object_clouds --others
   scanbench partial objects-around --train objects-around --per-class 60
   scanbench partial ~/data/object_clouds --train ~/data/object_clouds
-  scanbench partial --per-class 60 --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards";
+  scanbench partial --per-class 60 --shard 1/2 -o shards  # and 2/2, then: scanbench merge shards";
 
 const PARTIAL_DETAILS: &str = "\
 Every object is uncovered in ten steps, from below and from above, each a tenth of
