@@ -47,7 +47,7 @@ pub struct TreeTrainingArgs {
     /// scans]
     #[arg(long, value_name = "FILE", help_heading = TRAINING)]
     pub prototypes: Option<PathBuf>,
-    /// Set one parameter of what finds the groups; may be repeated
+    /// Set one parameter of the stages that find the groups; may be repeated
     ///
     /// The models keep it: a run with another value is refused. The last parts of a name are enough if only one parameter
     /// ends in them.
