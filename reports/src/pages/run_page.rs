@@ -310,7 +310,10 @@ mod tests {
         check_holds(&with, &["published: Budapest #1", "hierarchical grid under paper", "Hollow diamonds"]);
         let without = page_of(&["hierarchical", "kd-tree", "pca"]);
         assert!(!without.contains("published: ") && !without.contains("Hollow diamonds"));
-        check_holds(&without, &["Published numbers of the papers stand beside their own method: -d paper,"]);
+        check_holds(
+            &without,
+            &["Published numbers of the papers are shown with their own method: -d paper,"],
+        );
     }
 
     #[test]

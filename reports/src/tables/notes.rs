@@ -76,7 +76,7 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
         }));
     }
     if table.lacks_paper {
-        let asked = "Published numbers of the papers stand beside their own method: -d paper,hierarchical,kd-tree,pca.";
+        let asked = "Published numbers of the papers are shown with their own method: -d paper,hierarchical,kd-tree,pca.";
         notes.sentences.push(asked.to_owned());
     }
     notes.sentences.extend(about_detectors(table));

@@ -13,7 +13,7 @@ use crate::vocabulary::extent::Extent;
 
 /// Where the rest is.
 const IN_FULL: &str =
-    "Each data set by itself, counts, times and published numbers: on the page, and with -v.";
+    "Each data set, counts, times and published numbers are on the page, and printed with -v.";
 
 /// What a run came to, in few lines. Its page has everything.
 #[derive(Debug, Clone, PartialEq)]
@@ -190,7 +190,7 @@ mod tests {
           TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second, detection only, on Example CPU @ 2 GHz.
         95 %: cluster bootstrap, 10000 resamples of whole drives.
         Without F-rate: not every class of object is annotated, so false objects cannot be counted.
-        Each data set by itself, counts, times and published numbers: on the page, and with -v.
+        Each data set, counts, times and published numbers are on the page, and printed with -v.
         ");
     }
 }

@@ -39,7 +39,9 @@ pub fn times_doubts(manifest: &Manifest, report: &RunReport) -> Vec<String> {
     }
     let busy = least_share.map(|(share, about)| {
         let percent = fixed_decimals(100.0 * share, 0);
-        format!("Times are unreliable: the machine was busy. {about} was on a processor for {percent} % of its time.")
+        format!(
+            "Times are unreliable: the machine was busy. {about} had a processor for {percent} % of its time."
+        )
     });
     let outlier = longest.map(|(times, about)| {
         let times = fixed_decimals(times, 1);
@@ -76,7 +78,7 @@ mod tests {
     fn a_busy_machine_and_outliers_are_said() {
         assert_eq!(doubts(99.0, 300.0), [""; 0]);
         let said = doubts(62.0, 830.0).join(" ");
-        assert!(said.contains("on a processor for 62 % of its time"), "{said}");
+        assert!(said.contains("had a processor for 62 % of its time"), "{said}");
         assert!(said.contains("took 8.3 times the median"), "{said}");
     }
 }

@@ -49,7 +49,7 @@ Examples:
   scanbench ablation
   scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
   scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
-  scanbench ablation streets --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards
+  scanbench ablation streets --shard 1/2 -o shards  # and 2/2, then: scanbench merge shards
 
 Runs the whole method and one variant without each part. Writes ablation.csv,
 ablation.md and the files of a run whose detectors are the variants:

@@ -20,7 +20,7 @@ pub struct ObjectArgs {
     /// Simulated objects of each class [default: 300]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = DATA)]
     pub per_class: Option<u32>,
-    /// Put objects of data sets together from all scans that show them
+    /// Register objects of data sets over all scans that show them
     #[arg(long, help_heading = DATA)]
     pub registered: bool,
 }

@@ -49,7 +49,7 @@ const DETECT_EXAMPLES: &str = "\
 Examples:
   scanbench detect 000000.bin -o clusters.csv --boxes boxes.csv
   scanbench detect 000000.bin -d kd-tree -P tolerance_m=0.5 -P foreground=all -o clusters.u32
-  scanbench detect street-narrow --scan 10 --sensor vlp-16 --repeat 20
+  scanbench detect street-narrow --seed 7 --scan narrow-7/000000 --sensor vlp-16 --repeat 20
   scanbench detect ~/data/kitti_tracking --scan 0000/000110 --boxes - | head
 
 Clusters are numbered from 1; the column id of the boxes has the same numbers. Points

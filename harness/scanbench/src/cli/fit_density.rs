@@ -32,5 +32,5 @@ Examples:
   scanbench run ~/data/kitti_tracking --config density.toml
 
 The curve says how the density of points falls with the range. All scans must be of
-one sensor. The program has curves for hdl-64e-s2, hdl-32e, vlp-16, os1-128 and argoverse2. For
-another sensor run learns one from five scans.";
+one sensor. The program has curves for hdl-64e-s2, hdl-32e, vlp-16, os1-128 and
+argoverse2. For another sensor, `scanbench run` learns one from five scans.";

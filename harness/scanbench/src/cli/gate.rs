@@ -81,7 +81,7 @@ pub struct BaselineInitArgs {
     /// Run directory
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
-    /// Folder of the baseline, as it is called from the root of the repository
+    /// Folder of the baseline, relative to the root of the repository
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub output: PathBuf,
 }

@@ -43,7 +43,7 @@ pub struct PartialArgs {
     /// Compare the method with itself without each part, instead of with rivals
     #[arg(long, requires = "train", hide_short_help = true, help_heading = JUDGING)]
     pub ablation: bool,
-    /// Also fences, hedges and the like, which are none of the four; methods may reject
+    /// Also judge fences, hedges and the like; methods may reject objects
     #[arg(long, help_heading = JUDGING)]
     pub others: bool,
     /// Show objects of objects-approach as the drive does, and not step by step
@@ -99,7 +99,7 @@ Examples:
   scanbench partial ~/data/object_clouds --others
   scanbench partial objects-around --train objects-around --per-class 60
   scanbench partial ~/data/object_clouds --train ~/data/object_clouds
-  scanbench partial --per-class 60 --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards";
+  scanbench partial --per-class 60 --shard 1/2 -o shards  # and 2/2, then: scanbench merge shards";
 
 const PARTIAL_DETAILS: &str = "\
 Every object is uncovered in ten steps, from below and from above, each a tenth of

@@ -42,7 +42,7 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// Print the directory of a result, and errors; of what leaves no directory the result
+    /// Print only errors and the directory of the result, or the result if there is none
     #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = GENERAL)]
     pub quiet: bool,
     /// Print progress scan by scan, and all tables of a run
@@ -105,7 +105,7 @@ pub enum Command {
     /// List, check, convert, simulate, prelabel, hash and compare data sets
     #[command(subcommand, after_help = "Example:\n  scanbench data list")]
     Data(DataCommand),
-    /// Train what detectors judge by, and test it on held-out drives
+    /// Train the models of detectors, and test them on held-out drives
     #[command(
         subcommand,
         after_help = "Example:\n  scanbench train groupings training-streets --scans 0..300:6 -o model"
@@ -119,15 +119,15 @@ pub enum Command {
     Sweep(Box<SweepArgs>),
     /// Measure how slopes, rain, sensors and mounting heights change the scores
     Robustness(RobustnessArgs),
-    /// Judge the claims of the papers, and what each of them rests on
+    /// Judge the claims of the papers, under several readings of each
     Reproduce(Box<ReproduceArgs>),
     /// Classify objects of which only a part has been seen
     Partial(Box<PartialArgs>),
     /// Measure how far apart two objects must be for detectors to separate them
     Gaps(GapsArgs),
-    /// Measure the errors of two ways to fit boxes
+    /// Measure the errors of five ways to fit boxes
     Boxes(BoxesArgs),
-    /// Let a program that speaks the protocol for detectors ask one of ours
+    /// Run one of our detectors for a program that speaks the protocol
     Serve(ServeArgs),
     /// Print the parameters of detectors, with what they mean
     Params(ParamsArgs),
@@ -138,13 +138,13 @@ pub enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true)]
         command: Vec<String>,
     },
-    /// Hand a run or a study to Slurm or Kubernetes, as shards and a merge
+    /// Write the jobs of a run or a study for Slurm or Kubernetes
     #[command(
         subcommand,
         after_help = "Example:\n  scanbench submit slurm --shards 40 -o runs/fleet -- run data/fleet"
     )]
     Submit(SubmitCommand),
-    /// Write a folder to begin with: a detector in Python, scans with labels, a gate
+    /// Write a folder to start from: a detector in Python, labelled scans, a gate
     Init(InitArgs),
     /// Print a completion script for a shell, or write the manual pages
     #[command(

@@ -11,9 +11,9 @@ use super::help_text::JUDGING;
 #[derive(Debug, Args)]
 #[command(next_help_heading = JUDGING)]
 pub struct ProtocolArgs {
-    /// Evaluate as others do, too; docs/protocols.md
+    /// Add the official scores of benchmarks; docs/protocols.md
     ///
-    /// A run directory gets `protocols.json`, the rows of it, and a table for each protocol.
+    /// A run directory gets `protocols.json`, its rows, and a table for each protocol.
     #[arg(long = "protocol", value_name = "NAMES", value_delimiter = ',', value_parser = protocol_parser(), hide_short_help = true)]
     pub protocols: Vec<Protocol>,
 }

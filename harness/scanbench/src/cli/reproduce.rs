@@ -24,7 +24,7 @@ pub struct ReproduceArgs {
     /// Which part of them.
     #[command(flatten)]
     pub shard: ShardArgs,
-    /// Joint settings of the values that the papers leave open, under each of which the claims are judged, too
+    /// Number of joint settings of the values that the papers leave open; each claim is judged under all
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     #[arg(help_heading = DETECTORS)]
     pub settings: u32,

@@ -38,7 +38,7 @@ Examples:
   scanbench robustness --scans 20 --seed 7 -o runs/robustness
   scanbench robustness -d hierarchical -P walls.enabled=false
   scanbench robustness --other-training docs/models/streets-and-rain
-  scanbench robustness --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards
+  scanbench robustness --shard 1/2 -o shards  # and 2/2, then: scanbench merge shards
 
 Simulates the same streets under one condition after another: slopes and hills,
 kerbs, a truck ahead, mounting heights, sensors, rain, rolling shutter. Writes

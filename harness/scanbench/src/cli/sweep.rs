@@ -86,7 +86,7 @@ Examples:
   scanbench sweep street-narrow -d kd-tree -P tolerance_m=0.3:0.8:0.1 -L foreground=short,refined
   scanbench sweep streets -P cell_size_m=0.2:2.0:0.1 -P min_length_cells=7.2/cell_size_m
   scanbench sweep streets -L grouping.ranked_probability=0.05,0.2,0.5 --protocol nuscenes
-  scanbench sweep streets -L xi=2,3 --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards";
+  scanbench sweep streets -L xi=2,3 --shard 1/2 -o shards  # and 2/2, then: scanbench merge shards";
 
 const SWEEP_DETAILS: &str = "\
 Runs every combination of values on each scan. The first swept parameter is the axis

@@ -25,10 +25,10 @@ pub enum TrainCommand {
     /// Train the classifier of pca
     #[command(after_help = PCA_EXAMPLES, after_long_help = with_details(PCA_EXAMPLES, SVM_DETAILS))]
     Pca(Box<SvmTrainingArgs>),
-    /// Train what makes the boxes of vehicles whole, for all detectors but those of the papers
+    /// Train the boxes of whole vehicles, for all detectors but paper and pca
     #[command(after_help = BOXES_EXAMPLES, after_long_help = with_details(BOXES_EXAMPLES, BOXES_DETAILS))]
     Boxes(Box<BoxTrainingArgs>),
-    /// Train the classifier of partial objects, of which more and more is seen
+    /// Train the classifier of partly seen objects
     #[command(after_help = PARTIAL_EXAMPLES)]
     Partial(Box<PartialTrainingArgs>),
 }
@@ -46,7 +46,7 @@ pub struct TreeTrainingArgs {
     /// scans]
     #[arg(long, value_name = "FILE", help_heading = TRAINING)]
     pub prototypes: Option<PathBuf>,
-    /// Set one parameter of what finds the groups; may be repeated
+    /// Set one parameter of the stages that find the groups; may be repeated
     ///
     /// The models keep it: a run with another value is refused. The last parts of a name are enough if only one parameter
     /// ends in them.

@@ -16,7 +16,7 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     if path.is_dir() && !path.join(MANIFEST_JSON).exists() {
         let path = path.display();
         return Err(Usage(format!(
-            "{path} is not the directory of a run; scans and labels are seen in the recording of one: `scanbench run {path} --scans 0`"
+            "{path} is not the directory of a run; to see scans and labels, record them: `scanbench run {path} --scans 0`"
         ))
         .into());
     }

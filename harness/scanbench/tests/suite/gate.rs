@@ -339,7 +339,7 @@ fn a_verdict_is_short_unless_all_of_it_is_asked_for() {
     assert!(count(&brief, "are called worse by chance, on average") == 1, "{brief}");
     let command = "scanbench gate worse --baseline golden --allow-drift=true --full";
     let said = brief.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.ends_with(&format!(" All of it: {command}")), "{brief}");
+    assert!(said.ends_with(&format!(" In full: {command}")), "{brief}");
     let full = print(&command.split(' ').skip(1).collect::<Vec<_>>());
     assert!(full.lines().count() > 100 && full.starts_with("FAILED: worse\n"), "{full}");
 }

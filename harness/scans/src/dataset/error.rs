@@ -21,7 +21,7 @@ pub enum DatasetError {
         source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// Nothing at the path looks like a data set.
-    #[error("{path:?} has no data set in a known format ({})", formats.join(", "))]
+    #[error("{path:?} has no data set in a known format ({}); see docs/formats.md", formats.join(", "))]
     UnrecognizedFormat {
         /// The path.
         path: PathBuf,

@@ -224,7 +224,7 @@ impl ForeignResults {
             left_over => format!("; it has others: {}", listed(left_over)),
         };
         let first =
-            format!("{}{others}; with --missing-detections empty nothing was found there", listed(&names));
+            format!("{}{others}; --missing-detections empty counts them as nothing found", listed(&names));
         DatasetError::MissingResults {
             path: self.path.clone(),
             dataset: self.dataset.clone(),

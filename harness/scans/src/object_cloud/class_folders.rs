@@ -63,7 +63,7 @@ pub fn open_class_folders(root: &Path) -> Result<ClassFolders, DatasetError> {
         folders.iter().map(|(name, _)| name.clone()).filter(|name| class_of_folder(name).is_none()).collect();
     if !unknown.is_empty() {
         return Err(DatasetError::Usage(format!(
-            "{root:?} has folders that are called after no class: {}; classes are {}, and what else of a street has a name",
+            "{root:?} has folders that are called after no class: {}; classes are {}, and names of annotations",
             shown(&unknown.join(", ")),
             PartialClass::ALL.map(PartialClass::name).join(", ")
         )));

@@ -9,7 +9,7 @@ use crate::verdicts::fitness_verdict::{CONFIGURED, FitnessVerdict};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::task::Task;
 
-const TITLE: &str = "Cell size picked by each variant of the fitness formula.";
+const TITLE: &str = "Cell size that each reading of the cell fitness recommends.";
 
 const SUMMARY_TITLE: &str = "The same over all data sets, with equal weights.";
 
@@ -75,7 +75,7 @@ pub fn fitness_sentences(verdicts: &[FitnessVerdict]) -> Vec<String> {
             .and_then(mean)
             .map_or_else(String::new, |it| format!(", the configured cell size {}", points(it)));
         Some(format!(
-            "Cell fitness, {task}: against the best cell size, the variant that does best ({name}) loses {} points of {rate} on \
+            "Cell fitness, {task}: against the best cell size, the reading that does best ({name}) loses {} points of {rate} on \
              average{configured}.",
             points(loss)
         ))
@@ -180,7 +180,7 @@ mod tests {
         let sweep = four_cell_sizes();
         let verdicts = fitness_verdicts(&sweep);
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&FitnessTable { verdicts: &verdicts }), @r"
-        Cell size picked by each variant of the fitness formula.
+        Cell size that each reading of the cell fitness recommends.
 
         data set, sensor, task, rate                               reading        NO  best m  best %  defined  recommends m  there %  lost  rank
         ────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────

@@ -50,7 +50,7 @@ impl Tabular for Brief<'_> {
             Purpose::Accept => Vec::new(),
         };
         lead.push(format!(
-            "Judged: {run} by {baseline}, {} on {} of {}.",
+            "Judged: {run} against {baseline}, {} on {} of {}.",
             verdict.detectors.join(", "),
             counted(verdict.n_scans, "scan"),
             verdict.dataset_in_words()
@@ -58,7 +58,7 @@ impl Tabular for Brief<'_> {
         lead.extend(about_judging(verdict));
         let sentences = self.changes().into_iter().chain(self.most_changed_scan());
         let in_full = match self.purpose {
-            Purpose::Gate { in_full } => Some(format!("All of it: {in_full}")),
+            Purpose::Gate { in_full } => Some(format!("In full: {in_full}")),
             Purpose::Accept => None,
         };
         let sentences = sentences.chain(in_full).collect();

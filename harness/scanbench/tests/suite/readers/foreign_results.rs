@@ -206,7 +206,7 @@ fn scans_without_results_are_named_and_so_are_results_without_scans() {
         false,
         &[
             "has no results for 11 of 13 scans of \"street\": training/000002, training/000003, ",
-            "training/000011 and 1 more; it has others: 000077.txt; with --missing-detections empty",
+            "training/000011 and 1 more; it has others: 000077.txt; --missing-detections empty",
         ],
     );
     let mut results = try_results(&path, &*dataset, MissingResults::AreEmpty).unwrap();

@@ -15,7 +15,7 @@ fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
     let verdict = judge(&USUAL.archive(), &run.archive(), &Tolerances::built_in(&USUAL.archive())).unwrap();
     insta::assert_snapshot!(brief(&verdict), @r"
     FAILED: worse
-    Judged: runs/after by runs/before, kd-tree, pca on 30 scans of main_road.
+    Judged: runs/after against runs/before, kd-tree, pca on 30 scans of main_road.
     18 numbers: 4 worse, 0 inconclusive, 0 missing. Results changed on 30 scans.
     4 numbers changed; of these up to 0.1 are called worse by chance, on average.
     Tolerances: built in, because the baseline has no tolerances.toml. rates: 1.00
@@ -32,7 +32,7 @@ fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
     - time, pca: 20.00 → 40.00 times grid-write, 100 % slower (95 % 100 to 100 %
       slower, tolerated 50 %): worse
     Most results changed on main_road 0000/000000, pca, objects: 1 object.
-    All of it: scanbench gate runs/after --baseline runs/before --full
+    In full: scanbench gate runs/after --baseline runs/before --full
     ");
     assert_eq!((verdict.n_worse(), verdict.n_at_risk()), (4, 4));
     // The other way round all of it is gained.
@@ -47,11 +47,11 @@ fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
     assert_eq!((same.n_worse(), same.n_at_risk()), (0, 0), "what is the same is no matter of chance");
     insta::assert_snapshot!(brief(&same), @r"
     PASSED
-    Judged: runs/after by runs/before, kd-tree, pca on 30 scans of main_road.
+    Judged: runs/after against runs/before, kd-tree, pca on 30 scans of main_road.
     4 numbers: 0 worse, 0 inconclusive, 0 missing. No result changed.
     Tolerances: tolerances.toml.
 
-    All of it: scanbench gate runs/after --baseline runs/before --full
+    In full: scanbench gate runs/after --baseline runs/before --full
     ");
 }
 
