@@ -36,7 +36,8 @@ impl Address {
     pub fn parse(text: &str) -> Result<Self, RemoteError> {
         let address = Self::parse_link(text)?;
         if address.url.query().is_some() {
-            let problem = "it has a query (?…); fetch a signed link with `scanbench data get NAME --link URL`, and read the folder";
+            let problem =
+                "it has a query (?…); fetch a signed link with `scanbench data get NAME --link URL`";
             return Err(RemoteError::Address { address: address.shown(), problem: problem.to_owned() });
         }
         Ok(address)

@@ -61,8 +61,8 @@ pub enum RemoteError {
     },
     /// It arrived, and is not what it should be.
     #[error(
-        "{url} has the wrong checksum: SHA-256 {expected} was expected ({stated}), {found} found; it was thrown away. Fetch it \
-         again; if the sum stays wrong, ask whoever publishes it"
+        "{url} has the wrong checksum: SHA-256 {expected} was expected ({stated}), {found} found; it was thrown away. \
+         Fetch it again; if the sum stays wrong, ask whoever publishes it"
     )]
     Checksum {
         /// Where.
@@ -131,6 +131,12 @@ impl RemoteError {
     /// `path` cannot be written.
     pub(crate) fn write(path: &Path, source: io::Error) -> Self {
         Self::Write { path: path.to_path_buf(), source }
+    }
+
+    /// Nothing says who asks for what is at `url`.
+    pub(crate) fn without_credentials(url: &str) -> Self {
+        let reason = "there are no credentials in the environment".to_owned();
+        Self::Refused { url: url.to_owned(), reason, remedy: HOW_TO_SIGN }
     }
 
     /// What `error` of the store means for the object that is shown as `url`.

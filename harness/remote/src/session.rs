@@ -205,8 +205,8 @@ pub fn missing(store: &Store, files: &[RemoteFile], folder: &Path, freshness: Fr
     missing
 }
 
-/// Removes what is in `folder` of a cache, and is none of `files`: it was removed where it came from. What is hidden stays, as
-/// it may be on its way.
+/// Removes what is in `folder` of a cache, and is none of `files`: it was removed where it came from. What is hidden
+/// stays, as it may be on its way.
 ///
 /// # Errors
 ///

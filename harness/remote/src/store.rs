@@ -29,6 +29,22 @@ const LONGEST_SUMS_BYTES: u64 = 256 << 20;
 /// So many questions are asked of a server at a time.
 const N_AT_A_TIME: usize = 16;
 
+/// What of the environment says who asks, or that nobody is asked who it is.
+const S3_CREDENTIALS: [&str; 5] = [
+    "AWS_ACCESS_KEY_ID",
+    "AWS_SKIP_SIGNATURE",
+    "AWS_WEB_IDENTITY_TOKEN_FILE",
+    "AWS_CONTAINER_CREDENTIALS_RELATIVE_URI",
+    "AWS_CONTAINER_CREDENTIALS_FULL_URI",
+];
+const GS_CREDENTIALS: [&str; 5] = [
+    "GOOGLE_APPLICATION_CREDENTIALS",
+    "GOOGLE_SERVICE_ACCOUNT",
+    "GOOGLE_SERVICE_ACCOUNT_PATH",
+    "GOOGLE_SERVICE_ACCOUNT_KEY",
+    "GOOGLE_SKIP_SIGNATURE",
+];
+
 /// How a bucket is reached other than the environment says.
 #[derive(Debug, Clone, Default)]
 pub struct Access {
@@ -71,10 +87,19 @@ impl Store {
     ///
     /// # Errors
     ///
-    /// [`RemoteError::Address`] if the environment contradicts itself.
+    /// [`RemoteError::Refused`] if there are none; [`RemoteError::Address`] if the environment contradicts itself.
     pub fn open(address: &Address, access: &Access) -> Result<Self, RemoteError> {
         // Whoever came first has chosen the same: there is only one.
         let _ = rustls::crypto::ring::default_provider().install_default();
+        let names = match address.scheme() {
+            Scheme::S3 => &S3_CREDENTIALS[..],
+            Scheme::Gs => &GS_CREDENTIALS,
+            Scheme::Http => &[],
+        };
+        // Without them, servers of the cloud's own machines would be asked, which there are none of elsewhere.
+        if !access.is_public && !names.is_empty() && names.iter().all(|it| std::env::var_os(it).is_none()) {
+            return Err(RemoteError::without_credentials(&address.shown()));
+        }
         let objects = open_objects(address, access)
             .map_err(|error| RemoteError::Address { address: address.shown(), problem: error.to_string() })?;
         Ok(Self { objects, address: address.clone() })
@@ -124,7 +149,8 @@ impl Store {
     fn how_to_list(&self) -> &'static str {
         match self.address.scheme() {
             Scheme::Http => {
-                "; a server says what a folder has by WebDAV, or by a file SHA256SUMS in it: sha256sum $(find * -type f) > SHA256SUMS"
+                "; a server says what a folder has by WebDAV, or by a file SHA256SUMS in it, which \
+                 sha256sum $(find * -type f) > SHA256SUMS makes"
             }
             Scheme::S3 | Scheme::Gs => "; an address names a file, or the folder of a data set",
         }

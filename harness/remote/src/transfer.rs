@@ -19,6 +19,8 @@ use crate::sums::{RunningSum, sha256_of};
 const N_ATTEMPTS: u32 = 4;
 /// The first pause between two attempts; each is twice as long as the one before.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
+/// What is said of a server that does not send files from the middle on.
+const WITHOUT_RANGES: [&str; 2] = ["non-partial response", "416 "];
 /// How often to look whether another program that fetches the same is done.
 const PATIENCE: Duration = Duration::from_millis(200);
 
@@ -143,12 +145,14 @@ impl Transfer<'_> {
                 (n_in_vain, pause) = (0, FIRST_PAUSE);
             }
             n_in_vain += 1;
-            if !matches!(error, RemoteError::Unreachable { .. }) || n_in_vain > N_ATTEMPTS {
-                return Err(error);
-            }
-            if n_now > 0 && n_now == n_before {
-                // Some servers cannot go on where they have stopped.
-                file.set_len(0).map_err(write)?;
+            match &error {
+                RemoteError::Unreachable { .. } if n_in_vain > N_ATTEMPTS => return Err(error),
+                RemoteError::Unreachable { reason, .. } => {
+                    if n_before > 0 && WITHOUT_RANGES.iter().any(|it| reason.contains(it)) {
+                        file.set_len(0).map_err(write)?;
+                    }
+                }
+                _ => return Err(error),
             }
             tokio::time::sleep(pause).await;
             pause *= 2;

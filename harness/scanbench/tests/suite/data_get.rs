@@ -359,5 +359,10 @@ fn addresses_without_data_are_named() {
     workplace
         .run(&["data", "check", &address, "--cache", "cache"])
         .check_refusal(3, &["nothing is at", "WebDAV", "SHA256SUMS"]);
+    workplace.refuse(
+        "data check s3://bucket/a",
+        3,
+        &["no credentials in the environment", "AWS_SKIP_SIGNATURE"],
+    );
     workplace.refuse("data check ftp://host/a", 2, &["ftp is none of s3, gs, https and http"]);
 }

@@ -186,6 +186,9 @@ impl Workplace {
             "COLUMNS",
             "SCANBENCH_CACHE",
             "XDG_CACHE_HOME",
+            "AWS_ACCESS_KEY_ID",
+            "AWS_SKIP_SIGNATURE",
+            "AWS_ENDPOINT_URL",
         ];
         // Servers of tests are on this machine.
         let proxies = ["http_proxy", "HTTP_PROXY", "https_proxy", "HTTPS_PROXY", "all_proxy", "ALL_PROXY"];

@@ -16,6 +16,9 @@ pub fn get(plan: &GetPlan<'_>) -> Result<Got, Failure> {
 }
 
 fn refused(problem: &str) -> Failure {
-    let remedy = "this program was built without the feature remote; cargo build --release --features remote builds it with it";
-    Usage(format!("{problem}: {remedy}")).into()
+    Usage(format!(
+        "{problem}: this program was built without the feature remote, which cargo build --release --features remote \
+         builds in"
+    ))
+    .into()
 }
