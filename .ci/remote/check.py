@@ -15,7 +15,7 @@ from pathlib import Path
 import boto3
 from moto.server import ThreadedMotoServer
 
-N_SCANS_OF_DRIVE = 50
+N_SCANS_SIMULATED = 50
 KEYS = {"AWS_ACCESS_KEY_ID": "testing", "AWS_SECRET_ACCESS_KEY": "testing", "AWS_REGION": "us-east-1"}
 # The longest that a run may take, in seconds.
 LONGEST_S = 3600
@@ -43,12 +43,13 @@ def timed(words, **variables):
 
 
 def make_scans(scanbench, folder, n_scans):
-    """Drives of the same small scans."""
+    """The files of drives, in which the same small scans come again and again."""
     simulate = ["data", "simulate", "street-narrow", "--sensor", "vlp-16", "--seed", 9001, "--to", "semantic-kitti"]
-    timed([scanbench, *simulate, "--simulated-scans", N_SCANS_OF_DRIVE, "-o", folder])
-    [drive] = (folder / "sequences").iterdir()
-    for number in range(1, n_scans // N_SCANS_OF_DRIVE):
-        shutil.copytree(drive, drive.with_name(f"{number + 50}"))
+    timed([scanbench, *simulate, "--simulated-scans", N_SCANS_SIMULATED, "-o", folder])
+    drives = sorted((folder / "sequences").iterdir())
+    for copy in range(1, n_scans // N_SCANS_SIMULATED):
+        for number, drive in enumerate(drives):
+            shutil.copytree(drive, drive.with_name(f"{copy * len(drives) + number:02}"))
     return sorted(it for it in folder.rglob("*") if it.is_file())
 
 

@@ -37,10 +37,7 @@ pub struct GetArgs {
 const GET_EXAMPLES: &str = "\
 Examples:
   scanbench data get kitti-raw --drive 2011_09_26_drive_0001 --accept-licence
-  scanbench data get argoverse2-val --dry-run --accept-licence
   scanbench data get nuscenes --link 'https://…/v1.0-mini.tgz?…' --accept-licence
 
-Several files arrive at a time. What is interrupted stays as a hidden file
-.NAME.partial-…, and the same command goes on from there. Files of the right size are
-not fetched again. Zip files are unpacked. SHA256SUMS has the checksums of all files;
-put it into an empty folder on another machine, and they are compared.";
+After an interruption, the same command goes on with what has arrived (.NAME.partial-…).
+Zip files are unpacked. SHA256SUMS has the checksums of all files.";

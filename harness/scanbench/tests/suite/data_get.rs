@@ -2,7 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::io::{Cursor, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 use crate::drawn_dataset::DrawnDataset;
@@ -27,6 +28,14 @@ fn workplace(server: &FileServer, lines: &str) -> Workplace {
     );
     workplace.write("mine.toml", &catalogue);
     workplace
+}
+
+/// Sums up all files of a folder.
+const SUM_UP: &str = "sha256sum $(find * -type f)";
+
+/// What a command line gives in `folder`.
+fn shell(line: &str, folder: &Path) -> Output {
+    Command::new("sh").args(["-c", line]).current_dir(folder).output().unwrap()
 }
 
 /// The hidden files that hold what has arrived.
@@ -90,8 +99,7 @@ fn drives_are_fetched_with_their_checksums_and_not_again() {
     ended.check_stdout(&["data  4 files  6.0 kB\n"]);
     assert_eq!(workplace.read_bytes("data/c/1.bin"), bytes(2000));
     assert!(!workplace.path("data/b").exists());
-    let checked = std::process::Command::new("sha256sum").args(["-c", "--strict", "SHA256SUMS"]);
-    let checked = { checked }.current_dir(workplace.path("data")).output().unwrap();
+    let checked = shell("sha256sum -c --strict SHA256SUMS", &workplace.path("data"));
     assert!(checked.status.success(), "{checked:?}");
     assert_eq!(workplace.read("data/SHA256SUMS").lines().count(), 4);
     server.asked();
@@ -284,11 +292,7 @@ fn served_drive(server: &FileServer) -> Workplace {
     DrawnDataset::tracking(workplace.folder(), 3);
     let folder = workplace.path("street");
     server.put_folder("public/street", &folder).put_folder("bucket/drives/street", &folder);
-    let sums = std::process::Command::new("sh")
-        .args(["-c", "sha256sum $(find * -type f)"])
-        .current_dir(&folder)
-        .output();
-    server.put("public/street/SHA256SUMS", &sums.unwrap().stdout);
+    server.put("public/street/SHA256SUMS", &shell(SUM_UP, &folder).stdout);
     workplace
 }
 
@@ -340,8 +344,7 @@ fn a_cache_follows_what_changes() {
     let last = scans.last().unwrap().strip_prefix("street").unwrap().to_str().unwrap().to_owned();
     std::fs::remove_file(workplace.path("street").join(&last)).unwrap();
     server.remove(&format!("public/street/{last}"));
-    let sums = std::process::Command::new("sh").args(["-c", "sha256sum $(find * -type f)"]);
-    let sums = { sums }.current_dir(workplace.path("street")).output().unwrap().stdout;
+    let sums = shell(SUM_UP, &workplace.path("street")).stdout;
     server.put("public/street/label_02/0000.txt", labels.as_bytes()).put("public/street/SHA256SUMS", &sums);
     server.age();
     let ended = workplace.succeed(&command);
