@@ -20,7 +20,7 @@ const N_ATTEMPTS: u32 = 4;
 /// The first pause between two attempts; each is twice as long as the one before.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 /// What is said of a server that does not send files from the middle on.
-const WITHOUT_RANGES: [&str; 2] = ["non-partial response", "416 "];
+const WITHOUT_RANGES: [&str; 3] = ["Range request not supported", "non-partial response", "416 "];
 /// How often to look whether another program that fetches the same is done.
 const PATIENCE: Duration = Duration::from_millis(200);
 

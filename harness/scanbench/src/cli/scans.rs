@@ -27,7 +27,7 @@ pub struct CatalogueArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = DATA)]
 pub struct DatasetArgs {
-    /// Data sets: ids of the catalogue, paths, or addresses (`s3://`, `gs://`, `https://`)
+    /// Data sets: ids of the catalogue, paths, s3://…
     #[arg(value_name = "DATASET", default_value = simulator::catalogue::DEFAULT_DATASETS, help_heading = Resettable::Reset)]
     pub datasets: Vec<String>,
     /// Scans to take from each data set, such as `7`, `0..500` or `0..500:5`

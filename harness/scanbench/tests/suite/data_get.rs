@@ -286,6 +286,11 @@ fn a_link_of_the_makers_is_fetched_and_not_shown() {
     workplace.refuse(&["run", link.as_str()], 2, &["it has a query"]);
 }
 
+/// What it printed, but for where the data are.
+fn without_path(ended: &Ended) -> String {
+    ended.stdout.lines().filter(|it| !it.starts_with("path ")).collect::<Vec<_>>().join("\n")
+}
+
 /// A drawn drive at `server`, as a web server has it and in the bucket `bucket`, and the folder it is drawn in.
 fn served_drive(server: &FileServer) -> Workplace {
     let workplace = Workplace::new();
@@ -300,19 +305,19 @@ fn served_drive(server: &FileServer) -> Workplace {
 fn data_sets_are_read_from_servers_and_buckets_as_from_disk() {
     let server = FileServer::start();
     let workplace = served_drive(&server);
-    let from_disk = workplace.succeed("data check street").stdout;
+    let from_disk = without_path(&workplace.succeed("data check street"));
     let web = server.url("public/street/");
     let endpoint = server.url("");
     let variables = [("AWS_ENDPOINT_URL", endpoint.trim_end_matches('/')), ("AWS_SKIP_SIGNATURE", "true")];
     for address in [web.as_str(), "s3://bucket/drives/street"] {
         let command = ["data", "check", address, "--cache", "cache"];
         let ended = workplace.run_with(&variables, &command);
-        assert_eq!((ended.exit_code, &ended.stdout), (Some(0), &from_disk), "{ended:#?}");
+        assert_eq!((ended.exit_code, without_path(&ended)), (Some(0), from_disk.clone()), "{ended:#?}");
         ended.check_stderr(&["fetched ", " files, ", "into cache/"]);
         server.asked();
         let again = workplace.run_with(&variables, &command);
         again.check_stderr(&["files as they are in cache/"]);
-        assert_eq!(again.stdout, from_disk);
+        assert_eq!(without_path(&again), from_disk);
         let fetched = server.asked().into_iter().filter(|it| it.starts_with("GET ") && it.contains(".bin "));
         assert_eq!(fetched.count(), 0);
     }
@@ -334,8 +339,8 @@ fn a_cache_follows_what_changes() {
     let command = ["data", "check", address.as_str(), "--cache", "cache"];
     workplace.succeed(&command);
     // A label of the same size, and a scan less.
-    let labels = workplace.read("street/label_02/0000.txt").replacen("Car", "Van", 1);
-    workplace.write("street/label_02/0000.txt", &labels);
+    let labels = workplace.read("street/training/label_02/0000.txt").replacen("Car", "Van", 1);
+    workplace.write("street/training/label_02/0000.txt", &labels);
     let scans: Vec<PathBuf> = workplace
         .names()
         .into_iter()
@@ -345,11 +350,13 @@ fn a_cache_follows_what_changes() {
     std::fs::remove_file(workplace.path("street").join(&last)).unwrap();
     server.remove(&format!("public/street/{last}"));
     let sums = shell(SUM_UP, &workplace.path("street")).stdout;
-    server.put("public/street/label_02/0000.txt", labels.as_bytes()).put("public/street/SHA256SUMS", &sums);
+    server
+        .put("public/street/training/label_02/0000.txt", labels.as_bytes())
+        .put("public/street/SHA256SUMS", &sums);
     server.age();
     let ended = workplace.succeed(&command);
-    assert_eq!(ended.stdout, workplace.succeed("data check street").stdout);
-    server.put("public/street/label_02/0000.txt", &b"X".repeat(labels.len()));
+    assert_eq!(without_path(&ended), without_path(&workplace.succeed("data check street")));
+    server.put("public/street/training/label_02/0000.txt", &b"X".repeat(labels.len()));
     std::fs::remove_dir_all(workplace.path("cache")).unwrap();
     workplace.run(&command).check_refusal(3, &["wrong checksum", "SHA256SUMS of the server"]);
 }
