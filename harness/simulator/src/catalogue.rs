@@ -51,6 +51,7 @@ impl SimulatedEntry for StreetDrive {
 mod tests {
     use super::*;
     use scans::dataset::AnnotatedClasses;
+    use scans::dataset::download::DownloadDrives;
     use scans::dataset::kitti::label::KITTI_CLASSES;
 
     fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError> {
@@ -96,6 +97,29 @@ mod tests {
             assert_eq!((&split.annotated, &split.sensor), (&whole.annotated, &whole.sensor));
             assert_eq!((split.sensor_height_m, &split.licence), (whole.sensor_height_m, &whole.licence));
         }
+    }
+
+    #[test]
+    fn what_can_be_fetched_has_a_licence_with_a_page() {
+        let recorded = built_in_catalogue().unwrap().recorded;
+        let fetched: Vec<_> =
+            recorded.iter().filter_map(|(id, it)| Some((id.as_str(), it.download.as_ref()?))).collect();
+        let ids: Vec<&str> = fetched.iter().map(|(id, _)| *id).collect();
+        assert_eq!(ids, ["argoverse2-val", "kitti-raw", "semantic-kitti"]);
+        let [argoverse2, kitti_raw, _] = fetched[..] else { panic!("three") };
+        assert_eq!(argoverse2.1.drives(), DownloadDrives::Folders);
+        let paths = kitti_raw.1.paths_of(&["2011_09_26_drive_0001".to_owned()]);
+        assert_eq!(
+            paths,
+            [
+                "2011_09_26_calib.zip",
+                "2011_09_26_drive_0001/2011_09_26_drive_0001_sync.zip",
+                "2011_09_26_drive_0001/2011_09_26_drive_0001_tracklets.zip",
+            ]
+        );
+        assert!(
+            recorded.values().all(|it| it.licence.is_some() && it.licence_url.is_some() && it.url.is_some())
+        );
     }
 
     /// A drive of whose entry, `simulated.wet`, these are the last lines.

@@ -4,6 +4,7 @@ use clap::{Args, Subcommand};
 
 use super::data_check::{CheckArgs, HashArgs};
 use super::data_convert::{CONVERT_EXAMPLES, ConvertArgs, SIMULATE_EXAMPLES};
+use super::data_get::GetArgs;
 use super::data_objects::DataObjectsArgs;
 use super::data_prelabel::PrelabelArgs;
 use super::help_text::{DATA, JUDGING};
@@ -16,6 +17,8 @@ pub enum DataCommand {
     /// List the data sets of the catalogue, and which are on this machine
     #[command(after_help = "Example:\n  scanbench data list --catalogue my-datasets.toml")]
     List(CatalogueArgs),
+    /// Fetch a public data set of the catalogue
+    Get(GetArgs),
     /// Write an entry for a data set into a catalogue of your own
     Add(Box<AddArgs>),
     /// Check scans and annotations, and print what may be wrong

@@ -27,7 +27,7 @@ pub struct CatalogueArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = DATA)]
 pub struct DatasetArgs {
-    /// Data sets: ids of the catalogue, or paths
+    /// Data sets: ids of the catalogue, paths, s3://…
     #[arg(value_name = "DATASET", default_value = simulator::catalogue::DEFAULT_DATASETS, help_heading = Resettable::Reset)]
     pub datasets: Vec<String>,
     /// Scans to take from each data set, such as `7`, `0..500` or `0..500:5`
@@ -87,6 +87,12 @@ pub struct SourceArgs {
     /// them; in metres and radians. Points and boxes are moved by it.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub transform: Option<PathBuf>,
+    /// Folder that data sets at addresses are fetched into [default: scanbench in XDG_CACHE_HOME or ~/.cache]
+    ///
+    /// All of a data set is fetched, whatever --scans says; give the address of a drive to fetch less. Only what is new or
+    /// has changed is fetched again.
+    #[arg(long, value_name = "DIR", env = "SCANBENCH_CACHE", hide_short_help = true)]
+    pub cache: Option<PathBuf>,
     /// Where ids are looked up.
     #[command(flatten)]
     pub catalogue: CatalogueArgs,

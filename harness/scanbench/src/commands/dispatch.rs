@@ -16,6 +16,7 @@ use crate::commands::completions::completions;
 use crate::commands::data::add::data_add;
 use crate::commands::data::check::data_check;
 use crate::commands::data::convert::{data_convert, data_simulate};
+use crate::commands::data::get::data_get;
 use crate::commands::data::hash::data_hash;
 use crate::commands::data::list::data_list;
 use crate::commands::data::objects::data_objects;
@@ -63,6 +64,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Detect(arguments) => detect(arguments),
         Command::Ablation(arguments) => ablation(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
+        Command::Data(DataCommand::Get(arguments)) => data_get(arguments),
         Command::Data(DataCommand::Add(arguments)) => data_add(arguments),
         Command::Data(DataCommand::Check(arguments)) => data_check(arguments),
         Command::Data(DataCommand::Hash(arguments)) => data_hash(arguments),

@@ -6,6 +6,7 @@ pub mod interruption;
 
 pub mod exit_code;
 pub mod progress;
+pub mod remote;
 pub mod config;
 pub mod counted_dataset;
 pub mod frame_facts;

@@ -1,5 +1,7 @@
 //! From the names on the command line to sets of objects, and which options say something about them.
 
+use std::path::PathBuf;
+
 use scans::dataset::class_table::ClassTable;
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use simulator::catalogue::Catalogue;
@@ -9,23 +11,27 @@ use simulator::open::OpenOptions;
 use crate::cli::{ObjectArgs, SourceArgs};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_datasets::{open_catalogue, open_options};
+use crate::commands::remote::local_name;
 
 /// How objects are opened.
 pub struct ObjectOpening {
     catalogue: Catalogue,
     options: OpenOptions,
+    cache: Option<PathBuf>,
 }
 
 impl ObjectOpening {
     /// As `source` says.
     pub fn of(source: &SourceArgs) -> Result<Self, Failure> {
         let catalogue = open_catalogue(source.catalogue.catalogue.as_deref())?;
-        Ok(Self { catalogue, options: open_options(source, &ClassTable::default())? })
+        let options = open_options(source, &ClassTable::default())?;
+        Ok(Self { catalogue, options, cache: source.cache.clone() })
     }
 
     /// The objects called `name`.
     pub fn open(&self, name: &str, objects: &ObjectOptions) -> Result<Box<dyn ObjectCloudSet>, Failure> {
-        Ok(open_objects(name, objects, &self.options, &self.catalogue)?)
+        let name = local_name(name, self.cache.as_deref())?;
+        Ok(open_objects(&name, objects, &self.options, &self.catalogue)?)
     }
 }
 

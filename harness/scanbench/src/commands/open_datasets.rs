@@ -27,6 +27,7 @@ use crate::commands::counted_dataset::{CountedDataset, PointsLeftOut};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::frame_facts::{FirstLook, Stated};
 use crate::commands::progress::progress_over_scans;
+use crate::commands::remote::local_name;
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
 /// A data set and the scans that are asked for.
@@ -178,6 +179,7 @@ pub fn open_datasets_past_damage(
     let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
     let mut opened: Vec<OpenedDataset> = Vec::new();
     for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
+        let name = &*local_name(name, arguments.source.cache.as_deref())?;
         let dataset = open_dataset(name, &options, &catalogue)?;
         let id = &dataset.description().id;
         if !opened.iter().all(|it| it.dataset.description().id != *id) {

@@ -18,6 +18,7 @@ use crate::cli::SourceArgs;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::frame_facts::{Stated, indices_looked_at};
 use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation, stated};
+use crate::commands::remote::local_name;
 
 /// A scan without ground truth.
 pub struct OpenedScan {
@@ -42,6 +43,7 @@ pub fn open_scan(
     of_config: &ClassTable,
 ) -> Result<OpenedScan, Failure> {
     let catalogue = open_catalogue(source.catalogue.catalogue.as_deref())?;
+    let input = &*local_name(input, source.cache.as_deref())?;
     let path = Path::new(input);
     if let Some(members) = catalogue.groups.get(input) {
         let problem = format!("{input:?} is a group of data sets; choose one of {}", members.join(", "));

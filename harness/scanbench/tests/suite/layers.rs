@@ -178,6 +178,11 @@ fn modules_of_the_viewer_use_only_what_is_declared_above_them() {
 }
 
 #[test]
+fn modules_of_what_fetches_use_only_what_is_declared_above_them() {
+    check("harness/remote");
+}
+
+#[test]
 fn modules_of_the_program_use_only_what_is_declared_above_them() {
     check("harness/scanbench");
 }
@@ -191,7 +196,7 @@ fn use_trees_are_read_to_the_last_leaf() {
 }
 
 /// The floors of the house from the ground up, and which others each one stands on.
-const FLOORS: [(&str, &[&str]); 8] = [
+const FLOORS: [(&str, &[&str]); 9] = [
     ("detector", &[]),
     ("baselines", &["detector"]),
     ("reports", &[]),
@@ -199,9 +204,10 @@ const FLOORS: [(&str, &[&str]); 8] = [
     ("harness/simulator", &["detector", "reports", "scans"]),
     ("harness/evaluation", &["baselines", "detector", "reports", "scans", "simulator"]),
     ("harness/viewer", &["detector", "evaluation", "reports", "scans"]),
+    ("harness/remote", &[]),
     (
         "harness/scanbench",
-        &["baselines", "detector", "evaluation", "reports", "scans", "simulator", "viewer"],
+        &["baselines", "detector", "evaluation", "remote", "reports", "scans", "simulator", "viewer"],
     ),
 ];
 
@@ -238,28 +244,35 @@ fn a_floor_stands_on_those_below_it_alone() {
 }
 
 #[test]
-fn rerun_is_known_to_the_viewer_alone_and_the_viewer_can_be_left_out() {
+fn rerun_and_the_network_are_known_to_one_crate_each_that_can_be_left_out() {
+    const NETWORK: [&str; 4] = ["object_store", "reqwest", "rustls", "tokio"];
     for (folder, _) in FLOORS {
         let manifest = manifest(folder);
         let tables = ["dependencies", "dev-dependencies", "build-dependencies"];
         let used: Vec<String> = tables.iter().flat_map(|it| names(&manifest, it)).collect();
         let knows_rerun = used.iter().any(|it| it == "rerun" || it.starts_with("re_"));
         assert_eq!(knows_rerun, folder == "harness/viewer", "{folder}");
-        let knows_the_viewer = used.iter().any(|it| it == "viewer");
-        assert_eq!(knows_the_viewer, folder == "harness/scanbench", "{folder}");
+        let knows_the_network = used.iter().any(|it| NETWORK.contains(&it.as_str()));
+        assert_eq!(knows_the_network, folder == "harness/remote", "{folder}");
+        for left_out in ["viewer", "remote"] {
+            let knows_it = used.iter().any(|it| it == left_out);
+            assert_eq!(knows_it, folder == "harness/scanbench", "{folder}");
+        }
     }
     let program = manifest("harness/scanbench");
-    assert_eq!(program["dependencies"]["viewer"]["optional"].as_bool(), Some(true));
-    assert_eq!(program["features"]["default"].as_array().map(Vec::len), Some(1));
+    for left_out in ["viewer", "remote"] {
+        assert_eq!(program["dependencies"][left_out]["optional"].as_bool(), Some(true));
+    }
+    assert_eq!(program["features"]["default"].as_array().map(Vec::len), Some(2));
 }
 
 #[test]
-fn one_file_asks_whether_the_viewer_was_built_in() {
+fn one_file_each_asks_whether_viewer_and_network_were_built_in() {
     let mut asking = Vec::new();
     for (folder, _) in FLOORS {
         let files = modules_of(folder).files;
         let asks = |file: &Path| code_of(file).contains("feature = ");
         asking.extend(files.into_iter().filter(|(_, file)| asks(file)).map(|(module, _)| module.join("::")));
     }
-    assert_eq!(asking, ["commands::recorder"]);
+    assert_eq!(asking, ["commands::remote", "commands::recorder"]);
 }

@@ -2,6 +2,8 @@
 
 // What the tests of the program share.
 mod drawn_dataset;
+#[cfg(feature = "remote")]
+mod file_server;
 mod partial;
 mod program;
 mod shard_folders;
@@ -9,6 +11,8 @@ mod shard_folders;
 mod bad_input;
 mod command_line;
 mod detect;
+#[cfg(feature = "remote")]
+mod data_get;
 mod first_look;
 mod label_look;
 mod ablation;

@@ -185,8 +185,16 @@ impl Workplace {
             "CLICOLOR_FORCE",
             "GITHUB_STEP_SUMMARY",
             "COLUMNS",
+            "SCANBENCH_CACHE",
+            "XDG_CACHE_HOME",
+            "AWS_ACCESS_KEY_ID",
+            "AWS_SKIP_SIGNATURE",
+            "AWS_ENDPOINT_URL",
         ];
-        for variable in variables.into_iter().chain(["KITTI_TRACKING_ROOT", "KITTI_OBJECT_ROOT"]) {
+        // Servers of tests are on this machine.
+        let proxies = ["http_proxy", "HTTP_PROXY", "https_proxy", "HTTPS_PROXY", "all_proxy", "ALL_PROXY"];
+        let roots = ["KITTI_TRACKING_ROOT", "KITTI_OBJECT_ROOT", "KITTI_RAW_ROOT", "NUSCENES_ROOT"];
+        for variable in variables.into_iter().chain(roots).chain(proxies) {
             command.env_remove(variable);
         }
         command

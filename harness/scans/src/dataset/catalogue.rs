@@ -9,6 +9,7 @@ use toml::Spanned;
 
 use super::class_table::{ClassTable, class_of_word};
 use super::dataset_format::DatasetFormat;
+use super::download::Download;
 use super::kitti::split_folder::KITTI_SENSOR;
 use super::root_template::RootTemplate;
 use super::shown_name::{is_printable, shown};
@@ -68,8 +69,12 @@ pub struct CatalogueEntry {
     pub sensor: String,
     /// Its licence, where known.
     pub licence: Option<String>,
+    /// The page of its licence, where known.
+    pub licence_url: Option<String>,
     /// Where to get it, if anywhere.
     pub url: Option<String>,
+    /// What of it can be fetched without a login, if anything.
+    pub download: Option<Download>,
     /// The checksum its files must have, as [`checksum`](super::checksum) describes it.
     pub checksum: Option<String>,
     /// What names of classes in its labels stand for.
@@ -152,7 +157,9 @@ struct WrittenEntry {
     #[serde(default = "kitti_sensor")]
     sensor: String,
     licence: Option<String>,
+    licence_url: Option<String>,
     url: Option<String>,
+    download: Option<Spanned<Download>>,
     checksum: Option<Spanned<String>>,
     #[serde(default)]
     classes: BTreeMap<String, Spanned<String>>,
@@ -208,16 +215,7 @@ fn entry_from_written(
         let problem = format!("checksum {:?} is not 64 lower-case hexadecimal digits", checksum.get_ref());
         return Err(source.error(checksum.span().start, &problem));
     }
-    let texts = [
-        ("sensor", Some(&written.sensor)),
-        ("licence", written.licence.as_ref()),
-        ("url", written.url.as_ref()),
-    ];
-    let said = texts.into_iter().filter_map(|(field, text)| Some((field, text?)));
-    if let Some((field, text)) = { said }.find(|(_, it)| !it.chars().all(is_printable)) {
-        let problem = format!("{field} {text:?} has a control character");
-        return Err(source.error(root_at, &problem));
-    }
+    check_texts(&written, root_at, source)?;
     let mut classes = ClassTable::default();
     for (name, word) in &written.classes {
         let class = class_of_word(word.get_ref()).map_err(|it| source.error(word.span().start, &it))?;
@@ -232,10 +230,32 @@ fn entry_from_written(
         sensor_height_m,
         sensor: written.sensor,
         licence: written.licence,
+        licence_url: written.licence_url,
         url: written.url,
+        download: written.download.map(Spanned::into_inner),
         checksum: written.checksum.map(Spanned::into_inner),
         classes,
     })
+}
+
+/// Makes sure that what is shown can be, and that what is fetched is below its address.
+fn check_texts(written: &WrittenEntry, at: usize, source: &CatalogueText<'_>) -> Result<(), DatasetError> {
+    let texts = [
+        ("sensor", Some(&written.sensor)),
+        ("licence", written.licence.as_ref()),
+        ("licence_url", written.licence_url.as_ref()),
+        ("url", written.url.as_ref()),
+    ];
+    let said = texts.into_iter().filter_map(|(field, text)| Some((field, text?)));
+    if let Some((field, text)) = { said }.find(|(_, it)| !it.chars().all(is_printable)) {
+        let problem = format!("{field} {text:?} has a control character");
+        return Err(source.error(at, &problem));
+    }
+    if let Some(download) = &written.download {
+        let begin = download.span().start;
+        download.get_ref().check().map_err(|it| source.error(begin, &format!("download: {it}")))?;
+    }
+    Ok(())
 }
 
 fn parts(
@@ -355,6 +375,8 @@ url = "https://example.org"
             sensor_height_m: 1.8,
             sensor: "hdl-64e-s2".to_owned(),
             licence: Some("mine".to_owned()),
+            licence_url: None,
+            download: None,
             url: Some("https://example.org".to_owned()),
             checksum: None,
             classes: ClassTable::default(),

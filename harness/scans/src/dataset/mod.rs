@@ -57,6 +57,7 @@ pub mod formats;
 // From what the user names to an open data set, and to the scans of it that are run.
 pub mod detect_format;
 pub mod root_template;
+pub mod download;
 pub mod catalogue;
 pub mod open;
 pub mod scan_selection;

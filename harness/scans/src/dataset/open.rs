@@ -102,7 +102,8 @@ fn open_catalogued(
     if let Some(asked_for) = options.format.filter(|it| *it != entry.format) {
         return Err(DatasetError::other_format(id, entry.format.name(), asked_for.name()));
     }
-    let download = entry.url.as_ref().map_or_else(String::new, |it| format!(" (download: {it})"));
+    let by_us = entry.download.as_ref().map(|_| format!(", or scanbench data get {id}")).unwrap_or_default();
+    let download = entry.url.as_ref().map_or_else(String::new, |it| format!(" (download: {it}{by_us})"));
     let root = entry.root.expand(|name| std::env::var_os(name)).map_err(|UnsetVariable(variable)| {
         DatasetError::Unsound(format!("the folder of {id:?} is not known: set {variable} to it{download}"))
     })?;

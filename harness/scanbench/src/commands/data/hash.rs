@@ -13,6 +13,7 @@ use simulator::simulated_street::StreetDrive;
 use crate::cli::HashArgs;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_datasets::open_catalogue;
+use crate::commands::remote::local_name;
 use crate::commands::standard_streams::print_result;
 
 /// Prints the checksums of data sets, and writes them into the catalogue if asked to.
@@ -43,7 +44,7 @@ fn checksum_of(name: &str, catalogue: &mut Catalogue) -> Result<String, Failure>
         entry.checksum = None;
     }
     let dataset = open_dataset(
-        name,
+        &local_name(name, None)?,
         &OpenOptions { classes: whatever_classes(), ..OpenOptions::default() },
         catalogue,
     )?;

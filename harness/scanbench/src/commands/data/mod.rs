@@ -1,6 +1,7 @@
 //! `scanbench data`.
 
 pub mod list;
+pub mod get;
 pub mod add;
 pub mod check;
 pub mod hash;

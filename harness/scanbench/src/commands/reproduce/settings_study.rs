@@ -131,6 +131,7 @@ fn development_streets(asked: &DatasetArgs) -> DatasetArgs {
         sensor,
         sensor_height: None,
         transform: None,
+        cache: None,
         catalogue: CatalogueArgs { catalogue: None },
     };
     data

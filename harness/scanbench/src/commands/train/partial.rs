@@ -9,7 +9,6 @@ use reports::files::archive::SCHEMA;
 use reports::files::causes::with_causes;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
-use scans::dataset::DatasetError;
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use simulator::object_clouds::open_objects::{ObjectSource, open_objects};
 use simulator::object_clouds::simulated_objects::ObjectPart;
@@ -20,6 +19,7 @@ use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::open_datasets::open_catalogue;
 use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
+use crate::commands::remote::local_name;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::print_result_in;
 
@@ -68,8 +68,10 @@ fn open_all(
 ) -> Result<Vec<Box<dyn ObjectCloudSet>>, Failure> {
     let catalogue = open_catalogue(arguments.catalogue.catalogue.as_deref())?;
     let options = object_options(ObjectPart::Training, recipe.per_class);
-    let open = |name: &String| open_objects(name, &options, &OpenOptions::default(), &catalogue);
-    Ok(recipe.objects.iter().map(open).collect::<Result<Vec<_>, DatasetError>>()?)
+    let open = |name: &String| -> Result<_, Failure> {
+        Ok(open_objects(&local_name(name, None)?, &options, &OpenOptions::default(), &catalogue)?)
+    };
+    recipe.objects.iter().map(open).collect()
 }
 
 fn provenance(arguments: &PartialTrainingArgs, recipe: &PartialRecipe) -> Provenance {

@@ -1,0 +1,154 @@
+//! Archives that were fetched, as files.
+
+use std::fs::File;
+use std::io::{self, Read, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use zip::ZipArchive;
+
+use crate::RemoteError;
+use crate::session::write_sums;
+use crate::space::check_space;
+use crate::sums::{RunningSum, SUMS_FILE, read_sums, sha256_of};
+
+/// What an archive held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Unpacked {
+    /// Files that were wanted.
+    pub n_files: usize,
+    /// Their size in bytes.
+    pub n_bytes: u64,
+}
+
+/// How an archive is unpacked.
+pub struct UnpackPlan<'a> {
+    /// Where its files go.
+    pub into: &'a Path,
+    /// Only files whose paths contain one of these are taken; all if there are none.
+    pub wanted: &'a [String],
+    /// The option of the program that chooses the folder, for errors.
+    pub folder_option: &'static str,
+    /// Ends the work once it is set.
+    pub interrupted: &'a AtomicBool,
+}
+
+/// Whether `archive` has been unpacked and removed: what says so has its size.
+pub fn is_unpacked(archive: &Path, n_bytes: u64) -> bool {
+    let text = std::fs::read_to_string(record_of(archive)).unwrap_or_default();
+    text.split_whitespace().nth(1).and_then(|it| it.parse().ok()) == Some(n_bytes)
+}
+
+/// The file that stands for an archive that was unpacked: its SHA-256 and its size.
+fn record_of(archive: &Path) -> PathBuf {
+    archive.with_file_name(format!("{}.unpacked", archive.file_name().unwrap_or_default().to_string_lossy()))
+}
+
+/// Unpacks the zip file `archive`, each file whole or not at all, and puts a record of it in its place. Checksums of its
+/// files are added to the `SHA256SUMS` of the folder.
+///
+/// # Errors
+///
+/// [`RemoteError::Archive`] if it is damaged; [`RemoteError::NoRoom`]; [`RemoteError::Write`].
+pub fn unpack(archive: &Path, plan: &UnpackPlan<'_>) -> Result<Unpacked, RemoteError> {
+    let damaged = |reason: String| RemoteError::Archive { path: archive.to_path_buf(), reason };
+    let file = File::open(archive).map_err(|error| RemoteError::write(archive, error))?;
+    let mut zip = ZipArchive::new(file).map_err(|error| damaged(error.to_string()))?;
+    let members = members(&mut zip, plan).map_err(damaged)?;
+    let n_missing = members.iter().filter(|it| !it.is_there(plan.into)).map(|it| it.n_bytes).sum();
+    check_space(plan.into, n_missing, plan.folder_option)?;
+    let mut sums = read_sums(plan.into)?;
+    let mut unpacked = Unpacked::default();
+    for member in &members {
+        if plan.interrupted.load(Ordering::Relaxed) {
+            return Err(RemoteError::Interrupted { n_done: unpacked.n_files, n_files: members.len() });
+        }
+        if !member.is_there(plan.into) || !sums.contains_key(&member.name) {
+            let packed = zip.by_index(member.index).map_err(|error| damaged(error.to_string()))?;
+            let sum = write_member(packed, &plan.into.join(&member.name), archive)?;
+            sums.insert(member.name.clone(), sum);
+        }
+        unpacked.n_files += 1;
+        unpacked.n_bytes += member.n_bytes;
+    }
+    sums.remove(&archive.file_name().unwrap_or_default().to_string_lossy().into_owned());
+    write_sums(plan.into, &sums)?;
+    let n_bytes = std::fs::metadata(archive).map_or(0, |it| it.len());
+    let written = sha256_of(archive).and_then(|sum| {
+        std::fs::write(record_of(archive), format!("{sum} {n_bytes}\n"))?;
+        std::fs::remove_file(archive)
+    });
+    written.map_err(|error| RemoteError::write(archive, error))?;
+    Ok(unpacked)
+}
+
+/// A file in an archive.
+struct Member {
+    index: usize,
+    /// With `/` between folders; leads to below the folder that it is unpacked into.
+    name: String,
+    n_bytes: u64,
+}
+
+impl Member {
+    fn is_there(&self, folder: &Path) -> bool {
+        let found = std::fs::symlink_metadata(folder.join(&self.name));
+        found.is_ok_and(|it| it.is_file() && it.len() == self.n_bytes)
+    }
+}
+
+fn members(zip: &mut ZipArchive<File>, plan: &UnpackPlan<'_>) -> Result<Vec<Member>, String> {
+    let mut members = Vec::new();
+    for index in 0..zip.len() {
+        let packed = zip.by_index_raw(index).map_err(|error| error.to_string())?;
+        if packed.is_dir() || packed.is_symlink() {
+            continue;
+        }
+        let named = || packed.name().map(|it| it.escape_debug().to_string()).unwrap_or_default();
+        let path = packed.enclosed_name().ok_or_else(|| format!("the path {} leads out of it", named()))?;
+        let parts: Vec<String> =
+            path.components().map(|it| it.as_os_str().to_string_lossy().into_owned()).collect();
+        let name = parts.join("/");
+        let is_wanted = plan.wanted.is_empty() || plan.wanted.iter().any(|it| name.contains(it.as_str()));
+        if is_wanted && name != SUMS_FILE && !name.is_empty() {
+            members.push(Member { index, name, n_bytes: packed.size() });
+        }
+    }
+    Ok(members)
+}
+
+/// Writes one file of an archive, and returns its checksum.
+fn write_member(mut packed: impl Read, path: &Path, archive: &Path) -> Result<String, RemoteError> {
+    let write = |error| RemoteError::write(path, error);
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|error| RemoteError::write(folder, error))?;
+    let partial = path.with_file_name(format!(
+        ".{}.partial-{}",
+        path.file_name().unwrap_or_default().to_string_lossy(),
+        std::process::id()
+    ));
+    let mut file = File::create(&partial).map_err(write)?;
+    let mut sum = RunningSum::default();
+    let mut buffer = vec![0; 1 << 18];
+    let copied = loop {
+        match packed.read(&mut buffer) {
+            Ok(0) => break Ok(()),
+            Ok(n_bytes) => {
+                sum.add(&buffer[..n_bytes]);
+                if let Err(error) = file.write_all(&buffer[..n_bytes]) {
+                    break Err(write(error));
+                }
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => {
+                break Err(RemoteError::Archive { path: archive.to_path_buf(), reason: error.to_string() });
+            }
+        }
+    };
+    let named =
+        copied.and_then(|()| file.sync_all().and_then(|()| std::fs::rename(&partial, path)).map_err(write));
+    if named.is_err() {
+        let _ = std::fs::remove_file(&partial);
+    }
+    named.map(|()| sum.finish())
+}
