@@ -27,3 +27,5 @@ pub mod pages;
 // What programs of others may rely on.
 #[cfg(feature = "schemas")]
 pub mod schemas;
+#[cfg(feature = "schemas")]
+pub use schemars;

@@ -8,7 +8,6 @@ macro_rules! named {
     })+) => {$(
         $(#[$of_enum])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-        #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
         $visible enum $enum {
             $($(#[$of_variant])* #[serde(rename = $name)] $variant,)*
         }
@@ -28,6 +27,8 @@ macro_rules! named {
             }
         }
 
+        $crate::schema_of_named!($enum: $($name),*);
+
         impl std::fmt::Display for $enum {
             fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 formatter.write_str(self.name())
@@ -36,6 +37,30 @@ macro_rules! named {
     )+};
 }
 pub use named;
+
+/// The schema of an enum with names, for [`schemas`](crate::schemas).
+#[cfg(feature = "schemas")]
+#[macro_export]
+macro_rules! schema_of_named {
+    ($enum:ident: $($name:literal),*) => {
+        impl $crate::schemars::JsonSchema for $enum {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($enum).into()
+            }
+
+            fn json_schema(_: &mut $crate::schemars::SchemaGenerator) -> $crate::schemars::Schema {
+                $crate::schemars::json_schema!({"type": "string", "enum": [$($name),*]})
+            }
+        }
+    };
+}
+
+/// Nothing, without schemas.
+#[cfg(not(feature = "schemas"))]
+#[macro_export]
+macro_rules! schema_of_named {
+    ($($any:tt)*) => {};
+}
 
 #[cfg(test)]
 mod tests {
