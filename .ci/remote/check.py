@@ -4,6 +4,7 @@ A server of S3 on this machine alone (moto) has N_SCANS small scans (a thousand 
 folder must give the same rows. Prints how long each takes. Nothing leaves this machine, and the server ends with the check.
 """
 
+import logging
 import os
 import shutil
 import subprocess
@@ -71,6 +72,7 @@ def main():
     n_scans = int(sys.argv[3]) if len(sys.argv) > 3 else 1000
     for name in [name for name in os.environ if is_left_out(name)]:
         del os.environ[name]
+    logging.getLogger("werkzeug").setLevel(logging.ERROR)
     scratch.mkdir(parents=True)
     folder = scratch / "drives"
     files = make_scans(scanbench, folder, n_scans)
