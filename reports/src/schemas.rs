@@ -29,7 +29,7 @@ use crate::tables::studies::box_error_row::{BoxErrorRow, BoxPointsRow, FittedBox
 use crate::tables::studies::curve_row::CurveRow;
 use crate::tables::studies::gap_table::GapRow;
 use crate::tables::studies::robustness_table::ConditionRow;
-use crate::tables::verdict::difference_row::DifferenceRow;
+use crate::tables::verdict::comparison::DifferenceRow;
 use crate::tables::verdict::partial_comparison::PartialDifferenceRow;
 use crate::verdicts::fitness_verdict::FitnessVerdict;
 

@@ -73,7 +73,6 @@ fn time(scan: &LabeledScan, detections: &Detections, criterion: Criterion) -> Du
     Task::ALL.iter().map(of_task).max().unwrap_or_default()
 }
 
-#[expect(clippy::too_many_lines, reason = "a drawing")]
 fn drawn(scene: Scene) -> (LabeledScan, Detections) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let boxed = |[x_m, y_m]: [f32; 2], yaw_rad: f32| OrientedBox {

@@ -20,7 +20,7 @@ use crate::sums::{SUMS_FILE, Sums, parse_sums};
 /// A server that does not take a connection so long is not there.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 /// A server that sends nothing for so long is gone.
-const READ_TIMEOUT: Duration = Duration::from_secs(60);
+const READ_TIMEOUT: Duration = Duration::from_mins(1);
 /// Requests that fail for a moment are made again so often, within so much time.
 const N_RETRIES: usize = 5;
 const RETRY_TIMEOUT: Duration = Duration::from_secs(90);
@@ -176,9 +176,10 @@ impl Store {
             async move {
                 let (is_folder, name) = (name.ends_with('/'), name.trim_end_matches('/').to_owned());
                 let path = self.path_at(&name)?;
-                let files = match is_folder {
-                    true => self.below(&path, &name).await?,
-                    false => vec![RemoteFile { name, ..self.head(&path, "").await? }],
+                let files = if is_folder {
+                    self.below(&path, &name).await?
+                } else {
+                    vec![RemoteFile { name, ..self.head(&path, "").await? }]
                 };
                 if files.is_empty() {
                     return Err(RemoteError::Nothing { url: self.shown(&path), remedy: "" });

@@ -38,7 +38,8 @@ pub fn parse_sums(path: &str, text: &str) -> Result<Sums, RemoteError> {
 
 /// The text that [`parse_sums`] reads, sorted by path.
 pub fn sums_text(sums: &Sums) -> String {
-    sums.iter().map(|(name, sum)| format!("{sum}  {name}\n")).collect()
+    let lines: Vec<String> = sums.iter().map(|(name, sum)| format!("{sum}  {name}\n")).collect();
+    lines.concat()
 }
 
 /// The checksums in `folder`; none where it has no such file.

@@ -111,10 +111,9 @@ impl Transfer<'_> {
             let file = OpenOptions::new().append(true).create(true).open(partial);
             let file = file.map_err(|error| RemoteError::write(partial, error))?;
             match file.try_lock() {
-                Ok(()) => return Ok(file),
                 Err(TryLockError::WouldBlock) => tokio::time::sleep(PATIENCE).await,
                 // Some disks know no locks.
-                Err(TryLockError::Error(_)) => return Ok(file),
+                Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
             }
         }
     }
