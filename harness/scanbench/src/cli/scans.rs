@@ -87,7 +87,7 @@ pub struct SourceArgs {
     /// them; in metres and radians. Points and boxes are moved by it.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub transform: Option<PathBuf>,
-    /// Folder that data sets at addresses are fetched into [default: scanbench in XDG_CACHE_HOME or ~/.cache]
+    /// Folder that data sets at addresses are fetched into [default: ~/.cache/scanbench]
     ///
     /// All of a data set is fetched, whatever --scans says; give the address of a drive to fetch less. Only what is new or
     /// has changed is fetched again.

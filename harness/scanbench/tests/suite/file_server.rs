@@ -162,20 +162,16 @@ fn send_file(
     fault: Fault,
 ) -> std::io::Result<()> {
     let mut head = String::new();
-    let part = match range.filter(|_| fault != Fault::WithoutRanges) {
-        Some(range) => {
-            let (start, end) = range.split_once('-').unwrap();
-            let start: usize = start.parse().unwrap();
-            let end = end.parse().map_or(content.len(), |it: usize| (it + 1).min(content.len()));
-            let (last, n) = (end - 1, content.len());
-            write!(head, "HTTP/1.1 206 Partial Content\r\nContent-Range: bytes {start}-{last}/{n}\r\n")
-                .unwrap();
-            &content[start..end]
-        }
-        None => {
-            head.push_str("HTTP/1.1 200 OK\r\n");
-            content
-        }
+    let part = if let Some(range) = range.filter(|_| fault != Fault::WithoutRanges) {
+        let (start, end) = range.split_once('-').unwrap();
+        let start: usize = start.parse().unwrap();
+        let end = end.parse().map_or(content.len(), |it: usize| (it + 1).min(content.len()));
+        let (last, n) = (end - 1, content.len());
+        write!(head, "HTTP/1.1 206 Partial Content\r\nContent-Range: bytes {start}-{last}/{n}\r\n").unwrap();
+        &content[start..end]
+    } else {
+        head.push_str("HTTP/1.1 200 OK\r\n");
+        content
     };
     let n_bytes = if fault == Fault::Boasts { 1 << 62 } else { part.len() };
     let sum: u64 = content.iter().enumerate().map(|(index, it)| (index as u64 + 1) * u64::from(*it)).sum();

@@ -1,5 +1,4 @@
 //! Shards of a run, and what `merge` makes of them: the run in one piece to the last byte, but for its times, or a refusal.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use serde_json::Value;
 use test_data::test_data;
