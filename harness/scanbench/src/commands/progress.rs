@@ -40,18 +40,6 @@ pub fn progress_over_results(n_results: usize, n_done: usize, label: &str) -> Pr
     bar
 }
 
-/// The same over so many bytes that arrive; `label` says of what.
-pub fn progress_over_bytes(n_bytes: u64, label: &str) -> ProgressBar {
-    let bar = progress_over_scans(0, label);
-    let template =
-        "{msg} {wide_bar} {decimal_bytes}/{decimal_total_bytes}, {decimal_bytes_per_sec}, {eta} left";
-    bar.set_style(
-        ProgressStyle::with_template(template).expect("the template is constant and tested by use"),
-    );
-    bar.set_length(n_bytes);
-    bar
-}
-
 /// The bar of a run over one data set after the other, which everybody who writes to the terminal shares.
 #[derive(Debug, Clone)]
 pub struct RunProgress(ProgressBar);

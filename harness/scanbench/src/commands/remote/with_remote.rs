@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, ProgressStyle};
 use remote::RemoteError;
 use remote::address::Address;
 use remote::error::in_bytes;
@@ -16,7 +16,7 @@ use scans::dataset::download::{Download, DownloadDrives};
 use super::{GetPlan, Got};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::{interruption_flag, set_last_words};
-use crate::commands::progress::progress_over_bytes;
+use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_diagnostic;
 
 /// Fetches what is at `address` into a folder of `cache`, as far as it is not there, and returns the path of it.
@@ -178,6 +178,18 @@ impl Fetching<'_> {
         session.fetch(store, files, &plan)?;
         Ok(missing)
     }
+}
+
+/// A bar over so many bytes that arrive; `label` says of what.
+fn progress_over_bytes(n_bytes: u64, label: &str) -> ProgressBar {
+    let bar = progress_over_scans(0, label);
+    let template =
+        "{msg} {wide_bar} {decimal_bytes}/{decimal_total_bytes}, {decimal_bytes_per_sec}, {eta} left";
+    bar.set_style(
+        ProgressStyle::with_template(template).expect("the template is constant and tested by use"),
+    );
+    bar.set_length(n_bytes);
+    bar
 }
 
 /// Takes the bar away before an error is printed, too.
