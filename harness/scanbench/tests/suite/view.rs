@@ -43,7 +43,7 @@ fn what_cannot_be_viewed_is_said() {
     let workplace = small_run();
     for (arguments, code, message) in [
         (&["view", "nowhere"][..], 2, "there is no run directory nowhere"),
-        (&["view", "."], 2, "are seen in the recording of one: `scanbench run . --scans 0`"),
+        (&["view", "."], 2, "to see scans and labels, record them: `scanbench run . --scans 0`"),
         (
             &["view", "run", "-d", "kd-tree"],
             2,
