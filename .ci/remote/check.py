@@ -62,9 +62,12 @@ def upload(files, folder, endpoint):
         aws_access_key_id=KEYS["AWS_ACCESS_KEY_ID"],
         aws_secret_access_key=KEYS["AWS_SECRET_ACCESS_KEY"],
     )
-    client.create_bucket(Bucket="scans")
+    # Whoever signs no request is let in, too.
+    public = {"ACL": "public-read"}
+    client.create_bucket(Bucket="scans", **public)
+    upload = lambda it: client.upload_file(str(it), "scans", f"drives/{it.relative_to(folder)}", ExtraArgs=public)
     with ThreadPoolExecutor(8) as pool:
-        list(pool.map(lambda it: client.upload_file(str(it), "scans", f"drives/{it.relative_to(folder)}"), files))
+        list(pool.map(upload, files))
 
 
 def main():
