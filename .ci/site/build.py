@@ -127,13 +127,13 @@ def files_of_runs(schemas, src):
 def unfit(schemas, run):
     """What in files of the folder `run` does not fit: JSON its schema, the head of a CSV file its columns."""
     page = (schemas / "columns.md").read_text(encoding="utf-8")
-    heads = {"table_objects.csv": "table_<task>.csv"}
+    heads = dict.fromkeys(("table_objects.csv", "table_vehicles.csv"), "table_<task>.csv")
     for file in sorted(run.glob("*.csv")):
         _, _, section = page.partition(f"\n## `{heads.get(file.name, file.name)}` ")
         rows = [line.split(" | ")[0] for line in section.partition("\n## ")[0].splitlines() if line.startswith("| `")]
         columns = [column for row in rows for column in re.findall(r"`(\w+)`", row)]
         with file.open(encoding="utf-8") as lines:
-            if (head := next(lines).strip().split(",")) != columns and file.name != "table_vehicles.csv":
+            if (head := next(lines).strip().split(",")) != columns:
                 yield f"{file.name} has the columns {head}, and the page {columns}"
     for schema in sorted(schemas.glob("*.json")):
         file = run / f"{schema.name.partition('.')[0]}.json"
