@@ -3,17 +3,15 @@
 import json
 
 
-def lines_of(directory, timed=None):
-    """Lines of Markdown by the name of the table. Times are those of the run directory `timed`, if there is one."""
+def lines_of(directory, timed=None, recorded=None):
+    """Lines of Markdown by the name of the table. Times are those of the run directory `timed`, and the columns of recorded scans
+    those of `recorded`, if there are any."""
     numbers = numbers_of(directory)
     manifest = manifest_of(directory)
     # A detector of others with our vehicle model has the same clusters: it is a column.
     detectors = [it["name"] for it in manifest["detectors"] if not it["name"].endswith("-model")]
-    return {
-        "rates": rates(numbers, detectors, numbers_of(timed) if timed else numbers),
-        "recall": recall(numbers, detectors),
-        "versions": versions(manifest),
-    }
+    times, of_recorded = numbers_of(timed) if timed else numbers, numbers_of(recorded) if recorded else {}
+    return {"rates": rates(numbers, detectors, times, of_recorded), "versions": versions(manifest)}
 
 
 def numbers_of(directory):
@@ -58,26 +56,30 @@ def f_rate(numbers, detector, task):
     return f"{rate} ({'–'.join(number(100 * it) for it in low_high)})" if low_high else rate
 
 
-def with_model(numbers, detector, shown):
-    """What `shown` gives for the vehicles of the same clusters with our vehicle model, if that was run."""
+def with_model(numbers, detector):
+    """The F-rate of vehicles of the same clusters with our vehicle model, if that was run."""
     other = f"{detector}-model"
-    return shown(numbers, other, "vehicles") if (other, "vehicles", "f_rate") in numbers else ""
+    return f_rate(numbers, other, "vehicles") if (other, "vehicles", "f_rate") in numbers else ""
 
 
-def rates(numbers, detectors, timed):
+def rates(numbers, detectors, timed, recorded):
+    """On recorded scans no object can be false, so of objects they give the recall alone."""
     found = [it for it in by_rate(numbers, detectors, "objects") if value(numbers, it, "objects", "tp") > 0]
-    lines = table("detector", "objects: F-rate", "precision", "recall", "vehicles: F-rate", "with our model", "ms", "CPU ms")
+    simulated = ["objects: F-rate", "precision", "recall", "vehicles: F-rate", "with our model"]
+    lines = table("detector", *simulated, "KITTI: recall of objects", "F-rate of vehicles", "ms", "CPU ms")
     for it in found:
-        precision, recall = (percent(numbers, it, "objects", metric) for metric in ["precision", "recall"])
-        vehicles = [f_rate(numbers, it, "vehicles"), with_model(numbers, it, f_rate)]
+        objects = [percent(numbers, it, "objects", metric) for metric in ["precision", "recall"]]
+        vehicles = [f_rate(numbers, it, "vehicles"), with_model(numbers, it)]
+        kitti = [percent(recorded, it, "objects", "recall"), percent(recorded, it, "vehicles", "f_rate")]
         ms = [number(value(timed, it, "objects", metric)) for metric in ["latency_p50_ms", "cpu_mean_ms"]]
-        lines.append(row(it, f_rate(numbers, it, "objects"), precision, recall, *vehicles, *ms))
-    return [*lines, "", *notes(numbers, detectors, timed)]
+        lines.append(row(it, f_rate(numbers, it, "objects"), *objects, *vehicles, *kitti, *ms))
+    return [*lines, "", *notes(numbers, detectors, timed, recorded)]
 
 
-def notes(numbers, detectors, timed):
+def notes(numbers, detectors, timed, recorded):
     """What holds for all rows: annotations, the time of a process, and the detectors that found nothing or failed."""
-    lines = [annotations(numbers, detectors)]
+    lines = [f"Rates in %, of {annotations(numbers, detectors)}"]
+    lines[0] += f"; KITTI: {annotations(recorded, detectors)}." if recorded else "."
     overheads = [ms for it in detectors if (ms := value(timed, it, "objects", "overhead_p50_ms")) == ms]
     if overheads:
         lines.append(f"Process overhead: {min(overheads):.2f} to {max(overheads):.2f} ms.")
@@ -88,23 +90,9 @@ def notes(numbers, detectors, timed):
     return lines + [f"Failed scans: {n:.0f} of {it}." for it, n in failed.items()]
 
 
-def recall(numbers, detectors):
-    """Where no object can be false, of objects the recall alone."""
-    lines = table("detector", "objects: recall", "vehicles: F-rate", "with our model")
-    for it in by_rate(numbers, detectors, "vehicles"):
-        if value(numbers, it, "vehicles", "f_rate") > 0:
-            objects = percent(numbers, it, "objects", "recall")
-            lines.append(row(it, objects, rate(numbers, it, "vehicles"), with_model(numbers, it, rate)))
-    return [*lines, "", annotations(numbers, detectors)]
-
-
-def rate(numbers, detector, task):
-    return percent(numbers, detector, task, "f_rate")
-
-
 def annotations(numbers, detectors):
     n_objects, n_vehicles = (value(numbers, detectors[0], task, "no") for task in ["objects", "vehicles"])
-    return f"Rates in %, of {n_objects:.0f} annotated objects and {n_vehicles:.0f} vehicles."
+    return f"{n_objects:.0f} annotated objects and {n_vehicles:.0f} vehicles"
 
 
 def versions(manifest):
