@@ -144,9 +144,14 @@ impl DamageArgs {
     }
 }
 
-pub(super) fn sensor_help() -> String {
+fn sensor_help() -> String {
+    format!("Sensor [default: the catalogue's, or what scans show]: {}", sensor_names())
+}
+
+/// What names a sensor.
+pub(super) fn sensor_names() -> String {
     let ids = EMBEDDED_SENSORS.map(|(id, _)| id).join(", ");
-    format!("Sensor [default: the catalogue's, or what scans show]: {ids} or a TOML file")
+    format!("{ids} or a TOML file")
 }
 
 /// A height from that of the road itself, for clouds that are given from there, to that of a house.

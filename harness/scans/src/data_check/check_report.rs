@@ -82,7 +82,7 @@ impl CheckReport {
         let n = look.vehicles.seen.len();
         self.line(
             "boxes of vehicles",
-            format!("{n} in a few scans, with 20 points, nearer than 40 m: {verb}"),
+            format!("{n} in a few scans, with at least 20 points, nearer than 40 m: {verb}"),
         );
     }
 
@@ -146,7 +146,7 @@ impl CheckReport {
         self.line("points", format!("{n_points}, {least} to {most} per scan"));
         self.line("labelled", share(sum(|it| it.n_labeled), n_points));
         self.line("no position", share(sum(|it| it.n_without_position), n_points));
-        self.line("at the same place", share(sum(|it| it.n_duplicates), n_points));
+        self.line("same position", share(sum(|it| it.n_duplicates), n_points));
         let density = |(ring, area_m2): (usize, f32)| {
             let n: usize = facts.iter().map(|it| it.n_by_range[ring]).sum();
             let per_m2 = n as f32 / area_m2 / facts.len() as f32;
