@@ -128,7 +128,7 @@ Examples:
   scanbench reproduce hg --settings 1000
   scanbench reproduce all --choose=kd-tree training-streets --scans 0..300:6
 
-Runs the method of the papers and its rivals, judges each claim of the papers, and says
-under which of the values that they leave open it holds. Writes reproduction.html, .md,
+Runs the method of the papers and its rivals, and judges each claim of the papers, also
+under other settings of the values that they leave open. Writes reproduction.html, .md,
 .tex and .json, settings.csv, and the files of a run. The recording has 30 scans, unless
 --rerun-every says otherwise, and opens with a view for each figure of the papers.";

@@ -17,7 +17,7 @@ pub enum TrainCommand {
     #[command(after_help = GROUPINGS_EXAMPLES, after_long_help = with_details(GROUPINGS_EXAMPLES, GROUPINGS_DETAILS))]
     #[command(mut_arg("prototypes", |it| it.help(prototypes_help("those of the shipped model"))))]
     Groupings(Box<TreeTrainingArgs>),
-    /// Train its rivals over a kd-tree: kd-tree-trained, kd-tree-tree, and which clusters are vehicles
+    /// Train the rivals over a kd-tree: kd-tree-trained, kd-tree-tree, and the vehicle model of clusters
     #[command(after_help = RIVALS_EXAMPLES, after_long_help = with_details(RIVALS_EXAMPLES, RIVALS_DETAILS))]
     #[command(mut_arg("prototypes", |it| it.help(prototypes_help("found in the scans"))))]
     Rivals(Box<TreeTrainingArgs>),
