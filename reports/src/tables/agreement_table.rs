@@ -27,7 +27,7 @@ impl Tabular for AgreementOfDetectors<'_> {
         let notes = [
             "also found by: share of a detector's detections that the other one has, too: they share half of the points of both, and \
              are matched one with one. alone: share that no other one has.",
-            "Nothing is labelled, so nothing was scored: who is right is not known.",
+            "The scans have no labels, so detectors are compared with one another and have no scores.",
         ];
         Sheet::of_parts(parts.collect(), notes.map(str::to_owned).to_vec()).labelled("agreement")
     }
@@ -110,7 +110,7 @@ mod tests {
 
         also found by: share of a detector's detections that the other one has, too: they share half of the
           points of both, and are matched one with one. alone: share that no other one has.
-        Nothing is labelled, so nothing was scored: who is right is not known.
+        The scans have no labels, so detectors are compared with one another and have no scores.
         ");
     }
 
