@@ -75,7 +75,10 @@ pub fn write_best(
     texts.extend(fitness_sentences(&fitness_verdicts(sweep)));
     let changes = changes_of_shipped(manifest)?;
     if !changes.is_empty() {
-        texts.push(format!("At every point, detectors also differ from the shipped ones: {}.", changes.join("; ")));
+        texts.push(format!(
+            "At every point, detectors also differ from the shipped ones: {}.",
+            changes.join("; ")
+        ));
     }
     directory.write_file(SWEEP_BEST_TXT, (texts.join("\n") + "\n").as_bytes())?;
     Ok(texts)
