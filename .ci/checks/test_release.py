@@ -93,6 +93,19 @@ class Release(unittest.TestCase):
             Path(scratch, "SHA256SUMS").write_text(packed("sums", scratch))
             subprocess.run(["sha256sum", "--check", "--strict", "--quiet", "SHA256SUMS"], cwd=scratch, check=True)
 
+    def test_a_formula_has_the_sum_of_each_archive(self):
+        version = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+        archives = [f"scanbench-{version}-{it}-unknown-linux-gnu.tar.gz" for it in ("x86_64", "aarch64")]
+        with tempfile.TemporaryDirectory() as scratch:
+            lines = [f"{SUM}  {archives[0]}", f"{SUM[::-1]}  {archives[1]}", "0  scanbench.whl"]
+            Path(scratch, "SHA256SUMS").write_text("\n".join(lines))
+            address = "https://example.org/owner/scanbench/releases/download/v1"
+            made = packed("formula", Path(scratch, "SHA256SUMS"), address)
+        found = re.findall(r'url "(\S+)"\n    sha256 "(\w+)"', made)
+        sums = (SUM, SUM[::-1])
+        self.assertEqual(found, [(f"{address}/{name}", of) for name, of in zip(archives, sums, strict=True)])
+        self.assertIn('homepage "https://example.org/owner/scanbench"\n', made)
+
     def test_a_wheel_has_program_and_package_and_says_which_c_library_it_needs(self):
         with tempfile.TemporaryDirectory() as scratch:
             wheels = []

@@ -1,10 +1,11 @@
-"""What a release is packed into, the same bytes each time: pack.py licences|sbom|archive|wheel|sums ARGUMENT…
+"""What a release is packed into, the same bytes each time: pack.py licences|sbom|archive|wheel|sums|formula ARGUMENT…
 
     licences TARGET FEATURES           licences and their texts, of every crate that is compiled in
     sbom TARGET FEATURES               these crates as CycloneDX
     archive FOLDER ARCHIVE             FOLDER as a .tar.gz, its files of the time SOURCE_DATE_EPOCH
     wheel FOLDER SBOM OUT              the Python package with the program of FOLDER, as a wheel in OUT, whose path it prints
     sums FOLDER                        SHA-256 of its files, as sha256sum -c reads it
+    formula SUMS ADDRESS               a formula for Homebrew: the archives of SUMS, which lie at ADDRESS
 """
 
 import base64
@@ -162,5 +163,37 @@ def sums(folder):
             print(f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}")
 
 
+def formula(listed, address):
+    own = tomllib.loads((PYTHON.parents[1] / "Cargo.toml").read_text())["workspace"]["package"]
+    project = tomllib.loads((PYTHON / "pyproject.toml").read_text())["project"]
+    found = dict(reversed(line.split()) for line in Path(listed).read_text().splitlines())
+    print(f'''class Scanbench < Formula
+  desc "{project["description"].rstrip(".")}"
+  homepage "{address.partition("/releases/")[0]}"
+  version "{own["version"]}"
+  license "{own["license"]}"
+  depends_on :linux''')
+    for branch, machine in (("intel", "x86_64"), ("arm", "aarch64")):
+        name = f"scanbench-{own['version']}-{machine}-unknown-linux-gnu.tar.gz"
+        print(f'''
+  on_{branch} do
+    url "{address}/{name}"
+    sha256 "{found[name]}"
+  end''')
+    print('''
+  def install
+    bin.install "scanbench"
+    man1.install Dir["man/*.1"]
+    bash_completion.install "completions/scanbench.bash" => "scanbench"
+    fish_completion.install "completions/scanbench.fish"
+    zsh_completion.install "completions/scanbench.zsh" => "_scanbench"
+  end
+
+  test do
+    system bin/"scanbench", "run", "--scans", "0", "--no-rrd", "-o", "run"
+  end
+end''')
+
+
 if __name__ == "__main__":
-    {it.__name__: it for it in (licences, sbom, archive, wheel, sums)}[sys.argv[1]](*sys.argv[2:])
+    {it.__name__: it for it in (licences, sbom, archive, wheel, sums, formula)}[sys.argv[1]](*sys.argv[2:])

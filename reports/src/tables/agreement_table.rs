@@ -13,6 +13,9 @@ pub struct AgreementOfDetectors<'a> {
 }
 
 const TITLE_OF_OTHERS: &str = "also found by [%]";
+const FOUND_BY_OTHERS: &str = "also found by: share of a detector's detections that the other one has, too: they share half of the \
+    points of both, and are matched one with one. alone: share that no other one has.";
+const UNLABELLED: &str = "The scans have no labels, so there are no scores.";
 
 impl Tabular for AgreementOfDetectors<'_> {
     fn sheet(&self) -> Sheet {
@@ -24,12 +27,11 @@ impl Tabular for AgreementOfDetectors<'_> {
                 )),
                 grid: grid(rows),
             });
-        let notes = [
-            "also found by: share of a detector's detections that the other one has, too: they share half of the points of both, and \
-             are matched one with one. alone: share that no other one has.",
-            "The scans have no labels, so detectors are compared with one another and have no scores.",
-        ];
-        Sheet::of_parts(parts.collect(), notes.map(str::to_owned).to_vec()).labelled("agreement")
+        let mut notes = vec![UNLABELLED];
+        if self.rows.iter().any(|it| it.detector != it.other) {
+            notes.insert(0, FOUND_BY_OTHERS);
+        }
+        Sheet::of_parts(parts.collect(), notes.into_iter().map(str::to_owned).collect()).labelled("agreement")
     }
 }
 
@@ -110,7 +112,7 @@ mod tests {
 
         also found by: share of a detector's detections that the other one has, too: they share half of the
           points of both, and are matched one with one. alone: share that no other one has.
-        The scans have no labels, so detectors are compared with one another and have no scores.
+        The scans have no labels, so there are no scores.
         ");
     }
 

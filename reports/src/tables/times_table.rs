@@ -42,7 +42,7 @@ impl TimesTable {
         }));
         let is_known = |metric: &Metric| report.rows().iter().any(|it| it.metric == *metric);
         let of_some: Vec<_> = OF_SOME.into_iter().filter(|(_, metric)| is_known(metric)).collect();
-        columns.extend(of_some.iter().map(|(title, _)| Column::number(*title).within("of it [ms]")));
+        columns.extend(of_some.iter().map(|(title, _)| Column::number(*title).within("per scan [ms]")));
         let datasets = manifest.datasets.iter();
         let mut extents: Vec<(Extent, Origin)> =
             datasets.map(|it| (Extent::Dataset(it.id.clone()), it.origin())).collect();

@@ -37,7 +37,7 @@ pub fn supervise(words: &[String]) {
             (Some(code), _) => format!("{EXIT}{code}"),
             (None, signal) => format!("{SIGNAL}{}", signal.unwrap_or(0)),
         },
-        Err(error) => format!("{CANNOT_START}{error}"),
+        Err(error) => format!("{CANNOT_START}{error}: {:?}", words.first().map_or("", String::as_str)),
     };
     say(&token, &says);
 }

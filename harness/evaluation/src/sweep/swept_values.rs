@@ -66,10 +66,8 @@ impl FromStr for SweepOption {
             }
             return Ok(Self::Tied(TiedValue { name, dividend, divisor }));
         }
-        let fixed: Result<OverrideOption, String> = written.parse();
-        fixed
-            .map(Self::Fixed)
-            .map_err(|error| format!("{error}; a range is START:STOP:STEP, such as 0.2:1.0:0.1"))
+        let of_ranges = |error| format!("{error}; a range is START:STOP:STEP, such as 0.2:1.0:0.1");
+        written.parse().map(Self::Fixed).map_err(of_ranges)
     }
 }
 
@@ -203,8 +201,8 @@ mod tests {
         check_range("a=2:1:0.1", "the step of 2:1:0.1 has the wrong sign");
         check_range("a=1:2:-0.1", "the step of 1:2:-0.1 has the wrong sign");
         check_range("a=0:1:0.00001", "more than 10000 values");
+        check_range("a=0.3-0.9", "a range is START:STOP:STEP");
         check_range("a=0:1:1e-3", "1e-3 is not a valid value");
-        check_range("a=0.3-0.9", "a range is START:STOP:STEP, such as 0.2:1.0:0.1");
         check_range("a=.5:1:0.1", "\".5\" in .5:1:0.1 is not a decimal number");
         check_range("a=--1:1:0.1", "\"--1\"");
         check_range("a", "expected NAME=START:STOP:STEP");

@@ -5,7 +5,7 @@ use clap::Args;
 use super::experiment::ExperimentArgs;
 use super::help_text::DATA;
 use super::output::OutputArgs;
-use super::scans::sensor_names;
+use super::scans::sensor_help;
 
 /// Arguments of `scanbench gaps`.
 #[derive(Debug, Args)]
@@ -15,8 +15,7 @@ pub struct GapsArgs {
     #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub pairs: u32,
     /// Sensor.
-    #[arg(long, help_heading = DATA, value_name = "SENSOR", default_value = "hdl-64e-s2")]
-    #[arg(help = format!("Sensor: {}", sensor_names()))]
+    #[arg(long, help_heading = DATA, value_name = "SENSOR", default_value = "hdl-64e-s2", help = sensor_help())]
     pub sensor: String,
     /// The detectors, in the order of tables and plots.
     #[command(flatten)]

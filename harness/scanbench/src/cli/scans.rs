@@ -75,7 +75,7 @@ pub struct SourceArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), hide_short_help = true)]
     pub simulated_scans: Option<u32>,
     /// Sensor.
-    #[arg(long, value_name = "SENSOR", help = sensor_help())]
+    #[arg(long, value_name = "SENSOR", help = format!("{} [default: the catalogue's, or what scans show]", sensor_help()))]
     pub sensor: Option<String>,
     /// Height of the sensor above the road in metres [default: the catalogue's, or as the scans show it]
     #[arg(long, value_name = "M", value_parser = sensor_height_m, hide_short_help = true)]
@@ -143,14 +143,9 @@ impl DamageArgs {
     }
 }
 
-fn sensor_help() -> String {
-    format!("Sensor [default: the catalogue's, or what scans show]: {}", sensor_names())
-}
-
-/// What names a sensor.
-pub(super) fn sensor_names() -> String {
+pub(super) fn sensor_help() -> String {
     let ids = EMBEDDED_SENSORS.map(|(id, _)| id).join(", ");
-    format!("{ids} or a TOML file")
+    format!("Sensor: {ids} or a TOML file")
 }
 
 /// A height from that of the road itself, for clouds that are given from there, to that of a house.

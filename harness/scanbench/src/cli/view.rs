@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::builder::Resettable;
+use clap::builder::{PossibleValuesParser, Resettable};
 use clap::{Args, ValueEnum};
+use reports::vocabulary::class::{AnnotationClass, DetectionClass};
 use reports::vocabulary::task::Task;
 
 use super::help_text::MISTAKES;
@@ -29,7 +30,7 @@ pub struct ViewArgs {
     #[arg(long, value_enum, value_name = "OUTCOME")]
     pub outcome: Option<OutcomeName>,
     /// Only mistakes with this annotated or detected class
-    #[arg(long, value_name = "CLASS")]
+    #[arg(long, value_name = "CLASS", value_parser = PossibleValuesParser::new(classes()))]
     pub class: Option<String>,
     /// What is streamed to Rerun.
     #[command(flatten)]
@@ -73,3 +74,8 @@ Examples:
 Lists the mistakes with the most points first, each with its reason. Then runs their
 scans again with the parameters of the run and records them as worst.rrd in the run
 directory. Paths of data are those of the run: start it in the same folder.";
+
+fn classes() -> impl Iterator<Item = &'static str> {
+    let annotated = AnnotationClass::ALL.iter().map(|it| it.name());
+    annotated.chain(DetectionClass::ALL.iter().map(|it| it.name()))
+}

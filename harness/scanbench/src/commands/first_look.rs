@@ -100,20 +100,31 @@ pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunCon
     mounting.move_scan(&mut opened.scan);
 }
 
-/// What is suspect about frame and labels of `opened`, whatever can be taken from the scans, and the look at its labels;
-/// nothing of simulated scans.
-pub fn suspicions_of(opened: &OpenedDataset) -> (Vec<FrameSuspicion>, Option<LabelLook>) {
+/// What `data check` reports of the first scans.
+#[derive(Default)]
+pub struct CheckedLook {
+    /// What is suspect about frame and labels, whatever a run can take from the scans.
+    pub suspicions: Vec<FrameSuspicion>,
+    /// The look at the labels; none of simulated scans.
+    pub labels: Option<LabelLook>,
+    /// The sensor that a run takes, and why; `None` if the user or the format says which it is.
+    pub sensor: Option<String>,
+}
+
+/// Looks at the first scans of `opened` for `data check`.
+pub fn check_first_scans(opened: &OpenedDataset) -> CheckedLook {
     let scans = first_scans(opened);
     let proposed = suspicion_of_proposals(opened);
     if opened.dataset.description().is_simulated() || scans.is_empty() {
-        return (proposed.into_iter().collect(), None);
+        return CheckedLook { suspicions: proposed.into_iter().collect(), ..CheckedLook::default() };
     }
     let clouds: Vec<&PointCloud> = scans.iter().map(|it| &it.cloud).collect();
     let mut look = Look::new(opened.dataset.description(), Stated::ALL, &clouds);
     look.take_ground();
     look.suspect_labels(opened, &scans);
     look.suspicions.extend(proposed);
-    (look.suspicions, Some(look.labels))
+    let sensor = if opened.stated.sensor { None } else { look.unstated_sensor() };
+    CheckedLook { suspicions: look.suspicions, labels: Some(look.labels), sensor }
 }
 
 /// Whether most labels are as a detector proposed them. What is wrong with the list of proposals does not keep anybody from
@@ -264,6 +275,16 @@ impl Look {
         if sensor != self.sensor {
             self.mounting.sensor = Some(sensor);
             self.seen.taken.insert(0, "sensor".to_owned());
+        }
+    }
+
+    /// The sensor that a run takes where nobody says which it is; `None` if it is that of the format.
+    fn unstated_sensor(&self) -> Option<String> {
+        match (&self.seen.sensor, self.seen.n_beams) {
+            (Some(sensor), _) => Some(format!("{sensor} (by its beams)")),
+            _ if self.is_benchmark => None,
+            (None, Some(n)) => Some(format!("unknown, with {n} beams")),
+            (None, None) => Some(format!("not stated and not recognised; a run takes {}", self.sensor)),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use reports::run_folder::run_archive::RunArchive;
+use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::run_folder::shard_record::ShardRecord;
 
 use crate::commands::failure::{Failure, Usage};
@@ -10,11 +11,23 @@ use crate::commands::shards::work_output::finished_shard;
 
 /// The run in `directory`.
 pub fn open_run(directory: &Path) -> Result<RunArchive, Failure> {
+    refuse_other_than_run(directory)?;
+    RunArchive::read(directory).map_err(|error| Failure::damaged_run(directory, error))
+}
+
+/// Says what `directory` is if it is not that of a whole run.
+pub fn refuse_other_than_run(directory: &Path) -> Result<(), Failure> {
+    let name = directory.display();
     if !directory.is_dir() {
-        return Err(Usage(format!("there is no run directory {}", directory.display())).into());
+        return Err(Usage(format!("there is no run directory {name}")).into());
     }
     refuse_shard(directory)?;
-    RunArchive::read(directory).map_err(|error| Failure::damaged_run(directory, error))
+    if !directory.join(MANIFEST_JSON).exists() {
+        return Err(
+            Usage(format!("{name} is not the directory of a run, which has a {MANIFEST_JSON}")).into()
+        );
+    }
+    Ok(())
 }
 
 /// A shard has no numbers of its own.

@@ -8,8 +8,8 @@ use reports::run_folder::partial_archive::PartialArchive;
 use reports::run_folder::run_directory::REPORT_HTML;
 
 use crate::cli::ReportArgs;
-use crate::commands::failure::{Failure, Usage};
-use crate::commands::open_run::refuse_shard;
+use crate::commands::failure::Failure;
+use crate::commands::open_run::refuse_other_than_run;
 use crate::commands::run::ending::in_short;
 use crate::commands::standard_streams::{
     Verbosity, is_said, print_diagnostic, print_result, print_result_in,
@@ -18,10 +18,7 @@ use crate::commands::standard_streams::{
 /// Makes the page of a run, a sweep or partial clouds, of its files alone.
 pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
     let directory = &arguments.run;
-    if !directory.is_dir() {
-        return Err(Usage(format!("there is no run directory {}", directory.display())).into());
-    }
-    refuse_shard(directory)?;
+    refuse_other_than_run(directory)?;
     if SweepPage::is_sweep(directory) {
         SweepPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
     } else if PartialArchive::is_partial(directory) {

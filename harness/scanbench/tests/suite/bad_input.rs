@@ -155,7 +155,7 @@ fn a_run_that_cannot_be() {
             &["\"street-narrow\" is simulated, so it cannot be read as kitti-object"],
         ),
         ("empty -o out", &["\"empty\" has no data set in a known format"]),
-        ("nowhere -o out", &[nowhere, "kitti-tracking"]),
+        ("nowhere -o out", &[nowhere, "(`scanbench data list`)"]),
         // The last of several costs nothing either.
         ("street nowhere -o out", &["there is no data set \"nowhere\""]),
         ("street-narow -o out", &["there is no data set \"street-narow\"; did you mean \"street-narrow\"?"]),

@@ -65,6 +65,7 @@ fn a_sensor_on_a_robot_is_recognised_with_its_height_and_tilt() {
     assert_eq!((&entry["sensor"], &entry["seen"]["sensor"]), (&"vlp-16".into(), &"vlp-16".into()));
     assert!((entry["sensor_height_m"].as_f64().unwrap() - 0.9).abs() < 0.1, "{entry}");
     assert_eq!(entry["seen"]["taken"], serde_json::json!(["sensor", "height"]));
+    workplace.succeed("data check robot").check_stdout(&["vlp-16 (by its beams), 1.73 m above the road"]);
     let upright = f_rate(&workplace);
     let (sin, cos) = 8_f32.to_radians().sin_cos();
     move_points(&workplace.path("robot"), &|[x, y, z]| [x, cos * y - sin * z, sin * y + cos * z]);

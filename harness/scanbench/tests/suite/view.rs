@@ -49,7 +49,10 @@ fn what_cannot_be_viewed_is_said() {
             2,
             "the run has no detector \"kd-tree\"; its detectors are hierarchical, pca",
         ),
-        (&["view", "run", "--class", "boat"], 4, "the run has no mistakes of this kind"),
+        (&["compare", ".", "run"], 2, ". is not the directory of a run, which has a manifest.json"),
+        (&["report", "."], 2, ". is not the directory of a run, which has a manifest.json"),
+        (&["view", "run", "--class", "boat"], 2, "[possible values: car, van, truck"),
+        (&["view", "run", "--class", "tram"], 4, "the run has no mistakes of this kind"),
     ] {
         workplace.end_with(arguments, code, &[message]);
     }

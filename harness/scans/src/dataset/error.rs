@@ -119,10 +119,8 @@ impl DatasetError {
         /// More names are not read through by somebody who meant one of them.
         const MOST_LISTED: usize = 10;
         let closest = closest(name, known.iter().map(String::as_str));
-        let listed = match closest {
-            Some(_) if known.len() > MOST_LISTED => "scanbench data list".to_owned(),
-            _ => known.join(", "),
-        };
+        let listed =
+            if known.len() > MOST_LISTED { "`scanbench data list`".to_owned() } else { known.join(", ") };
         let it = closest.map_or_else(|| ": it".to_owned(), |it| format!("; did you mean {it:?}? It"));
         let message = format!(
             "there is no data set {name:?}{it} is neither in the catalogue ({listed}) nor a path that exists"

@@ -30,7 +30,12 @@ impl FromStr for OverrideOption {
         let value = match value.parse::<Value>() {
             Ok(value) => value,
             Err(_) if is_word(value) || is_path(value) => Value::String(value.to_owned()),
-            Err(error) => return Err(format!("{value} is not a valid value: {}", error.message())),
+            Err(error) => {
+                let problem = error.message();
+                return Err(format!(
+                    "{value} is not a valid value, which is a number, true, false, a word or a path: {problem}"
+                ));
+            }
         };
         Ok(Self { written: written.to_owned(), name: name.to_owned(), value })
     }
@@ -158,6 +163,10 @@ impl OverrideOption {
             } else {
                 ""
             };
+            // A longer list is not read through.
+            if listed.len() > 20 {
+                return format!("`scanbench params` lists the {} of these detectors{hint}", listed.len());
+            }
             return format!("parameters are {}{hint}", listed.join(", "));
         }
         format!("did you mean {}?", near.join(", "))

@@ -12,7 +12,7 @@ use scans::dataset::{DatasetError, Nearness};
 
 use crate::cli::CheckArgs;
 use crate::commands::failure::Failure;
-use crate::commands::first_look::suspicions_of;
+use crate::commands::first_look::check_first_scans;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
@@ -35,9 +35,11 @@ pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
         }
         let is_interrupted = || interrupted.load(Ordering::Relaxed);
         let (scans, damage) = check(opened, is_interrupted)?;
-        let (suspicions, labels) = suspicions_of(opened);
-        let mut report = CheckReport::of(opened.dataset.description(), &scans, &suspicions);
-        if let Some(labels) = labels {
+        let look = check_first_scans(opened);
+        let mut description = opened.dataset.description().clone();
+        description.sensor = look.sensor.unwrap_or(description.sensor);
+        let mut report = CheckReport::of(&description, &scans, &look.suspicions);
+        if let Some(labels) = look.labels {
             report.add_label_look(&labels);
         }
         // Of a part of the scans only this part is looked at.
