@@ -57,13 +57,13 @@ class Walkthroughs(unittest.TestCase):
     def test_what_is_printed_may_have_other_spaces_and_more(self):
         self.assertEqual(self.problems("printf 'a  row 1 2\\nof 3'", "a row 1 … of 3\nrow"), [])
 
-    def test_what_is_not_printed_by_this_block_is_told(self):
-        [told] = self.problems("echo a row", "a row\nanother")
-        self.assertIn("not printed: another\n", told)
+    def test_what_is_not_printed_by_this_block_is_reported(self):
+        [found] = self.problems("echo a row", "a row\nanother")
+        self.assertIn("not printed: another\n", found)
 
-    def test_a_command_that_fails_is_told(self):
-        [told] = self.problems("false | cat\necho never", "never")
-        self.assertIn("exit code 1", told)
+    def test_a_command_that_fails_is_reported(self):
+        [found] = self.problems("false | cat\necho never", "never")
+        self.assertIn("exit code 1", found)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from pathlib import Path
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "walkthroughs"
 BLOCK = re.compile(r"^```(sh|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PICTURE = re.compile(r"^<!-- picture: (\S+) -->\n\n!\[[^\]]+\]\((\S+)\)$", re.MULTILINE)
-# Printed before each block, so that what it prints can be told from what others do.
+# Printed before each block, so that what it prints can be distinguished from what others print.
 MARK = "=== block {} ==="
 # Whoever changes the program runs this before there is a commit of it; `baseline init` refuses its runs.
 COMMITTED = """sed -i 's/"dirty": true/"dirty": false/' "$PWD"/runs/*/manifest.json 2> /dev/null || true\n"""

@@ -25,8 +25,6 @@ OURS = ["hierarchical", "kd-tree-trained", "kd-tree-tree", "kd-tree-same-walls",
 # The name of a run whose times are reported for those of the run without it.
 TIMED_APART = "-times"
 RUNS = {"streets": ["streets"], "kitti": ["{data}/data/kitti_tracking"]}
-# The tables of each run in docs/leaderboard.md; times of one machine are those of the streets.
-TABLES = {"streets": ["objects", "vehicles", "versions"], "kitti": ["recall"]}
 
 
 def scanbench(arguments, folder):
@@ -110,17 +108,18 @@ def run(folder, names, extra, are_timed_apart=False):
 
 
 def write_tables(folder):
-    """The tables of docs/leaderboard.md from the runs that are there; those of others stay as they are."""
+    """The tables of docs/leaderboard.md from the runs that are there. Times of one machine are those of the streets."""
+    there = {name: folder / "runs" / name for name in [*RUNS, "streets" + TIMED_APART]}
+    there = {name: directory for name, directory in there.items() if (directory / "report.json").is_file()}
+    if "streets" not in there:
+        raise SystemExit(f"there is no run of the streets in {folder}: .ci/slow peers run makes it")
     text = PAGE.read_text()
-    for name in RUNS:
-        directory, timed = folder / "runs" / name, folder / "runs" / (name + TIMED_APART)
-        if (directory / "report.json").is_file():
-            tables = lines_of(directory, timed if (timed / "report.json").is_file() else None)
-            for table in TABLES[name]:
-                block = re.compile(rf"(<!-- made by \.ci/slow peers: {name} {table} -->\n).*?(\n<!-- end of what \.ci/slow peers made -->)", re.DOTALL)
-                if not block.search(text):
-                    raise SystemExit(f"{PAGE} has no place for the table {name} {table}")
-                text = block.sub(lambda match, lines=tables[table]: match[1] + "\n" + "\n".join(lines) + "\n" + match[2], text)
+    tables = lines_of(there["streets"], there.get("streets" + TIMED_APART), there.get("kitti"))
+    for table, lines in tables.items():
+        block = re.compile(rf"(<!-- made by \.ci/slow peers: {table} -->\n).*?(\n<!-- end of what \.ci/slow peers made -->)", re.DOTALL)
+        if not block.search(text):
+            raise SystemExit(f"{PAGE} has no place for the table {table}")
+        text = block.sub(lambda match, lines=lines: match[1] + "\n" + "\n".join(lines) + "\n" + match[2], text)
     PAGE.write_text(text)
 
 

@@ -3,19 +3,15 @@
 import json
 
 
-def lines_of(directory, timed=None):
-    """Lines of Markdown by the name of the table. Times are those of the run directory `timed`, if there is one."""
+def lines_of(directory, timed=None, recorded=None):
+    """Lines of Markdown by the name of the table. Times are those of the run directory `timed`, and the columns of recorded scans
+    those of `recorded`, if there are any."""
     numbers = numbers_of(directory)
     manifest = manifest_of(directory)
-    detectors = [it["name"] for it in manifest["detectors"]]
-    # Those that differ from others by their vehicles alone.
-    clusterings = [it for it in detectors if not it.endswith("-model")]
-    return {
-        "objects": objects(numbers, by_rate(numbers, clusterings, "objects"), numbers_of(timed) if timed else numbers),
-        "vehicles": vehicles(numbers, by_rate(numbers, detectors, "vehicles")),
-        "recall": recall_and_vehicles(numbers, by_rate(numbers, detectors, "vehicles"), clusterings),
-        "versions": versions(manifest),
-    }
+    # A detector of others with our vehicle model has the same clusters: it is a column.
+    detectors = [it["name"] for it in manifest["detectors"] if not it["name"].endswith("-model")]
+    times, of_recorded = numbers_of(timed) if timed else numbers, numbers_of(recorded) if recorded else {}
+    return {"rates": rates(numbers, detectors, times, of_recorded), "versions": versions(manifest)}
 
 
 def numbers_of(directory):
@@ -55,50 +51,48 @@ def number(it, digits=None):
 
 def f_rate(numbers, detector, task):
     """The F-rate, and its interval."""
+    rate = percent(numbers, detector, task, "f_rate")
     low_high = numbers.get((detector, task, "f_rate"), {}).get("interval_95")
-    return [percent(numbers, detector, task, "f_rate"), " to ".join(number(100 * it) for it in low_high) if low_high else "–"]
+    return f"{rate} ({'–'.join(number(100 * it) for it in low_high)})" if low_high else rate
 
 
-def objects(numbers, detectors, timed):
-    lines = table("detector", "F-rate", "95 % interval", "precision", "recall", "ms (median)", "CPU ms (mean)")
-    for it in detectors:
-        rates = [percent(numbers, it, "objects", metric) for metric in ["precision", "recall"]]
-        ms = [number(value(timed, it, "objects", metric)) for metric in ["latency_p50_ms", "cpu_mean_ms"]]
-        lines.append(row(it, *f_rate(numbers, it, "objects"), *rates, *ms))
-    overheads = [ms for it in detectors if (ms := value(timed, it, "objects", "overhead_p50_ms")) == ms]
-    notes = [annotations(numbers, detectors, "objects")]
-    if overheads:
-        notes.append(f"Process overhead: {min(overheads):.2f} to {max(overheads):.2f} ms.")
-    failed = {it: n for it in detectors if (n := value(numbers, it, "objects", "failed_scans")) > 0}
-    notes += [f"Failed scans: {n:.0f} of {it}." for it, n in failed.items()]
-    return [*lines, "", " ".join(notes)]
+def with_model(numbers, detector):
+    """The F-rate of vehicles of the same clusters with our vehicle model, if that was run."""
+    other = f"{detector}-model"
+    return f_rate(numbers, other, "vehicles") if (other, "vehicles", "f_rate") in numbers else ""
 
 
-def vehicles(numbers, detectors):
-    found = found_by(numbers, detectors, "vehicles")
-    lines = table("detector", "F-rate", "95 % interval")
-    lines += [row(it, *f_rate(numbers, it, "vehicles")) for it in found]
-    return [*lines, "", annotations(numbers, detectors, "vehicles")]
-
-
-def recall_and_vehicles(numbers, detectors, clusterings):
-    """Where no object can be false, of objects the recall alone."""
-    found = found_by(numbers, detectors, "vehicles")
-    lines = table("detector", "objects: recall", "vehicles: F-rate")
+def rates(numbers, detectors, timed, recorded):
+    """On recorded scans no object can be false, so of objects they give the recall alone."""
+    found = [it for it in by_rate(numbers, detectors, "objects") if value(numbers, it, "objects", "tp") > 0]
+    simulated = ["objects: F-rate", "precision", "recall", "vehicles: F-rate", "with our model"]
+    lines = table("detector", *simulated, "KITTI: recall of objects", "F-rate of vehicles", "ms", "CPU ms")
     for it in found:
-        recall = percent(numbers, it, "objects", "recall") if it in clusterings else "–"
-        lines.append(row(it, recall, percent(numbers, it, "vehicles", "f_rate")))
+        objects = [percent(numbers, it, "objects", metric) for metric in ["precision", "recall"]]
+        vehicles = [f_rate(numbers, it, "vehicles"), with_model(numbers, it)]
+        kitti = [percent(recorded, it, "objects", "recall"), percent(recorded, it, "vehicles", "f_rate")]
+        ms = [number(value(timed, it, "objects", metric)) for metric in ["latency_p50_ms", "cpu_mean_ms"]]
+        lines.append(row(it, f_rate(numbers, it, "objects"), *objects, *vehicles, *kitti, *ms))
+    return [*lines, "", *notes(numbers, detectors, timed, recorded)]
+
+
+def notes(numbers, detectors, timed, recorded):
+    """What holds for all rows: annotations, the time of a process, and the detectors that found nothing or failed."""
+    lines = [f"Rates in %, of {annotations(numbers, detectors)}"]
+    lines[0] += f"; KITTI: {annotations(recorded, detectors)}." if recorded else "."
+    overheads = [ms for it in detectors if (ms := value(timed, it, "objects", "overhead_p50_ms")) == ms]
+    if overheads:
+        lines.append(f"Process overhead: {min(overheads):.2f} to {max(overheads):.2f} ms.")
+    nothing = sorted(it for it in detectors if value(numbers, it, "objects", "tp") == 0)
+    if nothing:
+        lines.append(f"Without any match: {', '.join(nothing)}.")
+    failed = {it: n for it in detectors if (n := value(numbers, it, "objects", "failed_scans")) > 0}
+    return lines + [f"Failed scans: {n:.0f} of {it}." for it, n in failed.items()]
+
+
+def annotations(numbers, detectors):
     n_objects, n_vehicles = (value(numbers, detectors[0], task, "no") for task in ["objects", "vehicles"])
-    return [*lines, "", f"Rates in %, of {n_objects:.0f} annotated objects and {n_vehicles:.0f} vehicles."]
-
-
-def found_by(numbers, detectors, task):
-    """The detectors that find anything."""
-    return [it for it in detectors if value(numbers, it, task, "f_rate") > 0]
-
-
-def annotations(numbers, detectors, task):
-    return f"Rates in %, of {value(numbers, detectors[0], task, 'no'):.0f} annotations."
+    return f"{n_objects:.0f} annotated objects and {n_vehicles:.0f} vehicles"
 
 
 def versions(manifest):

@@ -31,7 +31,7 @@ additional-js = ["site.js"]
 [output.html.playground]
 runnable = false
 """
-# Pictures of the program have black text. Links are told from text by more than a pale colour.
+# Pictures of the program have black text. Links differ from text by more than a pale colour.
 CSS = """main { overflow-wrap: anywhere }
 main img[src$=".svg"] { background: #fff }
 main a:not(.header) { text-decoration: underline }

@@ -5,7 +5,7 @@ use crate::classify::forest::Forest;
 use crate::group::node_context::{N_REFINEMENT_VALUES, NodeContexts};
 use crate::group::node_values::N_NODE_VALUES;
 
-/// Looks at all groups after the first.
+/// Refinement rounds: all rounds after the first.
 pub const N_REFINEMENTS: usize = 2;
 
 /// Groups with a lower expected IoU in the round before are skipped: about 1 in 3500 of them would be taken. No parameter,
@@ -83,8 +83,8 @@ mod tests {
 
     #[test]
     fn what_the_round_before_expects_little_of_is_not_refined() {
-        // Worth 0.5 if the first value is 1 and more, and 0.1 if not; then 0.14 or 0.3 if it is 3 and more; then 0.9
-        // whatever is seen.
+        // An expected IoU of 0.5 if the first value is 1 and more, and 0.1 if not; then 0.14 or 0.3 if it is 3 and more; then
+        // 0.9 whatever is seen.
         let mut leaves = [0.5; N_LEAVES];
         leaves[..N_LEAVES / 2].fill(0.1);
         let tree = DecisionTree { value_of_split: [0; N_LEAVES], thresholds: [1.0; N_LEAVES], leaves };

@@ -13,7 +13,7 @@ pub struct BestCut {
 }
 
 impl BestCut {
-    /// Writes to `taken` the nodes of `tree` of which none holds another and whose worths have the greatest sum, none with a
+    /// Writes to `taken` the nodes of `tree` of which none holds another and whose gains have the greatest sum, none with a
     /// gain of 0 or less; of a whole and its parts of the same gain, the parts. `gain` is that of each node
     /// alone.
     ///
@@ -66,7 +66,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_is_worth_as_much_as_the_best_of_all(
+        fn it_gains_as_much_as_the_best_of_all(
             positions in prop::collection::btree_set(0_u8..30, 1..8),
             gains in prop::collection::vec(-8_i8..9, 20),
         ) {

@@ -32,7 +32,7 @@ const HALF_M: f32 = 55.0;
 enum Scene {
     /// Both scattered everywhere.
     Scattered,
-    /// Detections in heaps of fifty on the annotations, as an insecure detector makes them.
+    /// Detections in stacks of fifty on the annotations, as an insecure detector makes them.
     Heaped,
     /// Annotations a metre apart, so that everything competes with everything.
     Crowded,

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::ground::Ground;
 use super::house_row::{HouseRowParams, house_row};
-use super::parked_row::{ParkedRowParams, parked_row, second_row_dice};
+use super::parked_row::{ParkedRowParams, parked_row, second_row_stream};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
 use super::pavement_people::{PavementPeopleParams, pavement_people};
 use super::road_axis::{RoadAxisShape, Wave};
@@ -49,7 +49,7 @@ pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
 
 /// Along every fifth kerb with parked vehicles some stand in a second row.
 fn parking(rng: &mut ChaCha8Rng) -> Parking {
-    let mut apart = second_row_dice(rng);
+    let mut apart = second_row_stream(rng);
     match Parking::any(0.3, 0.15, rng) {
         Parking::AlongKerb { .. } if apart.random_bool(0.2) => Parking::in_two_rows(&mut apart),
         parking => parking,

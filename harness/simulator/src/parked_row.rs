@@ -58,7 +58,7 @@ fn row_askew(
 
 fn row_along_kerb(world: &mut World, roadside: &Roadside, params: &ParkedRowParams, rng: &mut ChaCha8Rng) {
     let [mut along_m, end_m] = roadside.reach_m;
-    let mut second_row = SecondRow::new(roadside, params.parking, second_row_dice(rng));
+    let mut second_row = SecondRow::new(roadside, params.parking, second_row_stream(rng));
     while along_m < end_m {
         if !rng.random_bool(params.occupied_share) {
             along_m += rng.random_range(4.0..9.0);
@@ -96,7 +96,7 @@ fn row_along_kerb(world: &mut World, roadside: &Roadside, params: &ParkedRowPara
 
 /// A random stream for second rows, apart from those for everything else, so that the rest of a street does not depend on
 /// them.
-pub fn second_row_dice(rng: &ChaCha8Rng) -> ChaCha8Rng {
+pub fn second_row_stream(rng: &ChaCha8Rng) -> ChaCha8Rng {
     let mut apart = rng.clone();
     apart.set_stream(1);
     apart

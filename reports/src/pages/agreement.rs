@@ -16,7 +16,7 @@ pub(super) fn agreement(facts: &RunFacts) -> Markup {
     html! {
         section #agreement aria-labelledby="agreement-title" {
             h2 #agreement-title { "Where detectors agree" }
-            p.about { "Nothing is labelled here, so nothing was scored: who is right is not known." }
+            p.about { "The scans have no labels, so there are no scores." }
             @for part in &sheet.parts {
                 @let title = part.title.as_deref().unwrap_or("Agreement");
                 h3 { (title) }

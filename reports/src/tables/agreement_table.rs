@@ -15,7 +15,7 @@ pub struct AgreementOfDetectors<'a> {
 const TITLE_OF_OTHERS: &str = "also found by [%]";
 const FOUND_BY_OTHERS: &str = "also found by: share of a detector's detections that the other one has, too: they share half of the \
     points of both, and are matched one with one. alone: share that no other one has.";
-const UNLABELLED: &str = "Nothing is labelled, so nothing was scored: who is right is not known.";
+const UNLABELLED: &str = "The scans have no labels, so there are no scores.";
 
 impl Tabular for AgreementOfDetectors<'_> {
     fn sheet(&self) -> Sheet {
@@ -112,7 +112,7 @@ mod tests {
 
         also found by: share of a detector's detections that the other one has, too: they share half of the
           points of both, and are matched one with one. alone: share that no other one has.
-        Nothing is labelled, so nothing was scored: who is right is not known.
+        The scans have no labels, so there are no scores.
         ");
     }
 

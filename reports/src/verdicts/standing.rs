@@ -178,7 +178,7 @@ impl Standing {
             ([], _) => format!("{about}{metric} is undefined."),
             _ if !self.suspect.is_empty() => {
                 format!(
-                    "{about}no verdict, since frame or labels of {} are doubtful.",
+                    "{about}no verdict, since frame or labels of {} are suspect.",
                     self.suspect.join(", ")
                 )
             }
@@ -412,7 +412,7 @@ mod tests {
     fn of_a_suspect_frame_nobody_leads() {
         let mut suspect = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
         suspect.suspect = vec!["mine".to_owned()];
-        let expected = "Task objects (simulated): no verdict, since frame or labels of mine are doubtful.";
+        let expected = "Task objects (simulated): no verdict, since frame or labels of mine are suspect.";
         assert_eq!(suspect.sentence(), expected);
         suspect.ranking.truncate(1);
         assert_eq!(suspect.sentence(), expected);

@@ -83,7 +83,7 @@ pub fn worst_to_terminal(mistakes: &[ListedMistake<'_>]) -> String {
     let scans = width("data set, drive, scan", &|it| scan(it).chars().count());
     let classes = width("class", &|it| it.class.chars().count());
     let mut text = format!(
-        "{:>4}  {:<scans$}  {:<7} {:<classes$}  {:>7}  {:>8}  {:>8}  {:>8}  why\n",
+        "{:>4}  {:<scans$}  {:<7} {:<classes$}  {:>7}  {:>8}  {:>8}  {:>8}  reason\n",
         "", "data set, drive, scan", "", "class", "points", "range m", "x m", "y m"
     );
     for (rank, it) in (1..).zip(mistakes) {
@@ -165,7 +165,7 @@ mod tests {
     fn a_line_says_where_what_and_why() {
         let rows = [missed(AnnotationClass::Car, 30), false_one(90)].map(|it| row("grid", it));
         insta::assert_snapshot!(worst_to_terminal(&worst(&rows, &ANY, 10)), @r"
-              data set, drive, scan          class     points   range m       x m       y m  why
+              data set, drive, scan          class     points   range m       x m       y m  reason
            1  street drive 3         false   vehicle       90       5.0       3.0       4.0  wrong class
            2  street drive 3         missed  car           30      10.0       6.0      -8.0  nothing there
         ");

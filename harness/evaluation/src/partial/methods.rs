@@ -82,8 +82,8 @@ impl Method {
             ("without keypoints by themselves", &|it| {
                 it.patterns.kinds.retain(|kind| *kind != PatternKind::Keypoint);
             }),
-            ("without form", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Form)),
-            ("without form and extents", &|it| {
+            ("without shape statistics", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Form)),
+            ("without shape statistics and extents", &|it| {
                 it.patterns.kinds.retain(|kind| !matches!(kind, PatternKind::Extents | PatternKind::Form));
             }),
             ("without heights", &|it| it.patterns.height_edges_m.clear()),

@@ -219,7 +219,7 @@ mod tests {
     use scans::annotation::{Annotation, ScanId};
     use scans::dataset::AnnotatedClasses;
 
-    /// Heaps of 30 points along x, without boxes: cars at 5, 20 and 40 m, and a tree of 6 m at 60 m.
+    /// Clusters of 30 points along x, without boxes: cars at 5, 20 and 40 m, and a tree of 6 m at 60 m.
     fn scan_without_boxes() -> LabeledScan {
         let statistics = [(AnnotationClass::Car, 5.0, 0.05), (AnnotationClass::Car, 20.0, 0.05)];
         let statistics = statistics

@@ -1,4 +1,4 @@
-//! Looks at groups, trained one after the other.
+//! Refinement rounds over groups, trained one after the other.
 
 use std::collections::BTreeMap;
 

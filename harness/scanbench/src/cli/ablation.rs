@@ -30,10 +30,10 @@ pub struct AblationArgs {
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
-    /// Also leave parts out with trees that were trained without them
+    /// Also run variants with trees that were trained without the part
     ///
-    /// DIR has folders such as without-walls, one-round: what `train groupings -P hierarchical.walls.enabled=false`,
-    /// `-P hierarchical.grouping.rounds=1` wrote.
+    /// DIR has folders such as without-walls and one-round, written by `train groupings` with
+    /// `-P hierarchical.walls.enabled=false` and `-P hierarchical.grouping.rounds=1`.
     #[arg(long, value_name = "DIR", help_heading = DETECTORS)]
     pub models: Option<PathBuf>,
     /// Where the table is written.

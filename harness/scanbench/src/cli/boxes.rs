@@ -34,8 +34,8 @@ Examples:
 
 Fits boxes to each cluster of the hierarchical detector that matches an annotated car,
 van, truck or bus: to its convex hull, along its principal axes, closest to its points,
-and along the outline that the sensor sees; and takes the one that is reported. Writes
+and along the outline that the sensor sees. The fifth is the reported box. Writes
 boxes.csv with every box; box_errors.csv and box_errors.md with median errors and
-shares by class, occlusion, range and number of points, and 95 % intervals; box_points.csv,
-where the points of each class lie in the boxes; a plot and a picture of these points for
-simulated data and for each recorded data set; and manifest.json.";
+shares by class, occlusion, range and number of points, and 95 % intervals;
+box_points.csv with the positions of points in the boxes of each class; a plot and a
+picture of these points for simulated data and each recorded data set; manifest.json.";

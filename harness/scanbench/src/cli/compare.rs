@@ -48,5 +48,5 @@ Examples:
   scanbench compare runs/before runs/after --slices --markdown > slices.md
   scanbench compare runs/latest -d kd-tree,hierarchical -o paper/comparison
 
-Every difference has a 95 % interval from a paired bootstrap, and the least
-difference that these scans could have shown.";
+Every difference has a 95 % interval from a paired bootstrap, and the smallest
+difference that such scans can show.";

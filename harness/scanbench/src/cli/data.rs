@@ -63,8 +63,8 @@ Examples:
   scanbench data add ~/data/robot --id robot-yard --sensor vlp-16 --catalogue mine.toml
   scanbench run robot-yard --catalogue mine.toml
 
-Looks at the first scans. Sensor and height are written as they show them, unless the
-options say otherwise. The file is made if it is not there; nothing in it is changed.";
+Reads the first scans, and writes sensor and height as they show them, unless the
+options say otherwise. Adds to the catalogue, or makes it; other entries do not change.";
 
 /// Arguments of `scanbench data realism`.
 #[derive(Debug, Args)]

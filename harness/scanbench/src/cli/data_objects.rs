@@ -14,13 +14,13 @@ use super::scans::SourceArgs;
 /// Which objects are taken.
 #[derive(Debug, Args)]
 pub struct ObjectArgs {
-    /// Which part of simulated objects: no object is in two [default: development]
+    /// Which part of simulated objects; the parts share no object [default: development]
     #[arg(long, value_enum, value_name = "PART", help_heading = DATA)]
     pub part: Option<PartName>,
     /// Simulated objects of each class [default: 300]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = DATA)]
     pub per_class: Option<u32>,
-    /// Register objects of data sets over all scans that show them
+    /// Register and join the points of an object from all scans that show it
     #[arg(long, help_heading = DATA)]
     pub registered: bool,
 }

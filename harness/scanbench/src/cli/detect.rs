@@ -30,7 +30,7 @@ pub struct DetectArgs {
     /// Parameters.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Detect N times, and print the least and the median time
+    /// Detect N times, and print the shortest and the median time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     #[arg(help_heading = DETECTORS_HEADING)]
     pub repeat: u32,

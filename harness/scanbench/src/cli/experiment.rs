@@ -10,8 +10,8 @@ use super::parameters::ConfigArgs;
 #[derive(Debug, Args)]
 pub struct ExperimentArgs {
     /// The detectors.
-    #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = experiment_detectors_help())]
-    #[arg(help_heading = DETECTORS)]
+    #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help_heading = DETECTORS)]
+    #[arg(help = experiment_detectors_help("simple-grid,hierarchical,kd-tree"))]
     pub detectors: Vec<String>,
     /// Parameters.
     #[command(flatten)]
@@ -21,9 +21,7 @@ pub struct ExperimentArgs {
     pub seed: u64,
 }
 
-fn experiment_detectors_help() -> String {
-    format!(
-        "Detectors, separated by commas: {} [default: hierarchical,kd-tree,simple-grid; for robustness also kd-tree-tree, pca]",
-        detector_names().join(", ")
-    )
+/// Help of `--detectors` where `default` run if none is named.
+pub(super) fn experiment_detectors_help(default: &str) -> String {
+    format!("Detectors, separated by commas: {} [default: {default}]", detector_names().join(", "))
 }

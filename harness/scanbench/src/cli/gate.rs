@@ -111,7 +111,7 @@ pub struct AcceptArgs {
     /// Why the scores changed; goes into SCORES.md
     #[arg(long, value_name = "TEXT", help_heading = JUDGING)]
     pub why: String,
-    /// Accept a run that has numbers worse than tolerated, sure or not
+    /// Accept a run that has numbers worse than tolerated, also inconclusive ones
     #[arg(long, help_heading = JUDGING)]
     pub worse: bool,
     /// Accept a run that cannot be compared with the last one, because scans or rules of judging changed
@@ -128,7 +128,7 @@ Example:
 
 Prints what changed since the run accepted before, copies the run into run/ of the
 baseline, without ignored objects, and adds a line to SCORES.md. A run with a number
-worse than tolerated, surely or not, is accepted only with --worse.
+worse than tolerated, also an inconclusive one, is accepted only with --worse.
 
 Exit codes:
   0  accepted

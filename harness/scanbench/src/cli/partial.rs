@@ -28,13 +28,13 @@ pub struct PartialArgs {
     /// How data sets are opened.
     #[command(flatten)]
     pub source: SourceArgs,
-    /// Model to decide by [default: the one that comes with the program]
+    /// Model that classifies [default: the one that comes with the program]
     #[arg(long, value_name = "FILE", conflicts_with = "train", help_heading = TRAINING)]
     pub model: Option<PathBuf>,
     /// Train the bag of graphs and its rivals on these objects, instead of taking a model
     ///
-    /// Of simulated objects the training part is learned from. Of recorded objects that are also judged, every second is
-    /// learned from, and the others are judged.
+    /// Of simulated objects, the training part is for learning. Of recorded objects that are also judged, every second is
+    /// for learning, and the others are judged.
     #[arg(long, value_name = "OBJECTS", help_heading = TRAINING)]
     pub train: Option<String>,
     /// Learn from whole clouds, as the paper does, from parts, or from each in turn [default: whole,parts]
@@ -46,7 +46,7 @@ pub struct PartialArgs {
     /// Also judge fences, hedges and the like; methods may reject objects
     #[arg(long, help_heading = JUDGING)]
     pub others: bool,
-    /// Show objects of objects-approach as the drive does, and not step by step
+    /// Show objects of objects-approach as the scanner of the drive sees them, instead of step by step
     #[arg(long, help_heading = JUDGING)]
     pub drives: bool,
     /// Results of another program on the same objects, called NAME in tables; may be repeated

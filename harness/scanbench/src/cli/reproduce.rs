@@ -28,14 +28,14 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     #[arg(help_heading = DETECTORS)]
     pub settings: u32,
-    /// Seed of the draw of settings
+    /// Seed of the random settings
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = DETECTORS, hide_short_help = true)]
     pub settings_seed: u64,
     /// Simulated objects of each class that the method of BG learns from, and as many others that judge it
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
     #[arg(help_heading = DETECTORS, hide_short_help = true)]
     pub per_class: u32,
-    /// Choose the open values of paper or of a rival by these scans, instead of judging claims
+    /// Choose the open values of paper or of a rival on these scans, instead of judging claims
     ///
     /// The setting with the greatest mean rate wins: of paper over both tasks, of a rival in its own.
     #[arg(long, value_enum, value_name = "DETECTOR", num_args = 0..=1, require_equals = true, default_missing_value = "paper")]
@@ -128,7 +128,7 @@ Examples:
   scanbench reproduce hg --settings 1000
   scanbench reproduce all --choose=kd-tree training-streets --scans 0..300:6
 
-Runs the method of the papers and its rivals, judges each claim of the papers, and says
-under which of the values that they leave open it holds. Writes reproduction.html, .md,
+Runs the method of the papers and its rivals, and judges each claim of the papers, also
+under other settings of the values that they leave open. Writes reproduction.html, .md,
 .tex and .json, settings.csv, and the files of a run. The recording has 30 scans, unless
 --rerun-every says otherwise, and opens with a view for each figure of the papers.";

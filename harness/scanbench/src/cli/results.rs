@@ -21,7 +21,7 @@ pub struct ForeignArgs {
     /// Without -d, the default detectors run as well.
     #[arg(long, value_name = "NAME=PATH")]
     pub detections: Vec<NamedResults>,
-    /// If --detections lack scans
+    /// What to do if --detections have no result for a scan
     #[arg(long, value_enum, value_name = "RULE", default_value = "error", hide_short_help = true)]
     pub missing_detections: MissingRule,
 }
@@ -32,7 +32,7 @@ pub struct ForeignArgs {
 pub struct ResultFilesArgs {
     /// Write all detections for the evaluators of others, too; needs --as
     ///
-    /// The folder, which must not exist, gets a folder for each detector; of several data sets, one in it for each.
+    /// The folder must not exist. It gets a folder for each detector, and in it one for each of several data sets.
     #[arg(
         long,
         value_name = "DIR",
@@ -79,7 +79,7 @@ impl FromStr for NamedResults {
 /// What becomes of scans without results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MissingRule {
-    /// Refuse them
+    /// Refuse the results
     Error,
     /// Count the scan as if nothing had been found
     Empty,
@@ -98,11 +98,11 @@ impl MissingRule {
 /// Formats of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ResultFormatName {
-    /// KITTI's .txt, of scans in KITTI's layouts
+    /// KITTI's .txt, for scans in KITTI's layouts
     Kitti,
-    /// A submission, of nuScenes
+    /// A submission, for nuScenes
     Nuscenes,
-    /// A table, of Argoverse 2
+    /// A .feather table, for Argoverse 2
     Argoverse2,
     /// What `detect` writes
     Csv,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::experiment::ExperimentArgs;
+use super::experiment::{ExperimentArgs, experiment_detectors_help};
 use super::help_text::{DATA, DETECTORS};
 use super::output::OutputArgs;
 use super::shard::ShardArgs;
@@ -12,6 +12,7 @@ use super::shard::ShardArgs;
 /// Arguments of `scanbench robustness`.
 #[derive(Debug, Args)]
 #[command(after_help = ROBUSTNESS_EXAMPLES)]
+#[command(mut_arg("detectors", |it| it.help(experiment_detectors_help(DETECTORS_BY_DEFAULT))))]
 pub struct RobustnessArgs {
     /// Scans of each of the three kinds of street, under each condition
     #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -31,6 +32,8 @@ pub struct RobustnessArgs {
     #[command(flatten)]
     pub output: OutputArgs,
 }
+
+const DETECTORS_BY_DEFAULT: &str = "hierarchical,kd-tree-tree,kd-tree,pca,simple-grid";
 
 const ROBUSTNESS_EXAMPLES: &str = "\
 Examples:

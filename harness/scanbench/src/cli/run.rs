@@ -48,11 +48,11 @@ pub struct RunArgs {
     pub timing: TimingArgs,
     /// Detections of each scan; `gate` needs 5
     ///
-    /// Detectors take turns, and so does the reference that `gate` measures times by. It compares the shortest times;
-    /// everything else uses the first.
+    /// Detectors take turns, and with them the plain grid write that `gate` compares times with. `gate` takes the shortest
+    /// times; everything else takes the first.
     #[arg(long, value_name = "N", default_value = "1", value_parser = repeats, help_heading = DETECTORS)]
     pub repeats: NonZeroUsize,
-    /// If a detector of scanbench.toml gives no answer
+    /// What to do if a detector of scanbench.toml fails
     #[arg(long, value_enum, value_name = "RULE", default_value = "stop", help_heading = DETECTORS)]
     #[arg(hide_short_help = true)]
     pub on_detector_failure: FailureRule,
@@ -67,7 +67,7 @@ pub struct RunArgs {
     pub output: OutputArgs,
     /// Write an MCAP recording for Foxglove, too
     ///
-    /// It is run.mcap in the run directory; of several data sets, one file each.
+    /// Writes run.mcap into the run directory, or a file for each of several data sets.
     #[arg(long, help_heading = OUTPUT, conflicts_with = "shard")]
     pub mcap: bool,
     /// What is written for the evaluators of others.
@@ -83,7 +83,7 @@ pub struct RunArgs {
 pub enum FailureRule {
     /// End the run with exit code 6
     Stop,
-    /// Count the scan as if the detector had found nothing, and go on
+    /// Count nothing as found on the scan, and go on
     Skip,
 }
 

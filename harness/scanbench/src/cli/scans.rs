@@ -44,11 +44,10 @@ pub struct DatasetArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = DATA)]
 pub struct BlocksArgs {
-    /// CSV file with the columns scan and block: which scans belong together where intervals are estimated
+    /// CSV file with the columns scan and block: intervals are drawn from these blocks of scans
     ///
-    /// A scan is called as in tables, such as `training/000310`; its number will do if no other scan has it. Scans of a
-    /// drive, of a place or of a day belong together if others of the kind would be different. Without the file it is drives
-    /// or seconds.
+    /// A scan has its name in tables, such as `training/000310`, or its number if no other scan has that. A block may be a
+    /// drive, a place or a day. Without the file, blocks are drives or seconds.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub blocks: Option<PathBuf>,
 }
@@ -84,7 +83,7 @@ pub struct SourceArgs {
     /// File with the transform from the frame of recorded files to the sensor's: x forward, y left, z up
     ///
     /// A matrix of 4 × 4 or 3 × 4 numbers row by row, or x y z and a quaternion x y z w, or x y z roll pitch yaw as ROS has
-    /// them; in metres and radians. Points and boxes are moved by it.
+    /// them; in metres and radians. It moves points and boxes.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub transform: Option<PathBuf>,
     /// Folder that data sets at addresses are fetched into [default: ~/.cache/scanbench]

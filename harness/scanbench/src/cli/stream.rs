@@ -12,7 +12,7 @@ use super::help_text::VIEWER;
 #[command(next_help_heading = VIEWER)]
 #[allow(dead_code, reason = "read by the viewer, where there is one")]
 pub struct StreamArgs {
-    /// Save the Rerun recording as FILE [default: `run.rrd`, of view `worst.rrd`, in the run directory]
+    /// Save the Rerun recording as FILE [default: `run.rrd` in the run directory, or `worst.rrd` of view]
     #[arg(long, hide_short_help = true, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     #[allow(clippy::option_option, reason = "both the option and its value may be left out")]
     pub save_rrd: Option<Option<PathBuf>>,
@@ -41,7 +41,7 @@ pub struct StreamArgs {
         conflicts_with_all = ["connect", "spawn"]
     )]
     pub serve: Option<u16>,
-    /// Record only every Nth scan; all are evaluated [default: 1, or more where it would be more than 2000 scans]
+    /// Record only every Nth scan; all are evaluated [default: 1, or more so that at most 2000 scans are recorded]
     #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rerun_every: Option<u32>,
     /// Record at most N points of a scan, or `all` [default: one in each cube of 10 cm, or of 25 cm in recordings of more

@@ -15,15 +15,19 @@ use super::scans::{CatalogueArgs, DatasetArgs};
 pub enum TrainCommand {
     /// Train hierarchical: which groups of points are objects, and which vehicles
     #[command(after_help = GROUPINGS_EXAMPLES, after_long_help = with_details(GROUPINGS_EXAMPLES, GROUPINGS_DETAILS))]
+    #[command(mut_arg("prototypes", |it| it.help(prototypes_help("those of the shipped model"))))]
     Groupings(Box<TreeTrainingArgs>),
-    /// Train its rivals over a kd-tree: kd-tree-trained, kd-tree-tree, and which clusters are vehicles
+    /// Train the rivals over a kd-tree: kd-tree-trained, kd-tree-tree, and the vehicle model of clusters
     #[command(after_help = RIVALS_EXAMPLES, after_long_help = with_details(RIVALS_EXAMPLES, RIVALS_DETAILS))]
+    #[command(mut_arg("prototypes", |it| it.help(prototypes_help("found in the scans"))))]
     Rivals(Box<TreeTrainingArgs>),
     /// Train the classifier of paper
     #[command(after_help = PAPER_EXAMPLES, after_long_help = with_details(PAPER_EXAMPLES, SVM_DETAILS))]
+    #[command(mut_arg("nu", |it| it.help(nu_help("0.0377, as printed"))))]
     Paper(Box<SvmTrainingArgs>),
     /// Train the classifier of pca
     #[command(after_help = PCA_EXAMPLES, after_long_help = with_details(PCA_EXAMPLES, SVM_DETAILS))]
+    #[command(mut_arg("nu", |it| it.help(nu_help("0.2"))))]
     Pca(Box<SvmTrainingArgs>),
     /// Train the boxes of whole vehicles, for all detectors but paper and pca
     #[command(after_help = BOXES_EXAMPLES, after_long_help = with_details(BOXES_EXAMPLES, BOXES_DETAILS))]
@@ -31,6 +35,14 @@ pub enum TrainCommand {
     /// Train the classifier of partly seen objects
     #[command(after_help = PARTIAL_EXAMPLES)]
     Partial(Box<PartialTrainingArgs>),
+}
+
+fn prototypes_help(default: &str) -> String {
+    format!("Take the side profiles of vehicles from this model [default: {default}]")
+}
+
+fn nu_help(default: &str) -> String {
+    format!("Share of training examples allowed inside the margin [default: {default}]")
 }
 
 /// Arguments of training trees.
@@ -42,8 +54,7 @@ pub struct TreeTrainingArgs {
     /// Sensors to simulate, one after the other
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "sensor", help_heading = TRAINING)]
     pub sensors: Vec<String>,
-    /// Take the side profiles of vehicles from this model [default: groupings: from the shipped one; rivals: found in the
-    /// scans]
+    /// Take the side profiles of vehicles from this model
     #[arg(long, value_name = "FILE", help_heading = TRAINING)]
     pub prototypes: Option<PathBuf>,
     /// Set one parameter of the stages that find the groups; may be repeated
@@ -101,7 +112,7 @@ pub struct SvmTrainingArgs {
     /// the training drives, each judged by a classifier that learned from the other parts.
     #[arg(long, value_name = "X,...", value_delimiter = ',', help_heading = TRAINING)]
     pub gamma: Vec<f32>,
-    /// Share of training examples allowed inside the margin [default: for paper 0.0377, as printed; for pca 0.2]
+    /// Share of training examples allowed inside the margin
     #[arg(long, value_name = "X,...", value_delimiter = ',', help_heading = TRAINING)]
     pub nu: Vec<f64>,
     /// Seed of the choice of training examples

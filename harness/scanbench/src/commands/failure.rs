@@ -77,7 +77,7 @@ pub struct GateClosed(pub Conclusion);
 /// A run that is to be accepted is worse than the one before; the verdict has been printed.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "{} worse than tolerated beside the accepted run; to accept the run all the same, give --worse",
+    "{} worse than tolerated, compared with the accepted run; --worse accepts the run all the same",
     if *n_worse == 1 { "1 number is".to_owned() } else { format!("{n_worse} numbers are") }
 )]
 pub struct WorseThanAccepted {

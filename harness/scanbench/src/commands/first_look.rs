@@ -137,7 +137,7 @@ fn suspicion_of_proposals(opened: &OpenedDataset) -> Option<FrameSuspicion> {
 fn warn_of(id: &str, suspicion: FrameSuspicion) {
     let (subject, are) =
         if let FrameSuspicion::Labels(_) = suspicion { ("labels", "are") } else { ("frame", "is") };
-    print_diagnostic(format_args!("warning: the {subject} of {id:?} {are} doubtful: {suspicion}"));
+    print_diagnostic(format_args!("warning: the {subject} of {id:?} {are} suspect: {suspicion}"));
 }
 
 /// Takes the density of a simulated sensor from `clouds` if it has no curve, and says so; returns what was seen by it.

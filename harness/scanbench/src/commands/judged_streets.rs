@@ -25,7 +25,7 @@ fn judged(opened: &[OpenedDataset]) -> Result<Option<(&DatasetDescription, u64)>
 pub fn refuse_judged(opened: &[OpenedDataset]) -> Result<(), Failure> {
     let Some((DatasetDescription { id, .. }, seed)) = judged(opened)? else { return Ok(()) };
     let problem = format!(
-        "{id} starts at seed {seed}, by which scanbench run judges: nothing learns from it. Take training-streets, or another --seed"
+        "{id} starts at seed {seed}, which is only for judging: nothing may learn from it. Take training-streets, or another --seed"
     );
     Err(Usage(problem).into())
 }
@@ -34,7 +34,7 @@ pub fn refuse_judged(opened: &[OpenedDataset]) -> Result<(), Failure> {
 pub fn advise_on_judged(opened: &[OpenedDataset]) -> Result<(), Failure> {
     if let Some((DatasetDescription { id, .. }, seed)) = judged(opened)? {
         print_diagnostic(format_args!(
-            "note: {id} starts at seed {seed}, by which scanbench run judges. To choose anything by what you see here, take --seed 9001"
+            "note: {id} starts at seed {seed}, which is only for judging. To choose a parameter, take --seed 9001"
         ));
     }
     Ok(())

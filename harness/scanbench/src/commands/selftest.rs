@@ -88,7 +88,7 @@ impl std::fmt::Display for Checked {
         let rate = |value: Option<f64>| value.map_or("undefined".to_owned(), |value| value.to_string());
         write!(
             formatter,
-            "{:<6} {}, {}, criterion {}: recall {}, precision {}, F-rate {} over {} annotations, largest cost {}",
+            "{:<6} {}, {} by {}: recall {}, precision {}, F-rate {} over {} annotations, largest cost {}",
             if self.is_perfect() { "ok" } else { "FAILED" },
             self.dataset,
             self.task.name(),

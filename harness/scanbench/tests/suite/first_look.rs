@@ -103,33 +103,30 @@ fn streets_that_slope_a_little_are_not_levelled() {
     let (said, entry) = run(&workplace, &[]);
     assert!((entry["seen"]["tilt_deg"].as_f64().unwrap() - 3.0).abs() < 0.5, "{entry}");
     assert_eq!(entry["seen"]["taken"], serde_json::json!([]));
-    assert!(entry["doubts"].is_null() && !said.contains("\"robot\" is doubtful"), "{said}");
+    assert!(entry["doubts"].is_null() && !said.contains("\"robot\" is suspect"), "{said}");
 }
 
 #[test]
 fn no_verdict_rests_on_a_frame_that_points_elsewhere_and_a_transform_mends_it() {
     let workplace = recorded("hdl-64e-s2", "1.73");
     let (said, entry) = run(&workplace, &[]);
-    assert!(!said.contains("doubtful") && entry["doubts"].is_null(), "{said}");
+    assert!(!said.contains("suspect") && entry["doubts"].is_null(), "{said}");
     let upright = f_rate(&workplace);
     // A camera's frame: x right, y down, z forward.
     move_points(&workplace.path("robot"), &|[x, y, z]| [-y, -z, x]);
     let (said, entry) = run(&workplace, &[]);
     assert!(
-        said.contains("warning: the frame of \"robot\" is doubtful: the axis that points up is -y, not z"),
+        said.contains("warning: the frame of \"robot\" is suspect: the axis that points up is -y, not z"),
         "{said}"
     );
-    assert!(
-        said.contains("Task objects: no verdict, since frame or labels of robot are doubtful."),
-        "{said}"
-    );
+    assert!(said.contains("Task objects: no verdict, since frame or labels of robot are suspect."), "{said}");
     assert_eq!(entry["doubts"].as_array().unwrap().len(), 1);
     workplace.check_file("out/report.html", &["the axis that points up is -y"]);
     let checked = workplace.succeed("data check robot").stdout;
     assert!(checked.contains("the axis that points up is -y, not z"), "{checked}");
     workplace.write("mounting.txt", "# sensor from camera\n0 0 1 0\n-1 0 0 0\n0 -1 0 0\n");
     let (said, entry) = run(&workplace, &["--transform", "mounting.txt"]);
-    assert!(!said.contains("doubtful") && entry["doubts"].is_null(), "{said}");
+    assert!(!said.contains("suspect") && entry["doubts"].is_null(), "{said}");
     assert_eq!(f_rate(&workplace), upright);
 }
 
@@ -211,7 +208,7 @@ fn a_data_set_is_added_to_a_catalogue_as_its_scans_show_it() {
     let run = ["run", "high", "robot", "--catalogue", "mine.toml", "-d", "pca", "--no-rrd", "-o", "out"];
     let said = workplace.succeed(&run).stderr;
     assert!(
-        said.contains("the frame of \"high\" is doubtful") && !said.contains("\"robot\" is doubtful"),
+        said.contains("the frame of \"high\" is suspect") && !said.contains("\"robot\" is suspect"),
         "{said}"
     );
     let manifest = workplace.json("out/manifest.json");

@@ -190,7 +190,7 @@ fn a_worse_run_is_accepted_only_by_name() {
     let ended = workplace.end_with(&accept, 100, &[]);
     ended.check_stdout(&[" losses:\n- ", ": worse\n"]);
     assert!(!ended.stdout.contains("FAILED") && !ended.stdout.contains("PASSED"), "{ended:#?}");
-    ended.check_stderr(&["to accept the run all the same, give --worse"]);
+    ended.check_stderr(&["--worse accepts the run all the same"]);
     assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");
     check_gate(&workplace, "first", 0, "PASSED\n");
     workplace.succeed(&(&accept, "--worse")).check_stdout(&[": worse\n", ". fewer is more."]);

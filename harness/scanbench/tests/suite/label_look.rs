@@ -41,7 +41,7 @@ fn swapped_sides_are_heard_and_no_verdict_is_drawn() {
     let workplace = recorded();
     let ended = workplace.succeed(RUN);
     let sound = &workplace.json("out/manifest.json")["datasets"][0];
-    assert!(!ended.stderr.contains("doubtful") && sound["doubts"].is_null(), "{ended:#?}");
+    assert!(!ended.stderr.contains("suspect") && sound["doubts"].is_null(), "{ended:#?}");
     assert_eq!(sound["label_points"]["class"], "car", "{sound:#}");
     workplace.check_file("out/report.html", &["points in labelled boxes, from above and from the side"]);
     assert!(workplace.path("out/figures/labels_drive.svg").is_file());
@@ -50,10 +50,10 @@ fn swapped_sides_are_heard_and_no_verdict_is_drawn() {
     rewrite(&workplace, |it| it.swap(1, 2));
     let ended = workplace.succeed(RUN);
     ended.check_stderr(&[
-        "warning: the labels of \"drive\" are doubtful: the points of",
+        "warning: the labels of \"drive\" are suspect: the points of",
         "swap length and width in the labels",
     ]);
-    ended.check_stdout(&["no verdict, since frame or labels of drive are doubtful."]);
+    ended.check_stdout(&["no verdict, since frame or labels of drive are suspect."]);
     workplace.check_file("out/report.html", &["it looks as if length and width are swapped"]);
     let checked = workplace.succeed("data check drive").stdout;
     assert!(checked.contains("it looks as if length and width are swapped"), "{checked}");
@@ -81,7 +81,7 @@ fn labels_that_a_detector_made_do_not_judge_it() {
     let run = "run project -d pca --no-rrd -o out --overwrite";
     let ended = workplace.succeed(run);
     ended.check_stderr(&["boxes are as a detector proposed them (proposals.csv)", "so correct them first"]);
-    ended.check_stdout(&["no verdict, since frame or labels of project are doubtful."]);
+    ended.check_stdout(&["no verdict, since frame or labels of project are suspect."]);
     workplace.succeed("data check project").check_stdout(&["as a detector proposed them"]);
     for entry in std::fs::read_dir(workplace.path("project/label_2")).unwrap() {
         let path = entry.unwrap().path();
@@ -95,5 +95,5 @@ fn labels_that_a_detector_made_do_not_judge_it() {
         std::fs::write(&path, text.lines().map(raised).collect::<String>()).unwrap();
     }
     let ended = workplace.succeed(run);
-    assert!(!ended.stderr.contains("doubtful"), "{ended:#?}");
+    assert!(!ended.stderr.contains("suspect"), "{ended:#?}");
 }

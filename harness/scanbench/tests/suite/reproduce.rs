@@ -103,7 +103,7 @@ fn one_paper_without_settings_and_judged_streets_choose_nothing() {
     let claims = json["claims"].as_array().unwrap();
     assert!(claims.iter().all(|it| it["claim"]["paper"] == "HG" && it["settings"].is_null()));
     assert!(!workplace.path("hg/settings.csv").exists());
-    workplace.refuse("reproduce all --choose streets --settings 2", 2, &["by which scanbench run judges"]);
+    workplace.refuse("reproduce all --choose streets --settings 2", 2, &["which is only for judging"]);
     let chosen = "reproduce all --choose=pca training-streets --scans 0..1 --simulated-scans 1 --settings 2";
     let said = workplace.succeed(&(chosen, "--sensor vlp-16")).stdout;
     assert!(

@@ -217,7 +217,7 @@ fn a_run_goes_on_where_it_was_ended() {
         assert_eq!(ended.exit_code, exit_code, "{ended:#?}");
         assert!(!workplace.path("out").exists());
         if exit_code.is_some() {
-            let kept = "of the 60 scans is kept in out.unfinished: to go on with the others, give the same";
+            let kept = "of the 60 scans is kept in out.unfinished; to continue, give the same";
             ended.check_stderr(&[kept, "interrupted after"]);
         }
     }

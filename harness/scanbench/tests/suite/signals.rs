@@ -153,7 +153,7 @@ fn the_kd_tree_ends_soon_in_the_middle_of_two_million_points() {
     let sweep = "sweep dense -d kd-tree -P foreground=all -L tolerance_m=0.5,0.6 -o out";
     let (ended, time) = interrupted(&workplace, sweep, in_the_middle, &["-INT"]);
     assert!(time < SOON && ended.exit_code == Some(130), "{time:?}, {ended:#?}");
-    ended.check_stderr(&["is kept in out.unfinished: to go on with the others, give the same command again"]);
+    ended.check_stderr(&["is kept in out.unfinished; to continue, give the same command again"]);
     assert_eq!(workplace.top_names(), ["dense", "out.unfinished"]);
 }
 

@@ -99,7 +99,7 @@ fn a_shard_of_a_sweep_goes_on_where_it_was_ended() {
     let workplace = Workplace::new();
     let ended = ended_twice(&workplace, &(LONG, ONE_SHARD));
     assert_eq!(ended.exit_code, Some(143), "{ended:#?}");
-    let kept = "What is done of the 12 scans of shard 1/1 is kept in shards/shard-1-of-1.unfinished: to go on with the others";
+    let kept = "What is finished of the 12 scans of shard 1/1 is kept in shards/shard-1-of-1.unfinished; to continue";
     ended.check_stderr(&[kept, "interrupted after"]);
     workplace.end_with(&(LONG, ONE_SHARD, "--seed 7"), 2, &["belongs to another shard: "]);
     workplace.succeed(&(LONG, ONE_SHARD)).check_stderr(&["Continuing with ", " of 36 results"]);
@@ -236,7 +236,7 @@ fn a_shard_of_objects_goes_on_where_it_was_ended() {
     let many = "partial objects-vlp-16 --per-class 40 --no-rrd";
     let ended = ended_twice(&workplace, &(many, ONE_SHARD));
     assert_eq!(ended.exit_code, Some(143), "{ended:#?}");
-    let kept = "What is done of the 200 objects of shard 1/1 is kept in shards/shard-1-of-1.unfinished";
+    let kept = "What is finished of the 200 objects of shard 1/1 is kept in shards/shard-1-of-1.unfinished";
     ended.check_stderr(&[kept, "interrupted after object"]);
     workplace.end_with(&(many, ONE_SHARD, "--others"), 2, &["belongs to another shard"]);
     workplace.succeed(&(many, ONE_SHARD)).check_stderr(&["Continuing with "]);

@@ -137,7 +137,7 @@ fn ctrl_c_keeps_what_is_done_and_says_so() {
     send(&child, "-INT");
     let ended = Ended::from(child.wait_with_output().expect("it ends"));
     assert_eq!(ended.exit_code, Some(130), "{ended:?}");
-    let kept = "What is done of the 8 scans is kept in out.unfinished: to go on with the others";
+    let kept = "What is finished of the 8 scans is kept in out.unfinished; to continue";
     ended.check_stderr(&[kept, "error: interrupted after ", " of 24 results"]);
     assert_eq!(broken.top_names(), ["out.unfinished"]);
     whole.succeed(&arguments);

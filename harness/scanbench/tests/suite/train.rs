@@ -58,7 +58,7 @@ fn of_several_parameters_those_are_taken_that_are_best_on_drives_that_are_left_o
     assert_eq!(areas.len(), 4, "{}", ended.stdout);
     let area = |it: &(&str, &str)| it.1.split(' ').next_back().unwrap().parse::<f64>().unwrap();
     let best = areas.iter().max_by(|a, b| area(a).total_cmp(&area(b))).unwrap().0;
-    ended.check_stdout(&["mean of 5 parts of the training drives", &format!("Taken: nu {best}\n")]);
+    ended.check_stdout(&["mean of 5 parts of the training drives", &format!("Chosen: nu {best}\n")]);
     // The same as if nothing else had been asked for.
     let (nu, gamma) = best.split_once(", gamma ").unwrap();
     workplace.succeed(&("train pca", DRIVES, ("--nu", nu, "--gamma", gamma), "-o one"));

@@ -17,6 +17,9 @@ const GROUND_TOLERANCE_M: f32 = 0.5;
 /// A pause this many times as long as the usual one is a gap.
 const GAP_FACTOR: f64 = 1.5;
 
+/// Most characters of a line; a longer list continues below.
+const LINE_WIDTH: usize = 120;
+
 /// What is known about one scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CheckedScan {
@@ -82,7 +85,7 @@ impl CheckReport {
         let n = look.vehicles.seen.len();
         self.line(
             "boxes of vehicles",
-            format!("{n} in a few scans, with 20 points, nearer than 40 m: {verb}"),
+            format!("{n} in a few scans, with at least 20 points, nearer than 40 m: {verb}"),
         );
     }
 
@@ -146,7 +149,7 @@ impl CheckReport {
         self.line("points", format!("{n_points}, {least} to {most} per scan"));
         self.line("labelled", share(sum(|it| it.n_labeled), n_points));
         self.line("no position", share(sum(|it| it.n_without_position), n_points));
-        self.line("at the same place", share(sum(|it| it.n_duplicates), n_points));
+        self.line("same position", share(sum(|it| it.n_duplicates), n_points));
         let density = |(ring, area_m2): (usize, f32)| {
             let n: usize = facts.iter().map(|it| it.n_by_range[ring]).sum();
             let per_m2 = n as f32 / area_m2 / facts.len() as f32;
@@ -261,11 +264,30 @@ impl CheckReport {
 impl fmt::Display for CheckReport {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-        let mut lines =
-            self.lines.iter().map(|(name, value)| format!("{name:<width$}  {value}")).collect::<Vec<_>>();
+        let line = |(name, value): &(&str, String)| format!("{name:<width$}  {}", folded(value, width + 2));
+        let mut lines: Vec<String> = self.lines.iter().map(line).collect();
         lines.extend(self.warnings.iter().map(|warning| format!("{:<width$}  {warning}", "WARNING")));
         write!(formatter, "{}", lines.join("\n"))
     }
+}
+
+/// `value` in lines of at most [`LINE_WIDTH`] characters, each of which begins after `indent` others.
+fn folded(value: &str, indent: usize) -> String {
+    let (mut text, mut n_in_line) = (String::new(), indent);
+    for (word_idx, word) in value.split(' ').enumerate() {
+        let n_of_word = word.chars().count();
+        if word_idx > 0 && n_in_line + 1 + n_of_word > LINE_WIDTH {
+            text.push('\n');
+            text.extend(std::iter::repeat_n(' ', indent));
+            n_in_line = indent;
+        } else if word_idx > 0 {
+            text.push(' ');
+            n_in_line += 1;
+        }
+        text.push_str(word);
+        n_in_line += n_of_word;
+    }
+    text
 }
 
 fn plural(n: usize, noun: &str) -> String {
@@ -352,6 +374,16 @@ mod tests {
         ] {
             assert!(report.lines().any(|it| it == line), "{line}\n{report}");
         }
+    }
+
+    #[test]
+    fn a_long_list_continues_below_its_beginning() {
+        let words = "word ".repeat(60);
+        let text = folded(words.trim_end(), 20);
+        assert!(text.lines().all(|it| it.chars().count() <= LINE_WIDTH), "{text}");
+        assert_eq!(text.lines().nth(1).map(|it| it.find('w')), Some(Some(20)), "{text}");
+        assert_eq!(text.split_whitespace().count(), 60);
+        assert_eq!(folded("a b", 20), "a b");
     }
 
     #[test]

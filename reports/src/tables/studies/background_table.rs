@@ -55,17 +55,17 @@ impl Tabular for BackgroundTable {
         let columns = vec![
             Column::left("background"),
             Column::number("objects"),
-            Column::number("taken for vehicles %"),
+            Column::number("classified as vehicles %"),
             Column::number("F-rate %, as many as vehicles"),
             Column::number("F-rate %, all of them"),
         ];
         let lines = self.backgrounds.iter().map(line).collect();
         let notes = vec![format!(
-            "The classifier of good faith, on clusters of paper: of {} that show a vehicle {} % are classified as one. cut region: background cut \
-             out at random, as in the training set of VM 6; other cluster: what the detector finds besides; fragment: parts of vehicles. What \
-             segmentation misses does not count here.",
-            self.vehicles.n,
+            "The good-faith classifier on clusters of paper: it classifies {} % of {} vehicles as vehicles. cut region: background cut out at \
+             random, as in the training set of VM 6; other cluster: what else the detector finds; fragment: parts of vehicles. Vehicles that \
+             segmentation misses do not count here.",
             self.vehicles.share().map_or_else(|| "–".to_owned(), percent),
+            self.vehicles.n,
         )];
         Sheet::of(
             "The background that the classifier is judged by".to_owned(),

@@ -29,7 +29,7 @@ impl Tabular for GapTable<'_> {
             }
         };
         let sentences = vec![
-            "seen: judged pairs. sep: share of them that is separated. low, high: its 95 % interval (Wilson). joined: share of them that one detection joins."
+            "judged: number of judged pairs. sep: share of them that is separated. low, high: its 95 % interval (Wilson). joined: share of them that one detection joins."
                 .to_owned(),
             self.definition.to_owned(),
         ];
@@ -53,7 +53,7 @@ fn columns(curves: &[&GapCurve]) -> Vec<Column> {
     let of_detector = |curve: &&GapCurve| {
         ["sep", "low", "high", "joined"].map(|title| Column::number(title).within(&curve.detector))
     };
-    let of_all = ["gap m", "seen"].map(Column::number);
+    let of_all = ["gap m", "judged"].map(Column::number);
     of_all.into_iter().chain(curves.iter().flat_map(of_detector)).collect()
 }
 
@@ -142,23 +142,23 @@ mod tests {
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&table), @r"
         Pairs at 5 to 10 m (simulated). Shares in %.
 
-                               grid                     tree
-                      ──────────────────────   ──────────────────────
-        gap m  seen   sep  low  high  joined   sep  low  high  joined
-        ─────────────────────────────────────────────────────────────
-          0.2    10    30   11    60      70     0    0    28     100
-          0.3    10   100   72   100       0    50   24    76      50
+                                 grid                     tree
+                        ──────────────────────   ──────────────────────
+        gap m  judged   sep  low  high  joined   sep  low  high  joined
+        ───────────────────────────────────────────────────────────────
+          0.2      10    30   11    60      70     0    0    28     100
+          0.3      10   100   72   100       0    50   24    76      50
 
         Pairs at 10 to 20 m (simulated). Shares in %.
 
-                               grid
-                      ──────────────────────
-        gap m  seen   sep  low  high  joined
-        ────────────────────────────────────
-          0.2    10    10    2    40      90
+                                 grid
+                        ──────────────────────
+        gap m  judged   sep  low  high  joined
+        ──────────────────────────────────────
+          0.2      10    10    2    40      90
 
-        seen: judged pairs. sep: share of them that is separated. low, high: its 95 % interval (Wilson).
-          joined: share of them that one detection joins.
+        judged: number of judged pairs. sep: share of them that is separated. low, high: its 95 % interval
+          (Wilson). joined: share of them that one detection joins.
         Separated: apart.
         ");
     }

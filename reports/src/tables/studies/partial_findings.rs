@@ -22,11 +22,11 @@ pub(crate) fn partial_heading(curves: &[PartialCurve], method: &str) -> &'static
         })
         .collect();
     match ends.as_deref() {
-        None | Some([]) => "Decisions over the steps",
-        Some(ends) if ends.iter().all(|it| it[0] > SAME && it[1] >= -SAME) => "More seen, better decided",
-        Some(ends) if ends.iter().all(|it| it[0] < -SAME) => "More seen, worse decided",
-        Some(ends) if ends.iter().all(|it| it[0].abs() <= SAME) => "More seen, decided as before",
-        Some(_) => "More seen is not always better decided",
+        None | Some([]) => "Recall over the steps",
+        Some(ends) if ends.iter().all(|it| it[0] > SAME && it[1] >= -SAME) => "Recall rises as more is seen",
+        Some(ends) if ends.iter().all(|it| it[0] < -SAME) => "Recall falls as more is seen",
+        Some(ends) if ends.iter().all(|it| it[0].abs() <= SAME) => "Recall does not change as more is seen",
+        Some(_) => "Recall does not always rise as more is seen",
     }
 }
 
@@ -143,11 +143,11 @@ mod tests {
     #[test]
     fn the_heading_follows_the_curve() {
         let heading = |n_right: &[usize]| partial_heading(&curves(n_right), "graphs");
-        assert_eq!(heading(&[2, 5, 9]), "More seen, better decided");
-        assert_eq!(heading(&[9, 5, 2]), "More seen, worse decided");
-        assert_eq!(heading(&[5, 9, 5]), "More seen, decided as before");
-        assert_eq!(heading(&[2, 9, 5]), "More seen is not always better decided");
-        assert_eq!(partial_heading(&curves(&[1]), "esf"), "Decisions over the steps");
+        assert_eq!(heading(&[2, 5, 9]), "Recall rises as more is seen");
+        assert_eq!(heading(&[9, 5, 2]), "Recall falls as more is seen");
+        assert_eq!(heading(&[5, 9, 5]), "Recall does not change as more is seen");
+        assert_eq!(heading(&[2, 9, 5]), "Recall does not always rise as more is seen");
+        assert_eq!(partial_heading(&curves(&[1]), "esf"), "Recall over the steps");
     }
 
     #[test]

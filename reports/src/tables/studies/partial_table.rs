@@ -36,7 +36,7 @@ impl Tabular for PartialTable<'_> {
             },
         ];
         if self.curves.iter().flat_map(|it| &it.steps).any(|it| it.rejected.is_some()) {
-            let title = "None of these: what is rejected of strangers and of objects of known classes, in %.";
+            let title = "None of these: rejected share of strangers, which are of other classes, and of objects of known classes, in %.";
             parts.push(Part { title: Some(title.to_owned()), grid: self.rejected() });
         }
         for curve in self.curves.iter().filter(|it| it.method == self.method) {
@@ -50,8 +50,8 @@ impl Tabular for PartialTable<'_> {
             });
         }
         let mut sentences = vec![
-            "Columns 1 to 10: steps, each a tenth of the largest extent more. kept: of the objects that are right at the last step, the mean \
-             share of steps after which they are right and stay so. end: share that is right at the last step."
+            "Columns 1 to 10: steps, each a tenth of the largest extent more. right from: of the objects that are right at the last step, the \
+             mean share of steps until they are right for good. last: share that is right at the last step."
                 .to_owned(),
             format!("95 %: from a bootstrap of {N_RESAMPLES} resamples of objects, each with all its steps."),
         ];
@@ -70,7 +70,7 @@ const STEP_TITLES: [&str; 10] = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "1
 impl PartialTable<'_> {
     fn recalls(&self) -> Grid {
         let texts = TEXT_TITLES.map(Column::left);
-        let numbers = STEP_TITLES.into_iter().chain(["kept", "end"]).map(Column::number);
+        let numbers = STEP_TITLES.into_iter().chain(["right from", "last"]).map(Column::number);
         let lines = self.curves.iter().map(|curve| {
             let at_step = |step: u32| curve.steps.iter().find(|it| it.step == step)?.mean_recall;
             let steps = (1..=STEP_TITLES.len() as u32).map(|it| percent(at_step(it)));
@@ -142,7 +142,7 @@ fn percent(share: Option<f64>) -> Cell {
 }
 
 fn confusion(step: &PartialStep) -> Grid {
-    let columns = [Column::left("is"), Column::number("objects")];
+    let columns = [Column::left("class"), Column::number("objects")];
     let columns = columns.into_iter().chain(Predicted::ALL.map(|it| Column::number(it.name())));
     let line = |(class, at_step): (&PartialClass, &crate::partial_study::partial_curves::ClassAtStep)| {
         let counts = [at_step.n_objects].into_iter().chain(at_step.predicted);

@@ -137,16 +137,20 @@ fn text_of_metric(gated: &GatedMetric, it: &PairedDifference) -> String {
 
 fn text_of_time(gated: &GatedMetric, it: &PairedDifference) -> String {
     let share = it.difference();
+    let is_slower = share > 0.0;
     let percent = |share: f64| fixed_decimals(100.0 * share, 0).replace('-', "−");
+    let within = |[low, high]: [f64; 2]| {
+        let ends = if is_slower { [low, high] } else { [-high, -low] };
+        format!("95 % {} %, ", ends.map(percent).join(" to "))
+    };
     format!(
         "time, {}: {} → {} times {SPEED_REFERENCE}, {} % {} ({}tolerated {} %): {}",
         about(&gated.detector, gated.on.as_deref()),
         fixed_decimals(it.before, 2),
         fixed_decimals(it.after, 2),
         percent(share.abs()),
-        if share > 0.0 { "slower" } else { "faster" },
-        it.interval
-            .map_or_else(String::new, |it| format!("95 % {} % slower, ", it.ends.map(percent).join(" to "))),
+        if is_slower { "slower" } else { "faster" },
+        it.interval.map_or_else(String::new, |it| within(it.ends)),
         percent(gated.tolerance),
         change_in_words(gated.finding, share)
     )

@@ -96,7 +96,7 @@ fn caveats(verdict: &Verdict) -> Vec<String> {
         lines.push(format!("Not judged, because only the later run has it: {names}."));
     }
     if verdict.blocks.decide_nothing() {
-        lines.push(about_doubtful_blocks(verdict));
+        lines.push(about_few_blocks(verdict));
     }
     if verdict.n_at_risk() > 0 {
         lines.push(format!(
@@ -158,7 +158,7 @@ pub(crate) fn counts(verdict: &Verdict) -> String {
     )
 }
 
-fn about_doubtful_blocks(verdict: &Verdict) -> String {
+fn about_few_blocks(verdict: &Verdict) -> String {
     let why = if verdict.blocks.may_be_neighbours() {
         "These scans may be neighbours, because their times are not known: nothing can be shown to be worse."
             .to_owned()

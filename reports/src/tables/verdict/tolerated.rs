@@ -39,8 +39,8 @@ fn kind(rule: &Rule, metric: &Metric) -> String {
     match metric.unit() {
         "ratio" => "rates".to_owned(),
         "nats" => "entropies".to_owned(),
-        "m" => "sizes and places of boxes".to_owned(),
-        "deg" => "their headings".to_owned(),
+        "m" => "sizes and positions of boxes".to_owned(),
+        "deg" => "headings of boxes".to_owned(),
         _ => metric.id(),
     }
 }

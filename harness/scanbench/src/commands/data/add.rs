@@ -80,7 +80,7 @@ fn entry(id: &str, opened: &OpenedDataset, licence: Option<&str>) -> String {
     };
     let root = description.root.as_ref().map(|it| it.display().to_string()).unwrap_or_default();
     let mut lines = vec![format!("[recorded.{id}]")];
-    lines.extend(opened.first_look.suspicions.iter().map(|it| format!("# Doubtful: {it}")));
+    lines.extend(opened.first_look.suspicions.iter().map(|it| format!("# Suspect: {it}")));
     lines.push(format!("format = {}", quoted(&description.format)));
     lines.push(format!("root = {}", quoted(&root)));
     lines.push(format!("annotated_classes = {classes}"));

@@ -144,7 +144,7 @@ impl UnfinishedWork {
             format!("with -o {}", self.claimed.target().display())
         };
         format!(
-            "What is done of the {}{of_shard} is kept in {}: to go on with the others, give the same command {again}",
+            "What is finished of the {}{of_shard} is kept in {}; to continue, give the same command {again}",
             self.extent,
             self.folder.display()
         )

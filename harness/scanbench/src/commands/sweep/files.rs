@@ -75,23 +75,33 @@ pub fn write_best(
     texts.extend(fitness_sentences(&fitness_verdicts(sweep)));
     let changes = changes_of_shipped(manifest)?;
     if !changes.is_empty() {
-        texts.push(format!("Other than the shipped detectors at every point: {}.", changes.join("; ")));
+        texts.push(format!(
+            "At every point, detectors also differ from the shipped ones: {}.",
+            changes.join("; ")
+        ));
     }
     directory.write_file(SWEEP_BEST_TXT, (texts.join("\n") + "\n").as_bytes())?;
     Ok(texts)
 }
 
-/// What the built-in detectors of `manifest` have other than they come, beside what is swept.
+/// How the built-in detectors of `manifest` differ from the shipped ones, beside what is swept.
 fn changes_of_shipped(manifest: &Manifest) -> Result<Vec<String>, Failure> {
     let shipped = RunConfig::load(None)?;
     let mut changes = Vec::new();
     for entry in manifest.detectors.iter().filter(|it| it.foreign.is_none()) {
         for listed in built_in_named(std::slice::from_ref(&entry.name), &shipped)? {
             let as_shipped = detector_entry(&Entrant::of(listed, &shipped));
-            changes.extend(detector_changes(&as_shipped, entry));
+            changes.extend(detector_changes(&as_shipped, entry).iter().map(|it| shortened(it)));
         }
     }
     Ok(changes)
+}
+
+/// A density curve has dozens of numbers: a long text ends early.
+fn shortened(text: &str) -> String {
+    const MOST_CHARACTERS: usize = 100;
+    let is_long = text.chars().count() > MOST_CHARACTERS;
+    if is_long { text.chars().take(MOST_CHARACTERS).chain(['…']).collect() } else { text.to_owned() }
 }
 
 /// Writes the times of `unlike` processors, each by itself; nothing if there are none.

@@ -97,7 +97,7 @@ impl FoldedCandidates<'_> {
             );
         }
         let best = pairs[best.expect("there is a pair")];
-        let _ = writeln!(text, "Taken: nu {}, gamma {}\n", best.nu, best.gamma);
+        let _ = writeln!(text, "Chosen: nu {}, gamma {}\n", best.nu, best.gamma);
         Ok((best, text))
     }
 

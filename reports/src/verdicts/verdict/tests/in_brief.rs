@@ -29,8 +29,8 @@ fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
       1.00): worse
     - precision, pca, objects: 75.0 → 71.4 %, −3.57 (95 % −3.99 to −3.22, tolerated
       1.00): worse
-    - time, pca: 20.00 → 40.00 times grid-write, 100 % slower (95 % 100 to 100 %
-      slower, tolerated 50 %): worse
+    - time, pca: 20.00 → 40.00 times grid-write, 100 % slower (95 % 100 to 100 %,
+      tolerated 50 %): worse
     Most results changed on main_road 0000/000000, pca, objects: 1 object.
     In full: scanbench gate runs/after --baseline runs/before --full
     ");
