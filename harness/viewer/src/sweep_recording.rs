@@ -9,9 +9,9 @@ use evaluation::run::running_detector::RunningDetector;
 use evaluation::run::side_by_side::{DetectionTimes, DetectorScan};
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
-use evaluation::sweep::swept_values::SweptValues;
 use reports::numbers::sweep_score::{SweepScore, SweepScores};
 use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::sweep_entry::SweptParameter;
 use reports::vocabulary::extent::Extent;
 use reports::vocabulary::task::Task;
 
@@ -146,7 +146,7 @@ struct Steps {
 
 impl Steps {
     /// Of one parameter the numbers themselves, lengths in millimetres; otherwise the indices of the points.
-    fn of(swept: &[SweptValues]) -> Self {
+    fn of(swept: &[SweptParameter]) -> Self {
         let n_points: usize = swept.iter().map(|it| it.values.len()).product();
         let indices = Self { timeline: "point".to_owned(), steps: (0..n_points as i64).collect() };
         let [only] = swept else { return indices };
@@ -186,7 +186,7 @@ mod tests {
 
     #[track_caller]
     fn check(swept: &[(&str, &[&str])], timeline: &str, steps: &[i64], steps_per_s: f64) {
-        let values = |(name, values): &(&str, &[&str])| SweptValues {
+        let values = |(name, values): &(&str, &[&str])| SweptParameter {
             name: (*name).to_owned(),
             values: values.iter().map(|it| (*it).to_owned()).collect(),
         };
@@ -217,7 +217,8 @@ mod tests {
 
     #[test]
     fn a_range_that_goes_down_is_recorded_upward() {
-        let swept = SweptValues { name: "a.xi".to_owned(), values: ["3", "2"].map(str::to_owned).to_vec() };
+        let swept =
+            SweptParameter { name: "a.xi".to_owned(), values: ["3", "2"].map(str::to_owned).to_vec() };
         assert_eq!(Steps::of(&[swept]).ascending(), [(2, 1), (3, 0)]);
     }
 }

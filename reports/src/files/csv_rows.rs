@@ -140,6 +140,15 @@ pub fn to_csv_lines<'a, Row: CsvRow + 'a>(
     Ok(writer.into_inner().expect("memory takes all that is written"))
 }
 
+/// The content of a CSV file whose columns are known when it is written, with the cells of every row.
+pub fn csv_of_cells(columns: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in std::iter::once(columns).chain(rows) {
+        writer.write_record(row).expect("memory takes all that is written");
+    }
+    writer.into_inner().expect("memory takes all that is written")
+}
+
 /// The line with the names of the columns.
 pub fn csv_head<Row: CsvRow>() -> Vec<u8> {
     let mut line = Row::COLUMNS.join(",").into_bytes();

@@ -1,7 +1,49 @@
 //! The points of a sweep as curves over its first parameter.
 
+use crate::numbers::blocks::Interval;
 use crate::numbers::sweep_score::{SweepScore, SweepScores, SweepSubject, SweepTime};
 use crate::vocabulary::extent::Extent;
+use crate::vocabulary::metric::Direction;
+
+/// A number that is reached at a point of a sweep.
+pub trait Reached {
+    /// Where.
+    fn subject(&self) -> &SweepSubject;
+
+    /// What it is of, beside what its subject says.
+    fn about(&self) -> Vec<&str>;
+
+    /// The number; `None` if it is undefined.
+    fn value(&self) -> Option<f64>;
+
+    /// How sure it is; `None` where that is not known.
+    fn interval(&self) -> Option<Interval>;
+
+    /// Which way is better.
+    fn direction(&self) -> Direction;
+}
+
+impl Reached for SweepScore {
+    fn subject(&self) -> &SweepSubject {
+        &self.subject
+    }
+
+    fn about(&self) -> Vec<&str> {
+        vec![self.task.name(), self.rate_name()]
+    }
+
+    fn value(&self) -> Option<f64> {
+        self.rate()
+    }
+
+    fn interval(&self) -> Option<Interval> {
+        self.rate_within().map(|ends| Interval { ends, blocks: self.blocks })
+    }
+
+    fn direction(&self) -> Direction {
+        Direction::HigherIsBetter
+    }
+}
 
 /// What is reached over the values of the first parameter, all others being the same.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,16 +62,35 @@ pub struct CurvePoint<'a, T> {
     /// The value as it is written.
     pub x_text: &'a str,
     /// What is reached.
-    pub reached: T,
+    pub reached: &'a T,
 }
 
 /// What one detector reaches in one task.
-pub type SweepCurve<'a> = Curve<'a, &'a SweepScore>;
+pub type SweepCurve<'a> = Curve<'a, SweepScore>;
 
-impl<T: Copy> Curve<'_, T> {
+impl<'a, T: Reached> Curve<'a, T> {
     /// What is reached at the first point.
-    pub fn first(&self) -> T {
+    pub fn first(&self) -> &'a T {
         self.points[0].reached
+    }
+
+    /// The point with the best value, the first of several; `None` without a value, or where neither way is better.
+    pub fn best(&self) -> Option<&CurvePoint<'a, T>> {
+        self.extreme(1.0)
+    }
+
+    /// The point with the worst value.
+    pub(crate) fn worst(&self) -> Option<&CurvePoint<'a, T>> {
+        self.extreme(-1.0)
+    }
+
+    fn extreme(&self, sign: f64) -> Option<&CurvePoint<'a, T>> {
+        let sign = match self.first().direction() {
+            Direction::HigherIsBetter => sign,
+            Direction::LowerIsBetter => -sign,
+            Direction::Neither => return None,
+        };
+        highest(self.points.iter().map(|it| Some(sign * it.reached.value()?))).map(|it| &self.points[it])
     }
 
     /// `name` with the other swept parameters behind it.
@@ -38,21 +99,25 @@ impl<T: Copy> Curve<'_, T> {
     }
 }
 
-/// What is reached at points of a sweep as curves, in the order of their first points. With it come the values of the first
-/// `n_swept` of `parameters` and what tells curves apart beside these.
-pub(crate) fn curves<'a, T, K: PartialEq>(
+/// What is reached at points of a sweep as curves, in the order of their first points: those of extents, detectors and what
+/// numbers are about, with the values of the first `n_swept` of `parameters`.
+pub(crate) fn curves<'a, T: Reached>(
     parameters: &[String],
     n_swept: usize,
-    reached: impl Iterator<Item = (&'a [String], K, T)> + Clone,
+    reached: impl Iterator<Item = &'a T> + Clone,
 ) -> Vec<Curve<'a, T>> {
-    let is_numeric = reached.clone().all(|(values, ..)| number(&values[0]).is_some());
-    let (mut keys, mut curves) = (Vec::new(), Vec::<Curve<'_, T>>::new());
-    for (values, key, reached) in reached {
+    let is_numeric = reached.clone().all(|it| number(&it.subject().values[0]).is_some());
+    let mut curves: Vec<Curve<'a, T>> = Vec::new();
+    for reached in reached {
+        let SweepSubject { extent, detector, values, .. } = reached.subject();
         let swept = parameters.iter().zip(values).take(n_swept).skip(1);
         let others: Vec<String> = swept.map(|(name, value)| format!("{} = {value}", short(name))).collect();
-        let index = curves.iter().zip(&keys).position(|(curve, it)| *it == key && curve.others == others);
-        let index = index.unwrap_or_else(|| {
-            keys.push(key);
+        let is_same = |it: &Curve<'_, T>| {
+            let first = it.first().subject();
+            (&first.detector, &first.extent, &it.others) == (detector, extent, &others)
+                && it.first().about() == reached.about()
+        };
+        let index = curves.iter().position(is_same).unwrap_or_else(|| {
             curves.push(Curve { others, points: Vec::new() });
             curves.len() - 1
         });
@@ -66,11 +131,7 @@ pub(crate) fn curves<'a, T, K: PartialEq>(
 impl SweepScores {
     /// The curves of all extents, detectors and tasks, in this order.
     pub fn curves(&self) -> Vec<SweepCurve<'_>> {
-        let scores = self.scores.iter().map(|it| {
-            let subject = &it.subject;
-            (&subject.values[..], (&subject.extent, &subject.detector, it.task), it)
-        });
-        curves(&self.parameters, self.n_swept, scores)
+        curves(&self.parameters, self.n_swept, self.scores.iter())
     }
 
     /// How long it took to find what was found there; `None` where nothing was timed.
@@ -113,11 +174,6 @@ fn short(name: &str) -> &str {
 }
 
 impl SweepCurve<'_> {
-    /// Index of the point with the highest rate, the first of several.
-    pub fn best(&self) -> Option<usize> {
-        highest(self.points.iter().map(|it| it.reached.rate()))
-    }
-
     /// Whether every point has cells, not all of one size.
     pub fn sweeps_cells(&self) -> bool {
         let sizes: Option<Vec<f64>> =
@@ -153,7 +209,8 @@ mod tests {
         assert_eq!(xs, [0.2, 0.4, 0.6]);
         assert!(curves[0].points.iter().all(|it| sweep.time_of(&it.reached.subject).is_some()));
         // The first of two that are equally good.
-        assert_eq!((curves[0].best(), curves[0].sweeps_cells()), (Some(1), true));
+        assert_eq!(curves[0].best().map(|it| it.x_text), Some("0.4"));
+        assert!(curves[0].sweeps_cells());
         assert_eq!(sweep.axis_title(), "cell size (m)");
     }
 

@@ -1,9 +1,11 @@
 //! What detectors reach at the points of a sweep: `sweep.csv` and `times.csv`.
 
+use crate::files::csv_rows::csv_of_cells;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::BlockCount;
 use crate::rows::counts::Counts;
 use crate::vocabulary::extent::Extent;
+use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
 
@@ -143,6 +145,11 @@ impl SweepScore {
         if self.counts.fo().is_some() { self.f_rate_within } else { self.recall_within }
     }
 
+    /// The metric that [`Self::rate`] is of.
+    pub fn rate_metric(&self) -> Metric {
+        if self.counts.fo().is_some() { Metric::FRate } else { Metric::Recall }
+    }
+
     /// What [`Self::rate`] is.
     pub fn rate_name(&self) -> &'static str {
         if self.counts.fo().is_some() { "F-rate" } else { "recall" }
@@ -151,12 +158,8 @@ impl SweepScore {
 
 impl SweepScores {
     /// The content of `sweep.csv`: the same sweep gives the same bytes.
-    ///
-    /// # Errors
-    ///
-    /// None while memory lasts.
-    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut columns = self.subject_columns();
+    pub fn to_csv(&self) -> Vec<u8> {
+        let mut columns = subject_columns(&self.parameters);
         columns.extend(texts(["task", "n_scans", "n_blocks", "blocks", "few_blocks"]));
         columns.extend(texts(["no", "tp", "mo", "fo", "nd", "precision"]));
         columns.extend(["recall", "f_rate"].into_iter().flat_map(with_interval));
@@ -168,44 +171,25 @@ impl SweepScores {
             columns.push(format!("{name}_state"));
             columns.extend(with_interval(&name));
         }
-        let rows = self.scores.iter().map(|it| it.cells_of_row(readings.len()));
-        write_csv(&columns, rows)
+        csv_of_cells(columns, self.scores.iter().map(|it| it.cells_of_row(readings.len())))
     }
 
     /// The content of `times.csv`.
-    ///
-    /// # Errors
-    ///
-    /// None while memory lasts.
-    pub fn times_to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut columns = self.subject_columns();
+    pub fn times_to_csv(&self) -> Vec<u8> {
+        let mut columns = subject_columns(&self.parameters);
         columns.extend(texts(TIME_COLUMNS));
-        write_csv(&columns, self.times.iter().map(SweepTime::cells_of_row))
+        csv_of_cells(columns, self.times.iter().map(SweepTime::cells_of_row))
     }
 
     /// The content of `times_of_processors.csv`: times on each of `unlike` processors.
-    ///
-    /// # Errors
-    ///
-    /// None while memory lasts.
-    pub fn times_of_processors_to_csv(
-        &self,
-        unlike: &[(String, Vec<SweepTime>)],
-    ) -> Result<Vec<u8>, csv::Error> {
+    pub fn times_of_processors_to_csv(&self, unlike: &[(String, Vec<SweepTime>)]) -> Vec<u8> {
         let mut columns = vec!["processor".to_owned()];
-        columns.extend(self.subject_columns());
+        columns.extend(subject_columns(&self.parameters));
         columns.extend(texts(TIME_COLUMNS));
         let rows = unlike.iter().flat_map(|(processor, times)| {
             times.iter().map(|it| [vec![processor.clone()], it.cells_of_row()].concat())
         });
-        write_csv(&columns, rows)
-    }
-
-    fn subject_columns(&self) -> Vec<String> {
-        let mut columns = vec!["point".to_owned()];
-        columns.extend(self.parameters.iter().cloned());
-        columns.extend(texts(["dataset", "origin", "sensor", "detector"]));
-        columns
+        csv_of_cells(columns, rows)
     }
 }
 
@@ -219,8 +203,17 @@ impl SweepTime {
     }
 }
 
+/// The columns that say where something is reached at a point of `parameters`.
+pub(crate) fn subject_columns(parameters: &[String]) -> Vec<String> {
+    let mut columns = vec!["point".to_owned()];
+    columns.extend(parameters.iter().cloned());
+    columns.extend(texts(["dataset", "origin", "sensor", "detector"]));
+    columns
+}
+
 impl SweepSubject {
-    fn cells_of_row(&self) -> Vec<String> {
+    /// Where it is, in the order of [`subject_columns`].
+    pub(crate) fn cells_of_row(&self) -> Vec<String> {
         let mut row = vec![self.point_idx.to_string()];
         row.extend(self.values.iter().cloned());
         row.extend(texts([self.extent.name(), self.origin.name(), &self.sensor, &self.detector]));
@@ -270,15 +263,6 @@ fn rate(value: Option<f64>, decimals: usize) -> String {
 
 fn rate_with_interval(value: Option<f64>, within: Option<[f64; 2]>, decimals: usize) -> [String; 3] {
     [value, within.map(|it| it[0]), within.map(|it| it[1])].map(|it| rate(it, decimals))
-}
-
-fn write_csv(columns: &[String], rows: impl Iterator<Item = Vec<String>>) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(columns)?;
-    for row in rows {
-        writer.write_record(row)?;
-    }
-    Ok(writer.into_inner().expect("memory takes all that is written"))
 }
 
 #[cfg(test)]
@@ -364,12 +348,12 @@ pub(crate) mod tests {
     #[test]
     fn rows_stand_alone_and_say_what_is_undefined() {
         let sweep = cell_sizes(&[(5, Some(5), Some(-0.5), 0.25), (8, None, None, 0.5)]);
-        insta::assert_snapshot!(String::from_utf8(sweep.to_csv().unwrap()).unwrap(), @r"
+        insta::assert_snapshot!(String::from_utf8(sweep.to_csv()).unwrap(), @r"
         point,hierarchical.grid.cell_size_m,dataset,origin,sensor,detector,task,n_scans,n_blocks,blocks,few_blocks,no,tp,mo,fo,nd,precision,recall,recall_low,recall_high,f_rate,f_rate_low,f_rate_high,n_dense,n_sparse,n_empty,fitness_cell_size_m,fitness_printed_state,fitness_printed,fitness_printed_low,fitness_printed_high,fitness_dense_share_state,fitness_dense_share,fitness_dense_share_low,fitness_dense_share_high
         0,0.2,street,simulated,vlp-16,hierarchical,objects,2,2,seconds,true,10,5,5,5,10,0.500000,0.500000,0.200000,0.800000,0.500000,0.100000,0.900000,3,4,5,0.2,out of range,-0.50000000,-0.51000000,-0.49000000,in range,0.25000000,0.24000000,0.26000000
         1,0.4,street,simulated,vlp-16,hierarchical,objects,2,2,seconds,true,10,8,2,,,,0.800000,0.200000,0.800000,,,,3,4,5,0.4,undefined,,,,in range,0.50000000,0.49000000,0.51000000
         ");
-        insta::assert_snapshot!(String::from_utf8(sweep.times_to_csv().unwrap()).unwrap(), @r"
+        insta::assert_snapshot!(String::from_utf8(sweep.times_to_csv()).unwrap(), @r"
         point,hierarchical.grid.cell_size_m,dataset,origin,sensor,detector,n_scans,n_detections,p50_of_shortest_ms,min_ms,p50_ms,p90_ms,max_ms
         0,0.2,street,simulated,vlp-16,hierarchical,1,3,2.2000,2.0000,2.5000,3.0000,3.5000
         1,0.4,street,simulated,vlp-16,hierarchical,1,3,3.2000,3.0000,3.5000,3.0000,3.5000

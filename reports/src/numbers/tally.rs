@@ -11,6 +11,7 @@ use crate::numbers::times::{TimeKind, Times};
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::MatchOutcome;
 use crate::rows::match_row::MatchRow;
+use crate::rows::scan_name::ScanName;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::rows::stage_row::StageRow;
 use crate::vocabulary::extent::OVERALL;
@@ -94,21 +95,18 @@ impl Tally {
         Self { blocks, ..self }
     }
 
+    /// The same, where these are the first detectors, in this order.
+    pub fn with_detectors(self, detectors: Vec<String>) -> Self {
+        Self { detectors, ..self }
+    }
+
     /// Adds what one detector made of one scan in one task.
     pub fn add_scan(&mut self, row: &ScanRow) {
         let key = self.key(&row.dataset, row.task, &row.detector);
         let block = self.block_of(row);
-        let has_enough_drives = self.add_block(key.dataset, row, &block);
+        self.add_block(key.dataset, &row.sequence, row.scan, &block);
         let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
-        let gathered =
-            self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task, has_enough_drives));
-        gathered.n_scans += 1;
-        gathered.add_counts(numbers.counts);
-        if numbers.counts.fo().is_none() {
-            gathered.false_objects = FalseObjects::Unknown;
-        }
-        let sums = gathered.sums(Slice::All, &block);
-        sums.add_times(&Sums::of_scan(numbers), 1.0);
+        let mut sums = Sums::of_scan(numbers);
         let times_ms = numbers.least_latency_ms.zip(numbers.reference_ms);
         if let Some((least_ms, reference_ms)) = times_ms.filter(|it| it.0 > 0.0 && it.1 > 0.0) {
             sums.add(Term::TimedScans, 1.0);
@@ -120,6 +118,7 @@ impl Tally {
             };
             sums.add(Term::LogReference, log_reference);
         }
+        self.count(key, numbers.counts, &block).add_times(&sums, 1.0);
         let times = &mut self.times[key.dataset];
         let of_kinds = [
             (TimeKind::Latency, numbers.latency_ms),
@@ -132,6 +131,21 @@ impl Tally {
             }
         }
         times.add_failures(key.task, key.detector, numbers.failure.is_some());
+    }
+
+    /// Adds what the detector with this index among [`Self::detectors`] found in `scan`, which is drawn with `block`, in one
+    /// task, where nothing else is known of it.
+    pub fn add_counts(
+        &mut self,
+        scan: &ScanName,
+        block: &DriveSecond,
+        task: Task,
+        detector: usize,
+        counts: Counts,
+    ) {
+        let key = Key { detector, ..self.key_of_task(&scan.dataset, task) };
+        self.add_block(key.dataset, &scan.sequence, scan.scan, block);
+        self.count(key, counts, block).add_times(&Sums::of_counts(counts), 1.0);
     }
 
     /// Adds how long a stage of a detector took on a scan.
@@ -150,7 +164,7 @@ impl Tally {
         let key = self.key(&row.dataset, row.task, &row.detector);
         let of_sequence = self.scans[key.dataset].get(&row.sequence);
         let Some(block) = of_sequence.and_then(|scans| scans.get(&row.scan)) else { return };
-        let has_enough_drives = self.drives[key.dataset].len() >= FEWEST_DRIVES;
+        let has_enough_drives = self.has_enough_drives(key.dataset);
         let gathered =
             self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task, has_enough_drives));
         match &row.outcome {
@@ -188,15 +202,32 @@ impl Tally {
         DriveSecond::of_scan(&row.sequence, row.scan, named.map(String::as_str), row.time_s)
     }
 
-    /// Notes what a scan is drawn with, and returns whether whole drives of its data set will be drawn.
-    fn add_block(&mut self, dataset_idx: usize, row: &ScanRow, block: &DriveSecond) -> bool {
-        self.scans[dataset_idx].entry(row.sequence.clone()).or_default().insert(row.scan, block.clone());
+    /// Counts a scan, and returns the sums of all scans that are drawn with it.
+    fn count(&mut self, key: Key, counts: Counts, block: &DriveSecond) -> &mut Sums {
+        let has_enough_drives = self.has_enough_drives(key.dataset);
+        let gathered =
+            self.of_key.entry(key).or_insert_with(|| Gathered::of_task(key.task, has_enough_drives));
+        gathered.n_scans += 1;
+        gathered.add_counts(counts);
+        if counts.fo().is_none() {
+            gathered.false_objects = FalseObjects::Unknown;
+        }
+        gathered.sums(Slice::All, block)
+    }
+
+    /// Notes what a scan is drawn with.
+    fn add_block(&mut self, dataset_idx: usize, sequence: &str, scan: u32, block: &DriveSecond) {
+        self.scans[dataset_idx].entry(sequence.to_owned()).or_default().insert(scan, block.clone());
         let drives = &mut self.drives[dataset_idx];
         if drives.insert(block.drive().to_owned()) && drives.len() == FEWEST_DRIVES {
             let of_dataset = self.of_key.iter_mut().filter(|(key, _)| key.dataset == dataset_idx);
             of_dataset.for_each(|(_, gathered)| gathered.forget_seconds());
         }
-        drives.len() >= FEWEST_DRIVES
+    }
+
+    /// Whether whole drives of a data set will be drawn.
+    fn has_enough_drives(&self, dataset_idx: usize) -> bool {
+        self.drives[dataset_idx].len() >= FEWEST_DRIVES
     }
 
     /// Whether a row of this scan was added.
@@ -207,11 +238,16 @@ impl Tally {
     }
 
     fn key(&mut self, dataset: &str, task: Task, detector: &str) -> Key {
-        let dataset = self.dataset_idx(dataset);
+        let detector = index_of(&mut self.detectors, detector);
+        Key { detector, ..self.key_of_task(dataset, task) }
+    }
+
+    /// The key of the first detector.
+    fn key_of_task(&mut self, dataset: &str, task: Task) -> Key {
         if !self.tasks.contains(&task) {
             self.tasks.push(task);
         }
-        Key { dataset, task, detector: index_of(&mut self.detectors, detector) }
+        Key { dataset: self.dataset_idx(dataset), task, detector: 0 }
     }
 
     fn dataset_idx(&mut self, dataset: &str) -> usize {
@@ -258,10 +294,15 @@ impl Tally {
         &self.detectors
     }
 
-    /// What one detector has found so far on one data set in one task; `None` if no scan of the kind was evaluated.
-    pub fn counts(&self, dataset: &str, task: Task, detector: &str) -> Option<Counts> {
-        let dataset_idx = self.datasets.iter().position(|it| it == dataset)?;
-        self.gathered(dataset_idx, task, detector)?.counts
+    /// What one detector has found so far in one task on the data sets that `extent` names: the id of one, or the name of
+    /// several together. `None` if no scan of the kind was evaluated.
+    pub fn counts(&self, extent: &str, task: Task, detector: &str) -> Option<Counts> {
+        let datasets = self.datasets_in(extent).into_iter();
+        let of_datasets = datasets.filter_map(|it| self.gathered(it, task, detector)?.counts);
+        of_datasets.reduce(|mut sum, it| {
+            sum += it;
+            sum
+        })
     }
 
     /// The times on each of the data sets.

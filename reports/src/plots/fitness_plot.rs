@@ -14,7 +14,6 @@ use crate::vocabulary::extent::Extent;
 pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
     let curves: Vec<_> = curves_of(sweep, extent).into_iter().filter(SweepCurve::sweeps_cells).collect();
     let first = curves.first()?;
-    let best = first.best().map(|best| (&first.points[best], first.points[best].reached));
     let n_readings = first.first().cells.as_ref().map_or(0, |it| it.readings.len());
     let panels = (0..n_readings).map(|reading_idx| {
         let mut series: Vec<Series> = Vec::new();
@@ -36,9 +35,9 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
             let text = first.points[fittest].x_text.to_owned();
             notes.push(Note::Ring((at.x, at.y), text));
         }
-        if let Some((point, score)) = best {
-            let text = format!("best {} {}", score.rate_name(), point.x_text);
-            notes.push(Note::Upright(point.x, text));
+        if let Some(best) = first.best() {
+            let text = format!("best {} {}", best.reached.rate_name(), best.x_text);
+            notes.push(Note::Upright(best.x, text));
         }
         let (name, range) = (of_first[0].1.name, of_first[0].1.range);
         let off = of_first.iter().filter(|(_, it)| range.is_some() && it.in_range().is_none());

@@ -1,10 +1,8 @@
 //! The plot of the rates of a sweep over its first parameter.
 
 use super::curve_panels::{CurvePanel, curve_figure};
-use super::series::{Position, Series};
-use super::sweep_panels::{about_bars, add_series, curves_of, heading, words};
-use crate::numbers::sweep_curve::CurvePoint;
-use crate::numbers::sweep_score::{SweepScore, SweepScores};
+use super::sweep_panels::{about_bars, add_curve, curves_of, heading};
+use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
 
 /// The rates of `extent` over the first parameter, in percent with 95 % intervals: a panel for each task and each
@@ -19,17 +17,9 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
         let first = curve.first();
         let panel = CurvePanel {
             title: curve.named(first.task.name()),
-            x_words: words(curve.points.iter().map(|it| it.x_text)),
             ..CurvePanel::over(sweep.axis_title(), format!("{} (%)", first.rate_name()))
         };
-        let position = |it: &CurvePoint<'_, &SweepScore>| {
-            let percent = |it: f64| 100.0 * it;
-            let within = it.reached.rate_within().map(|it| it.map(percent));
-            Some(Position { x: it.x, y: percent(it.reached.rate()?), within })
-        };
-        let positions = curve.points.iter().map(position).collect();
-        let best = curve.best().map(|it| (it, curve.points[it].x_text));
-        add_series(&mut panels, panel, Series { name: first.subject.detector.clone(), positions }, best);
+        add_curve(&mut panels, panel, curve, 100.0);
     }
     let title = format!("{}. Ring: best. {}", heading(&curves), about_bars(&curves));
     curve_figure(&panels, &title).panel(title).document()

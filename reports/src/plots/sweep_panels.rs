@@ -1,8 +1,8 @@
 //! What the plots of a sweep have in common.
 
 use super::curve_panels::{CurvePanel, Note};
-use super::series::Series;
-use crate::numbers::sweep_curve::SweepCurve;
+use super::series::{Position, Series};
+use crate::numbers::sweep_curve::{Curve, CurvePoint, Reached, SweepCurve};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
@@ -40,20 +40,25 @@ pub(crate) fn words<'a>(values: impl Iterator<Item = &'a str> + Clone) -> Option
     (!is_numeric).then(|| values.map(str::to_owned).collect())
 }
 
-/// Adds `series` to the one of `panels` that has the title of `panel`, or to `panel`, with a ring around its best position.
-pub(crate) fn add_series(
+/// Adds `curve`, with values `scale` times as large, to the one of `panels` that has the title of `panel`, or to `panel`, with
+/// a ring around its best position.
+pub(crate) fn add_curve<T: Reached>(
     panels: &mut Vec<CurvePanel>,
     panel: CurvePanel,
-    series: Series,
-    best: Option<(usize, &str)>,
+    curve: &Curve<'_, T>,
+    scale: f64,
 ) {
+    let position = |it: &CurvePoint<'_, T>| {
+        let within = it.reached.interval().map(|it| it.ends.map(|end| scale * end));
+        Some(Position { x: it.x, y: scale * it.reached.value()?, within })
+    };
     let panel_idx = panels.iter().position(|it| it.title == panel.title).unwrap_or_else(|| {
-        panels.push(panel);
+        panels.push(CurvePanel { x_words: words(curve.points.iter().map(|it| it.x_text)), ..panel });
         panels.len() - 1
     });
     let panel = &mut panels[panel_idx];
-    if let Some((best, text)) = best {
-        panel.notes.extend(series.positions[best].map(|at| Note::Ring((at.x, at.y), text.to_owned())));
-    }
-    panel.series.push(series);
+    let best = curve.best().and_then(|it| Some((position(it)?, it.x_text.to_owned())));
+    panel.notes.extend(best.map(|(at, text)| Note::Ring((at.x, at.y), text)));
+    let name = curve.first().subject().detector.clone();
+    panel.series.push(Series { name, positions: curve.points.iter().map(position).collect() });
 }

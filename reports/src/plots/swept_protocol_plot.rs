@@ -1,11 +1,9 @@
 //! The plot of the principal numbers of a protocol over the first parameter of a sweep.
 
 use super::curve_panels::{CurvePanel, curve_figure};
-use super::series::{Position, Series};
-use super::sweep_panels::{add_series, words};
-use crate::numbers::sweep_curve::{CurvePoint, axis_title};
-use crate::protocols::swept_number_curves::NumberCurve;
-use crate::protocols::swept_numbers::{SweptNumber, SweptNumbers};
+use super::sweep_panels::add_curve;
+use crate::numbers::sweep_curve::axis_title;
+use crate::protocols::swept_numbers::{NumberCurve, SweptNumbers};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::protocol::Protocol;
 
@@ -20,14 +18,7 @@ pub fn swept_protocol_plot(swept: &SweptNumbers, protocol: Protocol, extent: &Ex
     let title = title(curves.first()?);
     let mut panels = Vec::new();
     for curve in &curves {
-        let position = |it: &CurvePoint<'_, &SweptNumber>| {
-            let number = &it.reached.number;
-            Some(Position { x: it.x, y: number.value?, within: number.interval.map(|it| it.ends) })
-        };
-        let positions = curve.points.iter().map(position).collect();
-        let best = curve.best().map(|it| (it, curve.points[it].x_text));
-        let series = Series { name: curve.first().number.detector.clone(), positions };
-        add_series(&mut panels, panel(curve, &swept.parameters), series, best);
+        add_curve(&mut panels, panel(curve, &swept.parameters), curve, 1.0);
     }
     Some(curve_figure(&panels, &title).panel(title).document())
 }
@@ -45,7 +36,6 @@ fn panel(curve: &NumberCurve<'_>, parameters: &[String]) -> CurvePanel {
     let metric = &curve.first().number.metric;
     CurvePanel {
         title: curve.named(&format!("{} {}", metric.class, metric.id)),
-        x_words: words(curve.points.iter().map(|it| it.x_text)),
         ..CurvePanel::over(axis_title(parameters), format!("{} ({})", metric.id, metric.unit))
     }
 }

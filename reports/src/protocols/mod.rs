@@ -20,4 +20,3 @@ pub mod protocol_report;
 mod short_forms;
 pub mod given_classes;
 pub mod swept_numbers;
-pub mod swept_number_curves;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::protocol_number::ProtocolNumber;
 use crate::files::archive::{ArchiveError, SCHEMA, read_json};
@@ -26,14 +26,7 @@ impl ProtocolReport {
 
     /// The content of the file: one number a line.
     pub fn to_json(&self) -> String {
-        let mut json = format!("{{\n  \"schema\": {SCHEMA},\n  \"rows\": [");
-        for (index, row) in self.rows.iter().enumerate() {
-            let separator = if index == 0 { "" } else { "," };
-            let row = serde_json::to_string(row).expect("a row has text keys and finite numbers");
-            write!(json, "{separator}\n    {row}").expect("a string takes all that is written");
-        }
-        json.push_str("\n  ]\n}\n");
-        json
+        json_of_rows(self.rows.iter())
     }
 
     /// Reads the file.
@@ -44,6 +37,18 @@ impl ProtocolReport {
     pub fn read(path: &Path) -> Result<Self, ArchiveError> {
         read_json(path)
     }
+}
+
+/// A file of these rows, each in a line.
+pub(super) fn json_of_rows(rows: impl Iterator<Item = impl Serialize>) -> String {
+    let mut json = format!("{{\n  \"schema\": {SCHEMA},\n  \"rows\": [");
+    for (index, row) in rows.enumerate() {
+        let separator = if index == 0 { "" } else { "," };
+        let row = serde_json::to_string(&row).expect("a row has text keys and finite numbers");
+        write!(json, "{separator}\n    {row}").expect("a string takes all that is written");
+    }
+    json.push_str("\n  ]\n}\n");
+    json
 }
 
 #[cfg(test)]

@@ -2,14 +2,18 @@
 //! `sweep_protocols.json`.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::files::archive::SCHEMA;
+use crate::files::csv_rows::csv_of_cells;
 use crate::numbers::blocks::Interval;
-use crate::numbers::sweep_score::SweepSubject;
+use crate::numbers::sweep_curve::{Curve, Reached, curves};
+use crate::numbers::sweep_score::{SweepSubject, subject_columns};
 use crate::protocols::protocol_number::ProtocolNumber;
+use crate::protocols::protocol_report::json_of_rows;
+use crate::vocabulary::extent::Extent;
+use crate::vocabulary::metric::Direction;
+use crate::vocabulary::protocol::Protocol;
 
 /// All numbers of a sweep under protocols of others.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,12 +36,11 @@ pub struct SweptNumber {
     pub number: ProtocolNumber,
 }
 
-/// What is written of the scans and of a number, beside the point.
-const COLUMNS: [&str; 16] = [
-    "dataset",
-    "origin",
-    "sensor",
-    "detector",
+/// One number of one detector.
+pub type NumberCurve<'a> = Curve<'a, SweptNumber>;
+
+/// What is written of a number, beside where it is reached.
+const COLUMNS: [&str; 12] = [
     "protocol",
     "class",
     "metric",
@@ -54,33 +57,39 @@ const COLUMNS: [&str; 16] = [
 
 impl SweptNumbers {
     /// The content of `sweep_protocols.csv`: the same sweep gives the same bytes. Values have all digits.
-    ///
-    /// # Errors
-    ///
-    /// None while memory lasts.
-    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let point = std::iter::once("point").chain(self.parameters.iter().map(String::as_str));
-        writer.write_record(point.chain(COLUMNS))?;
-        for it in &self.numbers {
-            writer.write_record(it.cells())?;
-        }
-        Ok(writer.into_inner().expect("memory takes all that is written"))
+    pub fn to_csv(&self) -> Vec<u8> {
+        let mut columns = subject_columns(&self.parameters);
+        columns.extend(COLUMNS.map(str::to_owned));
+        csv_of_cells(columns, self.numbers.iter().map(SweptNumber::cells))
     }
 
     /// The content of `sweep_protocols.json`: one number a line, as `protocols.json` has it, with the point and its values.
     pub fn to_json(&self) -> String {
-        let mut json = format!("{{\n  \"schema\": {SCHEMA},\n  \"rows\": [");
-        for (index, SweptNumber { subject, number }) in self.numbers.iter().enumerate() {
-            let separator = if index == 0 { "" } else { "," };
+        json_of_rows(self.numbers.iter().map(|SweptNumber { subject, number }| {
             let names = self.parameters.iter().map(String::as_str);
             let values = names.zip(subject.values.iter().map(String::as_str)).collect();
-            let row = RowRecord { point: subject.point_idx, values, number };
-            let row = serde_json::to_string(&row).expect("a row has text keys and finite numbers");
-            write!(json, "{separator}\n    {row}").expect("a string takes all that is written");
+            RowRecord { point: subject.point_idx, values, number }
+        }))
+    }
+
+    /// The curves of those principal numbers that are defined somewhere, in the order of their first points.
+    pub fn principal_curves(&self) -> Vec<NumberCurve<'_>> {
+        let principal = self.numbers.iter().filter(|it| it.number.is_principal());
+        let mut curves = curves(&self.parameters, self.n_swept, principal);
+        curves.retain(|it| it.points.iter().any(|it| it.reached.number.value.is_some()));
+        curves
+    }
+
+    /// The protocols, each with what it was evaluated on, in the order of the numbers.
+    pub fn extents(&self) -> Vec<(Protocol, &Extent)> {
+        let mut extents: Vec<(Protocol, &Extent)> = Vec::new();
+        for it in &self.numbers {
+            let extent = (it.number.protocol, &it.subject.extent);
+            if !extents.contains(&extent) {
+                extents.push(extent);
+            }
         }
-        json.push_str("\n  ]\n}\n");
-        json
+        extents
     }
 }
 
@@ -92,6 +101,29 @@ struct RowRecord<'a> {
     number: &'a ProtocolNumber,
 }
 
+impl Reached for SweptNumber {
+    fn subject(&self) -> &SweepSubject {
+        &self.subject
+    }
+
+    fn about(&self) -> Vec<&str> {
+        let ProtocolNumber { protocol, metric, .. } = &self.number;
+        vec![protocol.name(), &metric.class, &metric.id]
+    }
+
+    fn value(&self) -> Option<f64> {
+        self.number.value
+    }
+
+    fn interval(&self) -> Option<Interval> {
+        self.number.interval
+    }
+
+    fn direction(&self) -> Direction {
+        self.number.metric.direction
+    }
+}
+
 impl SweptNumber {
     fn cells(&self) -> Vec<String> {
         let Self { subject, number } = self;
@@ -100,10 +132,7 @@ impl SweptNumber {
         let end = |index: usize| digits(number.interval.map(|it| it.ends[index]));
         let of_blocks = |text: fn(Interval) -> String| number.interval.map_or_else(String::new, text);
         let direction = metric.direction.higher_is_better();
-        let mut cells = vec![subject.point_idx.to_string()];
-        cells.extend(subject.values.iter().cloned());
-        let texts = [subject.extent.name(), subject.origin.name(), &subject.sensor, &subject.detector];
-        cells.extend(texts.map(str::to_owned));
+        let mut cells = subject.cells_of_row();
         cells.extend([number.protocol.name(), &metric.class, &metric.id].map(str::to_owned));
         cells.extend([digits(number.value), end(0), end(1), metric.unit.to_owned()]);
         cells.extend([direction.map(|it| it.to_string()).unwrap_or_default(), metric.n.to_string()]);
@@ -119,10 +148,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::numbers::blocks::{BlockCount, BlockKind};
     use crate::protocols::protocol_number::ProtocolMetric;
-    use crate::vocabulary::extent::Extent;
-    use crate::vocabulary::metric::Direction;
     use crate::vocabulary::origin::Origin;
-    use crate::vocabulary::protocol::Protocol;
 
     /// A sweep of a probability over as many values as there are of mAP of the present classes, 0.1 and up, with an error of
     /// cars.
@@ -170,7 +196,7 @@ pub(crate) mod tests {
     #[test]
     fn rows_stand_alone_with_all_digits() {
         let swept = swept(&[Some(0.25), None]);
-        insta::assert_snapshot!(String::from_utf8(swept.to_csv().unwrap()).unwrap(), @r"
+        insta::assert_snapshot!(String::from_utf8(swept.to_csv()).unwrap(), @r"
         point,hierarchical.grouping.ranked_probability,dataset,origin,sensor,detector,protocol,class,metric,value,low,high,unit,higher_is_better,n,n_blocks,blocks,few_blocks
         0,0.1,street,simulated,vlp-16,hierarchical,nuscenes,present,ap,0.25,0.125,0.375,ratio,true,9,3,seconds,true
         0,0.1,street,simulated,vlp-16,hierarchical,nuscenes,car,ase,0.75,0.625,0.875,ratio,false,9,3,seconds,true
@@ -183,5 +209,30 @@ pub(crate) mod tests {
         assert_eq!(rows[2]["values"]["hierarchical.grouping.ranked_probability"], "0.2");
         assert_eq!((&rows[2]["point"], &rows[2]["value"]), (&1.into(), &serde_json::Value::Null));
         assert_eq!(rows[0]["interval_95"][1], 0.375);
+    }
+    #[test]
+    fn a_curve_is_of_a_principal_number_that_is_known() {
+        let numbers = swept(&[Some(0.25), None, Some(0.5), Some(0.5)]);
+        let curves = numbers.principal_curves();
+        assert_eq!(curves.len(), 1);
+        let xs: Vec<f64> = curves[0].points.iter().map(|it| it.x).collect();
+        assert_eq!(xs, [0.1, 0.2, 0.3, 0.4]);
+        let [best, worst] = [curves[0].best(), curves[0].worst()].map(|it| it.map(|it| it.x_text));
+        assert_eq!((best, worst), (Some("0.3"), Some("0.1")));
+        assert_eq!(swept(&[None, None]).principal_curves(), []);
+        let street = Extent::Dataset("street".to_owned());
+        assert_eq!(numbers.extents(), [(Protocol::Nuscenes, &street)]);
+    }
+
+    #[test]
+    fn of_errors_the_least_is_best() {
+        let mut numbers = swept(&[Some(0.25), Some(0.5)]);
+        numbers.numbers.retain(|it| it.number.is_principal());
+        for (direction, best) in [(Direction::LowerIsBetter, Some("0.1")), (Direction::Neither, None)] {
+            for it in &mut numbers.numbers {
+                it.number.metric.direction = direction;
+            }
+            assert_eq!(numbers.principal_curves()[0].best().map(|it| it.x_text), best);
+        }
     }
 }

@@ -6,7 +6,6 @@ use crate::numbers::precision_recall_row::PrecisionRecallRow;
 use crate::numbers::run_report::{MetricRow, Subject};
 use crate::numbers::sums::{FalseObjects, RATIOS, Term};
 use crate::numbers::tally::Tally;
-use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::{Draw, Question, Sample};
 use crate::vocabulary::metric::{Metric, RecallPositions};
 use crate::vocabulary::slice::Slice;
@@ -144,8 +143,7 @@ impl Sample {
             }
             _ => return row(self.n_scans),
         };
-        let distribution = Distribution::new(self.resampled_values(metric), self.blocks);
-        row(n as u64).within(distribution.filter(|_| value.is_some()).map(|it| it.interval()))
+        row(n as u64).within(value.and_then(|_| self.interval(metric)))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Sums of a run, as they are and as they would be had other scans been drawn.
 
-use crate::numbers::blocks::{BlockCount, Blocks};
+use crate::numbers::blocks::{BlockCount, Blocks, DriveSecond, Interval};
 use crate::numbers::sums::{FalseObjects, Sums};
 use crate::numbers::tally::Tally;
-use crate::uncertainty::bootstrap::Resamples;
+use crate::uncertainty::bootstrap::{Distribution, Resamples};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -19,6 +19,24 @@ impl Draw {
     /// The blocks that are drawn.
     pub fn blocks(&self) -> BlockCount {
         self.blocks.count()
+    }
+
+    /// Adds the terms of a ratio, numerators and denominators of what is drawn together, to those of each resample.
+    ///
+    /// # Panics
+    ///
+    /// If any of it is of no block.
+    pub fn add_terms<'a>(
+        &self,
+        of_seconds: impl Iterator<Item = (&'a DriveSecond, [f64; 2])>,
+        resampled: &mut [[f64; 2]],
+    ) {
+        let mut of_blocks = vec![[0.0; 2]; self.blocks.len()];
+        for (second, terms) in of_seconds {
+            let block_idx = self.blocks.index_of(second).expect("the blocks are of these seconds");
+            of_blocks[block_idx] = [0, 1].map(|it| of_blocks[block_idx][it] + terms[it]);
+        }
+        self.resamples.add_terms(&of_blocks, resampled);
     }
 }
 
@@ -83,6 +101,19 @@ impl Tally {
         all
     }
 
+    /// The terms of a ratio in each block that is drawn, data set by data set.
+    pub fn terms_of_blocks(&self, question: &Question<'_>, metric: &Metric, draws: &[Draw]) -> Vec<[f64; 2]> {
+        let mut terms = Vec::new();
+        for dataset_idx in self.datasets_in(question.dataset) {
+            let gathered = self.gathered(dataset_idx, question.task, question.detector);
+            let Some((gathered, draw)) = gathered.zip(draws.get(dataset_idx)) else { continue };
+            let placed = gathered.sums_of_blocks(&question.slice, &draw.blocks);
+            let ratio = |sums: &Sums| sums.ratio(metric, gathered.false_objects).unwrap_or_default();
+            terms.extend(placed.iter().map(|(_, sums)| ratio(sums)));
+        }
+        terms
+    }
+
     fn sample_of(&self, dataset_idx: usize, question: &Question<'_>, draw: &Draw) -> Option<Sample> {
         let gathered = self.gathered(dataset_idx, question.task, question.detector)?;
         let placed = gathered.sums_of_blocks(&question.slice, &draw.blocks);
@@ -124,5 +155,44 @@ impl Sample {
     /// The value of `metric` in each resample.
     pub fn resampled_values(&self, metric: &Metric) -> impl Iterator<Item = Option<f64>> {
         self.resampled.iter().map(move |sums| sums.value(metric, self.false_objects))
+    }
+
+    /// The 95 % interval of `metric`; `None` if it is undefined in too many resamples, or a data set has a single block.
+    pub fn interval(&self, metric: &Metric) -> Option<Interval> {
+        Some(Distribution::new(self.resampled_values(metric), self.blocks)?.interval())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::counts::Counts;
+    use crate::rows::scan_name::ScanName;
+    use crate::uncertainty::bootstrap::N_RESAMPLES;
+
+    #[test]
+    fn terms_of_any_ratio_are_drawn_as_counts_are() {
+        let mut tally = Tally::default().with_detectors(["other", "mine"].map(str::to_owned).to_vec());
+        let seconds: Vec<DriveSecond> = (0..12).map(|it| DriveSecond::of("0000", f64::from(it))).collect();
+        let terms = || seconds.iter().zip(0..).map(|(second, scan)| (second, [f64::from(scan % 5), 4.0]));
+        for ((second, [found, _]), scan) in terms().zip(0..) {
+            let [dataset, sequence] = ["street", "0000"].map(str::to_owned);
+            let counts = Counts::new(4, found as u64, None).unwrap();
+            let name = ScanName { dataset, sequence, scan };
+            tally.add_counts(&name, second, Task::Objects, 1, counts);
+        }
+        let draws = tally.draw();
+        let question =
+            |detector| Question { dataset: "street", task: Task::Objects, detector, slice: Slice::All };
+        let sample = tally.sample(&question("mine"), &draws).unwrap();
+        assert_eq!((sample.n_scans, sample.blocks.n_blocks), (12, 12));
+        let mut resampled = vec![[0.0; 2]; N_RESAMPLES];
+        draws[0].add_terms(terms(), &mut resampled);
+        let ratios = resampled.iter().map(|it| Some(it[0] / it[1]));
+        assert!(sample.resampled_values(&Metric::Recall).eq(ratios));
+        let of_blocks = tally.terms_of_blocks(&question("mine"), &Metric::Recall, &draws);
+        assert_eq!(of_blocks, terms().map(|it| it.1).collect::<Vec<_>>());
+        assert!(sample.interval(&Metric::Recall).is_some() && sample.interval(&Metric::FRate).is_none());
+        assert!(tally.sample(&question("other"), &draws).is_none());
     }
 }

@@ -103,7 +103,8 @@ fn verdict(curve: &SweepCurve<'_>, reading_idx: usize) -> FitnessVerdict {
     let recommended = highest(readings.iter().map(|it| it.in_range()));
     let ends = sizes_m.iter().fold([f64::INFINITY, 0.0_f64], |[low, high], it| [low.min(*it), high.max(*it)]);
     let pairs = readings.iter().enumerate().filter_map(|(index, it)| Some((it.in_range()?, rate(index)?)));
-    let best_rate = best.and_then(rate);
+    let best_rate = best.and_then(|it| it.reached.rate());
+    let best_cells = best.and_then(|it| it.reached.cells.as_ref());
     let rate_there = recommended.and_then(rate);
     FitnessVerdict {
         dataset: first.subject.extent.name().to_owned(),
@@ -115,7 +116,7 @@ fn verdict(curve: &SweepCurve<'_>, reading_idx: usize) -> FitnessVerdict {
         no: first.counts.no(),
         rate: first.rate_name().to_owned(),
         n_points: curve.points.len() as u64,
-        best_cell_size_m: best.map(|it| Fixed(sizes_m[it])),
+        best_cell_size_m: best_cells.map(|it| Fixed(it.cell_size_m)),
         best_rate: best_rate.map(Fixed),
         reading: readings[0].name.to_owned(),
         n_defined: readings.iter().filter(|it| it.in_range().is_some()).count() as u64,

@@ -1,36 +1,24 @@
 //! Joint settings of the values that the papers leave open, and what comes of each.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::collections::BTreeSet;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
 
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
+use reports::rows::counts::Counts;
+use reports::run_folder::sweep_entry::SweptParameter;
 use reports::vocabulary::task::Task;
 use scans::dataset::Dataset;
-use scans::dataset::scan_times::scan_times;
 
 use super::open_values::OpenValue;
-use crate::metrics::counts::Counts;
-use crate::process::problem::DetectorFailure;
+use crate::metrics::counts::{self, FalseDetections};
 use crate::run::config::{ConfigError, RunConfig};
 use crate::run::detector_list::ChosenDetector;
 use crate::scan_pass::ScanPassError;
-use crate::sweep::programs::Programs;
-use crate::sweep::scan_at_point::{LookedAt, look_at_points};
+use crate::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
 use crate::sweep::sweep_plan::{SweepPlan, SweepPoint};
-use crate::sweep::swept_values::SweptValues;
-
-/// Why nothing is known of the settings.
-#[derive(Debug, thiserror::Error)]
-pub enum SettingsError {
-    /// A scan could not be read, or the user asked for it.
-    #[error(transparent)]
-    Scans(#[from] ScanPassError),
-    /// A detector failed.
-    #[error(transparent)]
-    Detector(#[from] DetectorFailure),
-}
 
 /// A Latin hypercube of `n` joint settings of `values` over the parameters of `base`: each value takes every `n`th of its
 /// range once, in an order of its own. `McKay`, Beckman, Conover 1979.
@@ -74,7 +62,7 @@ pub fn plan(
     names: &[&str],
     points: Vec<SweepPoint>,
 ) -> SweepPlan {
-    let of_name = |(idx, name): (usize, &&str)| SweptValues {
+    let of_name = |(idx, name): (usize, &&str)| SweptParameter {
         name: (*name).to_owned(),
         values: points.iter().map(|it| it.values[idx].clone()).collect(),
     };
@@ -82,7 +70,7 @@ pub fn plan(
     SweepPlan { detectors, swept, tied: Vec::new(), points, base: base.clone() }
 }
 
-/// The counts of a detector in each of [`Task::ALL`].
+/// What a detector found in each of [`Task::ALL`].
 pub type TaskCounts = [Counts; Task::ALL.len()];
 
 /// The counts of all scans `scan_indices` of `dataset` together: for each point of `plan` those of each detector.
@@ -91,60 +79,46 @@ pub type TaskCounts = [Counts; Task::ALL.len()];
 ///
 /// # Errors
 ///
-/// [`SettingsError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+/// [`SweepError`] if a scan cannot be read (the first such scan), a detector fails, or once `interrupted` is set.
 pub fn count(
     plan: &SweepPlan,
     dataset: &dyn Dataset,
     scan_indices: &[usize],
     interrupted: &AtomicBool,
     on_scan: impl Fn() + Sync,
-) -> Result<Vec<Vec<TaskCounts>>, SettingsError> {
-    let description = dataset.description();
-    let times = scan_times(dataset);
-    let point_idxs: Vec<usize> = (0..plan.points.len()).collect();
-    let look = |&scan_idx: &usize| {
-        let scan = dataset.read_scan(scan_idx).map_err(ScanPassError::from)?;
-        let looked_at = LookedAt { scan: &scan, time_s: times[scan_idx].time_s, official: None };
-        let mut found = Vec::new();
-        look_at_points(
-            plan,
-            &Programs::default(),
-            description,
-            looked_at,
-            &point_idxs,
-            |_, detectors, _| {
-                if interrupted.load(Ordering::Relaxed) {
-                    let (dataset, n_scans) = (description.id.clone(), scan_indices.len());
-                    return Err(SettingsError::from(ScanPassError::Interrupted { dataset, n_scans }));
-                }
-                let of_detector =
-                    |counts: Vec<Counts>| counts.try_into().expect("there is one for each task");
-                found.push(
-                    detectors.into_iter().map(|it| of_detector(it.counts)).collect::<Vec<TaskCounts>>(),
-                );
-                Ok(())
-            },
-        )?;
-        on_scan();
-        Ok(found)
-    };
-    // Collected before it is looked through for errors, so that the first in order is reported.
-    let of_scans: Vec<Result<_, SettingsError>> = scan_indices.par_iter().with_max_len(1).map(look).collect();
-    let mut sums = vec![vec![TaskCounts::default(); plan.detectors.len()]; plan.points.len()];
-    for of_scan in of_scans {
-        for (sums, of_point) in sums.iter_mut().zip(of_scan?) {
-            for (sum, counts) in sums.iter_mut().flatten().zip(of_point.into_iter().flatten()) {
-                *sum += counts;
-            }
+) -> Result<Vec<Vec<TaskCounts>>, SweepError> {
+    let (n_scans, n_points) = (scan_indices.len(), plan.points.len());
+    let datasets = &[SweptDataset { dataset, scan_indices, part: 0..n_scans }];
+    let pass = SweepPass { plan, datasets, protocols: None, interrupted };
+    let none = [counts::Counts::default(); Task::ALL.len()];
+    let sums = Mutex::new(vec![vec![none; plan.detectors.len()]; n_points]);
+    let counted = pass.count(&BTreeSet::new(), rayon::current_num_threads(), &|scan| {
+        let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_point = sums[scan.point_idx].iter_mut().flatten();
+        for (sum, counts) in of_point.zip(scan.detectors.iter().flat_map(|it| &it.counts)) {
+            *sum += *counts;
         }
-    }
-    Ok(sums)
+        if scan.point_idx + 1 == n_points {
+            on_scan();
+        }
+        Ok(())
+    });
+    counted.map_err(|error| match error {
+        SweepError::Interrupted { .. } => {
+            ScanPassError::Interrupted { dataset: dataset.description().id.clone(), n_scans }.into()
+        }
+        error => error,
+    })?;
+    let scored = |task_idx: usize, counts: counts::Counts| {
+        counts.scored(FalseDetections::of(&dataset.description().annotated, Task::ALL[task_idx]))
+    };
+    let of_detector = |it: [counts::Counts; Task::ALL.len()]| std::array::from_fn(|idx| scored(idx, it[idx]));
+    let sums = sums.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter();
+    Ok(sums.map(|of_point| of_point.into_iter().map(of_detector).collect()).collect())
 }
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeSet;
-
     use super::*;
     use crate::reproduction::open_values::{OPEN_VALUES, OpenRange};
 

@@ -3,11 +3,9 @@
 pub mod swept_values;
 pub mod sweep_plan;
 pub mod programs;
+pub mod cells_of_scan;
 pub mod scan_at_point;
-pub mod journal_entry;
 pub mod quality_pass;
 pub mod timing_pass;
 pub mod sweep_tally;
-pub mod block_resamples;
-pub mod summary;
-pub mod paired_points;
+pub mod drawn_sweep;

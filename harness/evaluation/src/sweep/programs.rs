@@ -1,11 +1,15 @@
-//! Detectors that are programs, kept running from point to point of a sweep.
+//! Detectors at points of a sweep, one after the other. Those that are programs are kept running from point to point.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use scans::dataset::DatasetDescription;
 
+use crate::process::problem::DetectorFailure;
+use crate::run::detector_list::ChosenDetector;
+use crate::run::entrant::Entrant;
 use crate::run::running_detector::{BegunConversation, RunningDetector};
+use crate::sweep::sweep_plan::SweepPlan;
 
 /// Programs that nobody speaks to at the moment, by data set and detector.
 #[derive(Default)]
@@ -14,21 +18,34 @@ pub struct Programs {
 }
 
 impl Programs {
-    /// One of `detector` for `dataset`, for whoever asks; `None` if all are busy.
-    pub fn take(&self, dataset: &DatasetDescription, detector: &'static str) -> Option<BegunConversation> {
-        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        idle.get_mut(&(dataset.id.clone(), detector))?.pop()
-    }
-
-    /// Keeps the program of `running`, if it is one, for the next point.
-    pub fn put_back(
+    /// Has every detector of `plan`, with the parameters of one of its points, do `work` on scans of `dataset`, and returns
+    /// what came of each. No two of them are there at the same time; programs are started where all are busy.
+    ///
+    /// # Errors
+    ///
+    /// [`DetectorFailure`] of a detector that gives no answer, which says at which point.
+    pub fn at_point<T>(
         &self,
+        plan: &SweepPlan,
+        point_idx: usize,
         dataset: &DatasetDescription,
-        detector: &'static str,
-        running: Box<dyn RunningDetector>,
-    ) {
-        let Some(program) = running.into_conversation() else { return };
-        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        idle.entry((dataset.id.clone(), detector)).or_default().push(program);
+        mut work: impl FnMut(&Entrant, &mut dyn RunningDetector) -> Result<T, DetectorFailure>,
+    ) -> Result<Vec<T>, DetectorFailure> {
+        let of_detector = |chosen: &ChosenDetector| {
+            let entrant = Entrant::of(chosen.clone(), &plan.points[point_idx].config);
+            let program = || (dataset.id.clone(), entrant.name);
+            let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+            let before = idle.get_mut(&program()).and_then(Vec::pop);
+            drop(idle);
+            let mut detector = entrant.begin_with(dataset, before)?;
+            let done = work(&entrant, &mut *detector)?;
+            if let Some(begun) = detector.into_conversation() {
+                let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+                idle.entry(program()).or_default().push(begun);
+            }
+            Ok(done)
+        };
+        let done: Result<Vec<T>, DetectorFailure> = plan.detectors.iter().map(of_detector).collect();
+        done.map_err(|it| plan.at_point(point_idx, it))
     }
 }

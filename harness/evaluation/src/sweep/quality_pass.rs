@@ -4,16 +4,22 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use detector::DetectorOutput;
 use rayon::prelude::*;
+use reports::rows::official_rows::OfficialRows;
+use reports::vocabulary::task::Task;
 use scans::dataset::scan_times::{ScanTime, scan_times};
 use scans::dataset::{Dataset, DatasetError};
 
-use crate::journal::{Journal, JournalError};
+use crate::journal::JournalError;
+use crate::matching::assign::assign;
+use crate::metrics::counts::Counts;
 use crate::process::problem::DetectorFailure;
 use crate::protocols::chosen_protocols::{ChosenProtocols, ProtocolError};
-use crate::sweep::journal_entry::JournalEntry;
+use crate::scan_pass::ScanPassError;
+use crate::sweep::cells_of_scan::CellsOfScan;
 use crate::sweep::programs::Programs;
-use crate::sweep::scan_at_point::{LookedAt, ScanAtPoint, look_at_points};
+use crate::sweep::scan_at_point::{DetectorAtPoint, ScanAtPoint};
 use crate::sweep::sweep_plan::SweepPlan;
 
 /// A data set and the scans that are taken from it.
@@ -27,7 +33,7 @@ pub struct SweptDataset<'a> {
     pub part: Range<usize>,
 }
 
-/// What is run, and where it is reported.
+/// What is run.
 #[derive(Clone, Copy)]
 pub struct SweepPass<'a> {
     /// The points and detectors.
@@ -36,22 +42,22 @@ pub struct SweepPass<'a> {
     pub datasets: &'a [SweptDataset<'a>],
     /// What else it is evaluated by, if anything.
     pub protocols: Option<&'a ChosenProtocols>,
-    /// Where results are kept.
-    pub journal: &'a Journal,
     /// Ends the sweep at the next point once it is set.
     pub interrupted: &'a AtomicBool,
-    /// Called whenever a scan has been looked at, at one point.
-    pub on_done: &'a (dyn Fn() + Sync),
-    /// The processor's own name, for times.
-    pub processor: &'a str,
 }
 
-/// Why a sweep ended early. What is in the journal stays.
+/// Keeps a result, which is done then.
+pub type Keep<'a, T> = &'a (dyn Fn(T) -> Result<(), JournalError> + Sync);
+
+/// Why a sweep ended early. What was kept stays.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// A scan could not be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+    /// Scans could not be looked at.
+    #[error(transparent)]
+    Scans(#[from] ScanPassError),
     /// A scan could not be evaluated under a protocol.
     #[error(transparent)]
     Protocol(#[from] ProtocolError),
@@ -83,23 +89,39 @@ pub enum SweepError {
 }
 
 impl SweepPass<'_> {
-    /// Does all but the `done`, and leaves it in the journal.
+    /// Does all but the `done`, and has every result kept.
     ///
     /// A scan is read once for all points that are missing, by one of `n_jobs` threads.
     ///
     /// # Errors
     ///
     /// [`SweepError`] if a scan cannot be read, a result cannot be kept, or the sweep is interrupted.
-    pub fn count(&self, done: &BTreeSet<[usize; 3]>, n_jobs: usize) -> Result<(), SweepError> {
+    pub fn count(
+        &self,
+        done: &BTreeSet<[usize; 3]>,
+        n_jobs: usize,
+        keep: Keep<'_, ScanAtPoint>,
+    ) -> Result<(), SweepError> {
         let missing: Vec<MissingScan> = self.missing(done);
         let n_left = AtomicUsize::new(missing.iter().map(|it| it.point_idxs.len()).sum());
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_jobs).build();
         let pool = pool.map_err(|source| SweepError::Threads { n_jobs, source })?;
         let programs = Programs::default();
         let times: Vec<Vec<ScanTime>> = self.datasets.iter().map(|it| scan_times(it.dataset)).collect();
+        let check_interrupted = || match n_left.load(Ordering::Relaxed) {
+            n_left if n_left > 0 && self.interrupted.load(Ordering::Relaxed) => {
+                Err(SweepError::Interrupted { n_left, n_results: self.n_results() })
+            }
+            _ => Ok(()),
+        };
         let look = |missing: &MissingScan| {
+            check_interrupted()?;
             let scan_idx = self.datasets[missing.dataset_idx].scan_indices[missing.scan_idx];
-            self.look(missing, &times[missing.dataset_idx][scan_idx], &programs, &n_left)
+            self.look(missing, &times[missing.dataset_idx][scan_idx], &programs, |scan| {
+                keep(scan)?;
+                n_left.fetch_sub(1, Ordering::Relaxed);
+                check_interrupted()
+            })
         };
         let looked: Vec<Result<(), SweepError>> =
             pool.install(|| missing.par_iter().with_max_len(1).map(look).collect());
@@ -113,11 +135,10 @@ impl SweepPass<'_> {
     }
 
     fn missing(&self, done: &BTreeSet<[usize; 3]>) -> Vec<MissingScan> {
-        let scans = self
-            .datasets
-            .iter()
-            .enumerate()
-            .flat_map(|(dataset_idx, it)| it.part.clone().map(move |scan_idx| (dataset_idx, scan_idx)));
+        let of_dataset = |(dataset_idx, it): (usize, &SweptDataset<'_>)| {
+            it.part.clone().map(move |scan_idx| (dataset_idx, scan_idx))
+        };
+        let scans = self.datasets.iter().enumerate().flat_map(of_dataset);
         let missing = scans.map(|(dataset_idx, scan_idx)| {
             let is_missing = |point_idx: &usize| !done.contains(&[dataset_idx, scan_idx, *point_idx]);
             let point_idxs = (0..self.plan.points.len()).filter(is_missing).collect();
@@ -131,46 +152,40 @@ impl SweepPass<'_> {
         missing: &MissingScan,
         time: &ScanTime,
         programs: &Programs,
-        n_left: &AtomicUsize,
+        on_result: impl Fn(ScanAtPoint) -> Result<(), SweepError>,
     ) -> Result<(), SweepError> {
         let &MissingScan { dataset_idx, scan_idx, ref point_idxs } = missing;
         let SweptDataset { dataset, scan_indices, .. } = self.datasets[dataset_idx];
-        self.check_interrupted(n_left)?;
+        let description = dataset.description();
         let scan = dataset.read_scan(scan_indices[scan_idx])?;
-        let official = match self.protocols {
-            Some(it) => Some(it.scan(dataset, scan_indices[scan_idx], &scan)?),
-            None => None,
-        };
-        let looked_at = LookedAt { scan: &scan, time_s: time.time_s, official: official.as_ref() };
-        look_at_points(
-            self.plan,
-            programs,
-            dataset.description(),
-            looked_at,
-            point_idxs,
-            |point_idx, detectors, official| {
-                let (sequence, second) = (scan.id.sequence.clone(), time.second.clone());
-                self.journal.add(&JournalEntry::Quality(ScanAtPoint {
-                    dataset_idx,
-                    scan_idx,
-                    scan: scan.id.index,
-                    sequence,
-                    second,
-                    point_idx,
-                    detectors,
-                    official,
-                }))?;
-                n_left.fetch_sub(1, Ordering::Relaxed);
-                (self.on_done)();
-                self.check_interrupted(n_left)
-            },
-        )
-    }
-
-    fn check_interrupted(&self, n_left: &AtomicUsize) -> Result<(), SweepError> {
-        let n_left = n_left.load(Ordering::Relaxed);
-        if self.interrupted.load(Ordering::Relaxed) && n_left > 0 {
-            return Err(SweepError::Interrupted { n_left, n_results: self.n_results() });
+        let under_protocols =
+            self.protocols.map(|it| it.scan(dataset, scan_indices[scan_idx], &scan)).transpose()?;
+        let (mut output, mut cells) = (DetectorOutput::default(), CellsOfScan::default());
+        for &point_idx in point_idxs {
+            let config = self.plan.points[point_idx].config.for_scans_of(description);
+            let mut official = OfficialRows::default();
+            let detectors = programs.at_point(self.plan, point_idx, description, |entrant, detector| {
+                detector.detect(&scan, time.time_s, &mut output)?;
+                if let Some(it) = &under_protocols {
+                    official.append(it.rows(entrant.name, detector, &output));
+                }
+                let count = |&task| {
+                    let annotated = &description.annotated;
+                    Counts::of(&assign(&scan, &output.detections, task, annotated, &config.matching))
+                };
+                let counts = Task::ALL.iter().map(count).collect();
+                Ok(DetectorAtPoint { counts, cells: cells.tally(&scan, &entrant.chosen, &config) })
+            })?;
+            on_result(ScanAtPoint {
+                dataset_idx,
+                scan_idx,
+                scan: scan.id.index,
+                sequence: scan.id.sequence.clone(),
+                second: time.second.clone(),
+                point_idx,
+                detectors,
+                official,
+            })?;
         }
         Ok(())
     }

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use reports::run_folder::sweep_entry::SweptParameter;
 use toml::Value;
 
 use crate::process::problem::DetectorFailure;
 use crate::run::config::override_option::OverrideOption;
 use crate::run::config::{ConfigError, RunConfig};
 use crate::run::detector_list::ChosenDetector;
-use crate::sweep::swept_values::{SweepOption, SweptValues, TiedValue};
+use crate::sweep::swept_values::{SweepOption, TiedValue};
 
 /// Most points of a sweep; more are a slip of the keyboard.
 const MOST_POINTS: usize = 100_000;
@@ -19,7 +20,7 @@ pub struct SweepPlan {
     /// The detectors, in the order of the tables.
     pub detectors: Vec<ChosenDetector>,
     /// The swept parameters by their full names, each with its values; the first is the axis of plots.
-    pub swept: Vec<SweptValues>,
+    pub swept: Vec<SweptParameter>,
     /// Full names of the parameters that go with a swept one.
     pub tied: Vec<String>,
     /// Every combination of values; those of the last swept parameter change fastest.
@@ -104,7 +105,7 @@ impl SweepPlan {
         config: &RunConfig,
         detectors: Vec<ChosenDetector>,
         options: &[SweepOption],
-        lists: &[SweptValues],
+        lists: &[SweptParameter],
     ) -> Result<Self, SweepPlanError> {
         let tables: Vec<String> = detectors.iter().map(ChosenDetector::table).collect();
         let own: Vec<&str> = tables.iter().map(String::as_str).collect();
@@ -112,7 +113,7 @@ impl SweepPlan {
             SweepOption::Swept(swept) => Some(swept),
             _ => None,
         });
-        let mut swept: Vec<SweptValues> = swept_by_options.chain(lists).cloned().collect();
+        let mut swept: Vec<SweptParameter> = swept_by_options.chain(lists).cloned().collect();
         let fixed: Vec<OverrideOption> = options
             .iter()
             .filter_map(|it| match it {
@@ -163,7 +164,7 @@ fn override_of(name: &str, value: &str) -> OverrideOption {
 }
 
 /// The values of the swept parameters at point `point_idx`.
-fn values_of(swept: &[SweptValues], mut point_idx: usize) -> Vec<String> {
+fn values_of(swept: &[SweptParameter], mut point_idx: usize) -> Vec<String> {
     let mut values: Vec<String> = Vec::new();
     for it in swept.iter().rev() {
         values.insert(0, it.values[point_idx % it.values.len()].clone());
@@ -173,8 +174,8 @@ fn values_of(swept: &[SweptValues], mut point_idx: usize) -> Vec<String> {
 }
 
 /// `2` and `2.0` are two texts and one value.
-fn refuse_same_values(swept: &[SweptValues]) -> Result<(), SweepPlanError> {
-    for SweptValues { name, values } in swept {
+fn refuse_same_values(swept: &[SweptParameter]) -> Result<(), SweepPlanError> {
+    for SweptParameter { name, values } in swept {
         let mut seen = BTreeSet::new();
         for value in values {
             let Ok(number) = value.parse::<f64>() else { continue };
@@ -200,7 +201,7 @@ struct Tie {
 impl Tie {
     fn resolve(
         tied: &TiedValue,
-        swept: &[SweptValues],
+        swept: &[SweptParameter],
         base: &RunConfig,
         own: &[&str],
     ) -> Result<Self, SweepPlanError> {
@@ -217,7 +218,7 @@ impl Tie {
     }
 
     /// The value that goes with `values` of the swept parameters; a count is at least 1.
-    fn value(&self, swept: &[SweptValues], values: &[String]) -> Result<String, SweepPlanError> {
+    fn value(&self, swept: &[SweptParameter], values: &[String]) -> Result<String, SweepPlanError> {
         let divisor = &values[self.divisor_idx];
         let Some(quotient) = divisor.parse::<f64>().ok().filter(|it| *it > 0.0).map(|it| self.dividend / it)
         else {
@@ -241,7 +242,7 @@ mod tests {
         let config = RunConfig::load(None).unwrap();
         let detectors = detectors_named(&["hierarchical".to_owned()], &config).unwrap();
         let options: Vec<SweepOption> = options.iter().map(|it| it.parse().unwrap()).collect();
-        let lists: Vec<SweptValues> = lists.iter().map(|it| it.parse::<ListOption>().unwrap().0).collect();
+        let lists: Vec<SweptParameter> = lists.iter().map(|it| it.parse::<ListOption>().unwrap().0).collect();
         SweepPlan::new(&config, detectors, &options, &lists)
     }
 

@@ -1,50 +1,44 @@
 //! What a sweep has counted, scan by scan, as sums from which its numbers are made.
 //!
-//! Sums are kept by seconds of drives, and no scan: a sweep in one piece and its shards come to the same digits.
+//! A detector at a point counts as a detector of its own. Sums of cells are kept by seconds of drives, and no scan: a sweep in
+//! one piece and its shards come to the same digits.
 
 use std::collections::BTreeMap;
 
 use detector::grid::cell_fitness::{CellTally, FitnessReading};
 use reports::numbers::blocks::DriveSecond;
-use reports::numbers::sweep_score::{SweepScores, SweepSubject};
-use reports::protocols::drawn_scans::DrawnScans;
+use reports::numbers::tally::Tally;
 use reports::protocols::protocol_tally::ProtocolTally;
-use reports::protocols::swept_numbers::{SweptNumber, SweptNumbers};
 use reports::rows::official_rows::OfficialRows;
 use reports::rows::scan_name::ScanName;
-use reports::run_folder::manifest::Manifest;
+use reports::run_folder::manifest::{AnnotatedClasses, DatasetEntry, Manifest};
 use reports::run_folder::sweep_entry::SweepEntry;
-use reports::vocabulary::extent::Extent;
 use reports::vocabulary::task::Task;
+use scans::dataset;
 
-use crate::metrics::counts::Counts;
-use crate::sweep::journal_entry::TimedScan;
-use crate::sweep::scan_at_point::{DetectorAtPoint, ScanAtPoint};
+use crate::metrics::counts::FalseDetections;
+use crate::sweep::scan_at_point::{ScanAtPoint, TimedScan};
 
 /// Sums of a sweep.
 pub struct SweepTally<'a> {
     pub(super) manifest: &'a Manifest,
     pub(super) entry: &'a SweepEntry,
-    pub(super) datasets: Vec<DatasetSums>,
+    // Of every detector at every point.
+    pub(super) counts: Tally,
+    // Of each data set, whether what is found beside the annotations of each of `Task::ALL` is false.
+    false_detections: Vec<[FalseDetections; Task::ALL.len()]>,
+    // Of each data set and each second, those of every detector at every point.
+    pub(super) cells: Vec<BTreeMap<DriveSecond, Vec<Option<CellSums>>>>,
     pub(super) times: Vec<TimedScan>,
     // Of each point, the rows of protocols of others.
     pub(super) protocols: Vec<ProtocolTally>,
 }
 
-/// Sums over scans of a data set.
-#[derive(Debug, Clone, Default)]
-pub(super) struct DatasetSums {
-    pub(super) scans: Vec<(ScanName, DriveSecond)>,
-    // Of each second, detector by detector and of each point by point.
-    pub(super) of_seconds: BTreeMap<DriveSecond, Vec<PointSums>>,
-}
-
-/// What one detector made of some scans at one point.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct PointSums {
-    /// For each of [`Task::ALL`].
-    pub(super) counts: [Counts; Task::ALL.len()],
-    pub(super) cells: Option<CellSums>,
+/// A detector at a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AtPoint {
+    pub(super) detector_idx: usize,
+    pub(super) point_idx: usize,
 }
 
 /// What the cells of some scans on one grid come to.
@@ -60,27 +54,43 @@ impl<'a> SweepTally<'a> {
     /// Nothing yet, of the sweep of `manifest`; `None` if it is of no sweep.
     pub fn of(manifest: &'a Manifest) -> Option<Self> {
         let entry = manifest.sweep.as_ref()?;
-        let datasets = vec![DatasetSums::default(); manifest.datasets.len()];
-        let protocols = vec![ProtocolTally::default(); entry.points.len()];
-        Some(Self { manifest, entry, datasets, times: Vec::new(), protocols })
+        let n_points = entry.points.len();
+        let at_points = manifest.detectors.iter().flat_map(|it| {
+            (0..n_points).map(|point_idx| format!("{} at point {point_idx}", it.name)).collect::<Vec<_>>()
+        });
+        Some(Self {
+            manifest,
+            entry,
+            counts: manifest.tally().with_detectors(at_points.collect()),
+            false_detections: manifest.datasets.iter().map(false_detections).collect(),
+            cells: vec![BTreeMap::new(); manifest.datasets.len()],
+            times: Vec::new(),
+            protocols: vec![ProtocolTally::default(); n_points],
+        })
+    }
+
+    /// The place of a detector at a point among all.
+    pub(super) fn index_of(&self, at: AtPoint) -> usize {
+        at.detector_idx * self.entry.points.len() + at.point_idx
     }
 
     /// Adds a scan at a point. Scans come in the order of the sweep, and each with its points in theirs.
     pub fn add(&mut self, scan: &ScanAtPoint) {
-        let (n_detectors, n_points) = (self.manifest.detectors.len(), self.entry.points.len());
-        let dataset = &mut self.datasets[scan.dataset_idx];
-        if scan.point_idx == 0 {
-            let id = self.manifest.datasets[scan.dataset_idx].id.clone();
-            let name = ScanName { dataset: id, sequence: scan.sequence.clone(), scan: scan.scan };
-            dataset.scans.push((name, scan.second.clone()));
-        }
-        let nothing = || vec![PointSums::default(); n_detectors * n_points];
-        if !dataset.of_seconds.contains_key(&scan.second) {
-            dataset.of_seconds.insert(scan.second.clone(), nothing());
-        }
-        let sums = dataset.of_seconds.get_mut(&scan.second).expect("it is there now");
+        let ScanAtPoint { dataset_idx, point_idx, second, .. } = scan;
+        let dataset = self.manifest.datasets[*dataset_idx].id.clone();
+        let name = ScanName { dataset, sequence: scan.sequence.clone(), scan: scan.scan };
         for (detector_idx, found) in scan.detectors.iter().enumerate() {
-            sums[detector_idx * n_points + scan.point_idx].add(found);
+            let index = self.index_of(AtPoint { detector_idx, point_idx: *point_idx });
+            let of_tasks = found.counts.iter().zip(self.false_detections[*dataset_idx]);
+            for (task, (counts, false_detections)) in Task::ALL.into_iter().zip(of_tasks) {
+                self.counts.add_counts(&name, second, task, index, counts.scored(false_detections));
+            }
+            let Some(tally) = &found.cells else { continue };
+            let of_seconds = &mut self.cells[*dataset_idx];
+            let n_sums = self.counts.detectors().len();
+            let sums = of_seconds.entry(second.clone()).or_insert_with(|| vec![None; n_sums]);
+            let of_scan = CellSums::of(tally);
+            sums[index] = Some(sums[index].map_or(of_scan, |it| it.with(of_scan)));
         }
     }
 
@@ -115,78 +125,32 @@ impl<'a> SweepTally<'a> {
     }
 }
 
-impl PointSums {
-    fn add(&mut self, found: &DetectorAtPoint) {
-        for (sum, counts) in self.counts.iter_mut().zip(&found.counts) {
-            *sum += *counts;
-        }
-        if let Some(tally) = &found.cells {
-            self.cells.get_or_insert_with(|| CellSums::none(tally.cell_size_m)).add(tally);
-        }
-    }
-
-    /// Adds the sums of other scans.
-    pub(super) fn add_sums(&mut self, other: &Self) {
-        for (sum, counts) in self.counts.iter_mut().zip(&other.counts) {
-            *sum += *counts;
-        }
-        if let Some(cells) = &other.cells {
-            self.cells.get_or_insert_with(|| CellSums::none(cells.cell_size_m)).add_sums(cells);
-        }
-    }
+/// Whether what is found beside the annotations of each of [`Task::ALL`] is false.
+fn false_detections(dataset: &DatasetEntry) -> [FalseDetections; Task::ALL.len()] {
+    let annotated = match &dataset.annotated {
+        AnnotatedClasses::EveryObject => dataset::AnnotatedClasses::EveryObject,
+        AnnotatedClasses::Only(classes) => dataset::AnnotatedClasses::Only(classes.clone()),
+    };
+    Task::ALL.map(|task| FalseDetections::of(&annotated, task))
 }
 
 impl CellSums {
-    fn none(cell_size_m: f32) -> Self {
-        Self { cell_size_m, n_dense_sparse_empty: [0; 3], readings: [[0.0; 2]; FitnessReading::ALL.len()] }
-    }
-
-    fn add(&mut self, tally: &CellTally) {
-        self.add_sums(&Self {
+    fn of(tally: &CellTally) -> Self {
+        Self {
             cell_size_m: tally.cell_size_m,
             n_dense_sparse_empty: [tally.n_dense, tally.n_sparse, tally.n_empty],
             readings: FitnessReading::ALL.map(|it| it.ratio(tally)),
-        });
+        }
     }
 
-    fn add_sums(&mut self, other: &Self) {
+    /// Those of both, on grids of the same size.
+    pub(super) fn with(mut self, other: Self) -> Self {
         for (sum, number) in self.n_dense_sparse_empty.iter_mut().zip(other.n_dense_sparse_empty) {
             *sum += number;
         }
         for (sum, terms) in self.readings.iter_mut().zip(other.readings) {
             *sum = [sum[0] + terms[0], sum[1] + terms[1]];
         }
-    }
-}
-
-impl SweepTally<'_> {
-    /// The numbers of each data set and, if there are several, of all together; `scores` is the summary of the same sweep.
-    /// `on_point` is called after each point.
-    pub fn protocol_numbers(&self, scores: &SweepScores, on_point: impl Fn()) -> SweptNumbers {
-        let key = |it: &SweepSubject| (it.point_idx, it.extent.name().to_owned(), it.detector.clone());
-        let subjects: BTreeMap<_, &SweepSubject> =
-            scores.scores.iter().map(|it| (key(&it.subject), &it.subject)).collect();
-        let detectors: Vec<&str> = self.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
-        let drawn: Vec<(&str, DrawnScans)> =
-            scores.extents().into_iter().map(|it| (it.name(), self.drawn_scans(it))).collect();
-        let mut numbers = Vec::new();
-        for (point_idx, tally) in self.protocols.iter().enumerate() {
-            for number in tally.numbers_on(&drawn, &detectors) {
-                let subject = &subjects[&(point_idx, number.dataset.clone(), number.detector.clone())];
-                numbers.push(SweptNumber { subject: (*subject).clone(), number });
-            }
-            on_point();
-        }
-        SweptNumbers { parameters: scores.parameters.clone(), n_swept: scores.n_swept, numbers }
-    }
-
-    fn drawn_scans(&self, extent: &Extent) -> DrawnScans {
-        let datasets = self.manifest.datasets.iter().zip(&self.datasets);
-        let is_asked = datasets.filter(|(entry, _)| match extent {
-            Extent::Dataset(id) => entry.id == *id,
-            Extent::Overall => true,
-            Extent::OverallOf(origin) => entry.origin() == *origin,
-        });
-        DrawnScans::of_datasets(is_asked.map(|(entry, sums)| (entry.id.as_str(), sums.scans.clone())))
+        self
     }
 }

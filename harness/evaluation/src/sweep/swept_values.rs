@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use reports::run_folder::sweep_entry::SweptParameter;
+
 use crate::run::config::override_option::OverrideOption;
 
 /// Most values of one parameter; more are a slip of the keyboard.
@@ -12,24 +14,15 @@ const MOST_VALUES: i128 = 10_000;
 pub enum SweepOption {
     /// `NAME=VALUE`: the same value at all points.
     Fixed(OverrideOption),
-    /// `NAME=START:STOP:STEP`.
-    Swept(SweptValues),
+    /// `NAME=START:STOP:STEP`, of a name that need not be the full one.
+    Swept(SweptParameter),
     /// `NAME=NUMBER/SWEPT`: goes with another parameter.
     Tied(TiedValue),
 }
 
-/// A parameter, by a name that need not be its full one, and the values it takes one after the other.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SweptValues {
-    /// The name.
-    pub name: String,
-    /// The values as TOML, or as words.
-    pub values: Vec<String>,
-}
-
 /// `NAME=VALUE,VALUE,…` of `-L`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ListOption(pub SweptValues);
+pub struct ListOption(pub SweptParameter);
 
 /// A parameter whose value is a number divided by that of a swept one: so many cells of a swept size for a length.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +45,7 @@ impl FromStr for SweepOption {
         let (name, value) = (name.trim().to_owned(), value.trim());
         let is_of_range = |it: char| it.is_ascii_digit() || ".:+-".contains(it);
         if value.contains(':') && value.chars().all(is_of_range) && !name.is_empty() {
-            return Ok(Self::Swept(SweptValues { name, values: range(value)? }));
+            return Ok(Self::Swept(SweptParameter { name, values: range(value)? }));
         }
         if let Some((dividend, divisor)) = value.split_once('/')
             && let Ok(dividend) = dividend.trim().parse::<f64>()
@@ -84,7 +77,7 @@ impl FromStr for ListOption {
                 return Err(format!("{value} is given twice"));
             }
         }
-        Ok(Self(SweptValues { name: name.trim().to_owned(), values }))
+        Ok(Self(SweptParameter { name: name.trim().to_owned(), values }))
     }
 }
 
@@ -233,7 +226,7 @@ mod tests {
         let list: ListOption = "foreground=short, refined".parse().unwrap();
         assert_eq!(
             list.0,
-            SweptValues { name: "foreground".to_owned(), values: vec!["short".into(), "refined".into()] }
+            SweptParameter { name: "foreground".to_owned(), values: vec!["short".into(), "refined".into()] }
         );
         check_refused::<ListOption>("xi=2,3,2", "2 is given twice");
         check_refused::<ListOption>("xi=2,,3", "expected NAME=VALUE");

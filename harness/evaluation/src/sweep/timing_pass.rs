@@ -6,28 +6,35 @@ use std::time::Duration;
 
 use detector::DetectorOutput;
 
-use crate::run::entrant::Entrant;
-use crate::sweep::journal_entry::{JournalEntry, TimedScan};
 use crate::sweep::programs::Programs;
-use crate::sweep::quality_pass::{SweepError, SweepPass};
+use crate::sweep::quality_pass::{Keep, SweepError, SweepPass, SweptDataset};
+use crate::sweep::scan_at_point::TimedScan;
 
 /// Detections of a scan at a point that are timed, after one that is not.
 pub const DETECTIONS_PER_SCAN: usize = 3;
 
 impl SweepPass<'_> {
-    /// Times `n_scans` scans of each data set, spread over it, that are in its part, but for the `done`, and leaves it in
-    /// the journal.
+    /// Times `n_scans` scans of each data set, spread over it, that are in its part, but for the `done`, on `processor`, and
+    /// has each kept. `on_done` is called whenever a detector was timed at a point.
     ///
     /// Of every other scan the points come in the opposite order, so that a disturbance of the machine meets all of them.
     ///
     /// # Errors
     ///
     /// [`SweepError`] if a scan cannot be read, a result cannot be kept, or the sweep is interrupted.
-    pub fn time(&self, done: &BTreeSet<(usize, usize)>, n_scans: usize) -> Result<(), SweepError> {
+    pub fn time(
+        &self,
+        done: &BTreeSet<(usize, usize)>,
+        n_scans: usize,
+        processor: &str,
+        on_done: impl Fn(),
+        keep: Keep<'_, TimedScan>,
+    ) -> Result<(), SweepError> {
         let programs = Programs::default();
-        for (index, scan) in self.timed_scans(n_scans) {
-            if !done.contains(&scan) {
-                self.journal.add(&JournalEntry::Times(self.time_scan(scan.0, scan.1, index, &programs)?))?;
+        for (index, (dataset_idx, scan_idx)) in self.timed_scans(n_scans) {
+            if !done.contains(&(dataset_idx, scan_idx)) {
+                let times_ns = self.times_ns(dataset_idx, scan_idx, index, &programs, &on_done)?;
+                keep(TimedScan { dataset_idx, scan_idx, processor: processor.to_owned(), times_ns })?;
             }
         }
         Ok(())
@@ -47,44 +54,39 @@ impl SweepPass<'_> {
         all.enumerate().filter(is_ours).collect()
     }
 
-    fn time_scan(
+    /// The times of a scan, which is timed as the one with this index.
+    fn times_ns(
         &self,
         dataset_idx: usize,
         scan_idx: usize,
         index: usize,
         programs: &Programs,
-    ) -> Result<TimedScan, SweepError> {
-        let swept = &self.datasets[dataset_idx];
-        let description = swept.dataset.description();
-        let scan = swept.dataset.read_scan(swept.scan_indices[scan_idx])?;
+        on_done: impl Fn(),
+    ) -> Result<Vec<Vec<Vec<u64>>>, SweepError> {
+        let SweptDataset { dataset, scan_indices, .. } = self.datasets[dataset_idx];
+        let scan = dataset.read_scan(scan_indices[scan_idx])?;
         let n_points = self.plan.points.len();
         let mut times_ns = vec![Vec::new(); n_points];
         let mut output = DetectorOutput::default();
         for step in 0..n_points {
             let point_idx = if index.is_multiple_of(2) { step } else { n_points - 1 - step };
-            for chosen in &self.plan.detectors {
-                if self.interrupted.load(Ordering::Relaxed) {
-                    // The whole scan is timed again, so that its points are timed side by side.
-                    return Err(SweepError::InterruptedWhileTimed);
-                }
-                let entrant = Entrant::of(chosen.clone(), &self.plan.points[point_idx].config);
-                let program = programs.take(description, entrant.name);
-                let begun = entrant.begin_with(description, program);
-                let mut detector = begun.map_err(|it| self.plan.at_point(point_idx, it))?;
-                let at_point = |it| self.plan.at_point(point_idx, it);
-                detector.detect(&scan, 0.0, &mut output).map_err(at_point)?;
-                let mut detect = |_| {
+            if self.interrupted.load(Ordering::Relaxed) {
+                // The whole scan is timed again, so that its points are timed side by side.
+                return Err(SweepError::InterruptedWhileTimed);
+            }
+            let description = dataset.description();
+            times_ns[point_idx] = programs.at_point(self.plan, point_idx, description, |_, detector| {
+                detector.detect(&scan, 0.0, &mut output)?;
+                let detect = |_| {
                     let taken = detector.detect(&scan, 0.0, &mut output)?;
                     Ok(nanoseconds(taken.wall.unwrap_or_default()))
                 };
-                let of_point =
-                    (0..DETECTIONS_PER_SCAN).map(&mut detect).collect::<Result<_, SweepError>>()?;
-                times_ns[point_idx].push(of_point);
-                programs.put_back(description, entrant.name, detector);
-                (self.on_done)();
-            }
+                let times = (0..DETECTIONS_PER_SCAN).map(detect).collect();
+                on_done();
+                times
+            })?;
         }
-        Ok(TimedScan { dataset_idx, scan_idx, processor: self.processor.to_owned(), times_ns })
+        Ok(times_ns)
     }
 }
 

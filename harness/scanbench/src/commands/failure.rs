@@ -11,7 +11,6 @@ use std::path::Path;
 use evaluation::journal::JournalError;
 use evaluation::process::problem::DetectorFailure;
 use evaluation::protocols::chosen_protocols::ProtocolError;
-use evaluation::reproduction::settings::SettingsError;
 use evaluation::run::ablation::AblationError;
 use evaluation::run::config::ConfigError;
 use evaluation::run::detector_list::DetectorListError;
@@ -221,15 +220,6 @@ impl From<ScanPassError> for Failure {
     }
 }
 
-impl From<SettingsError> for Failure {
-    fn from(error: SettingsError) -> Self {
-        match error {
-            SettingsError::Scans(error) => error.into(),
-            SettingsError::Detector(error) => error.into(),
-        }
-    }
-}
-
 impl From<SingleScanError> for Failure {
     fn from(error: SingleScanError) -> Self {
         match error {
@@ -252,6 +242,7 @@ impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
             SweepError::Dataset(error) => error.into(),
+            SweepError::Scans(error) => error.into(),
             SweepError::Protocol(error) => error.into(),
             SweepError::Detector(error) => error.into(),
             SweepError::Journal(error) => error.into(),

@@ -46,7 +46,7 @@ fn recommendation(
     held_out: HeldOut<'_>,
 ) -> Option<String> {
     let first = curve.first();
-    let best = &curve.points[curve.best()?];
+    let best = curve.best()?;
     let percent = |it: f64| fixed_decimals(100.0 * it, 1);
     let within = best.reached.rate_within().map_or_else(String::new, |[low, high]| {
         let caveat = first.blocks.caveat_of_conclusions().map_or_else(String::new, |it| format!(", {it}"));
@@ -77,13 +77,13 @@ fn recommendation(
 }
 
 /// Which values the scans cannot distinguish from the best one.
-fn about_others(curve: &SweepCurve<'_>, best: &CurvePoint<'_, &SweepScore>, paired: Paired<'_>) -> String {
+fn about_others(curve: &SweepCurve<'_>, best: &CurvePoint<'_, SweepScore>, paired: Paired<'_>) -> String {
     if let Some(shortfall) = best.reached.blocks.shortfall() {
         let (head, rest) = shortfall.split_at(shortfall.chars().next().map_or(0, char::len_utf8));
         return format!("{}{rest} to distinguish any other value from it.", head.to_uppercase());
     }
     let others = || curve.points.iter().filter(|it| it.x_text != best.x_text && it.reached.rate().is_some());
-    let is_like = |it: &&CurvePoint<'_, &SweepScore>| {
+    let is_like = |it: &&CurvePoint<'_, SweepScore>| {
         paired([best.reached, it.reached]).is_none_or(|[low, high]| low <= 0.0 && high >= 0.0)
     };
     let like: Vec<&str> = others().filter(is_like).map(|it| it.x_text).collect();

@@ -1,8 +1,8 @@
 //! The table of a sweep: for every curve the best point.
 
-use crate::files::fixed_decimals::{decimals_or_dash, percent, percent_or_dash};
+use crate::files::fixed_decimals::{decimals_or_dash, percent};
 use crate::numbers::blocks::BlockKind;
-use crate::numbers::sweep_curve::SweepCurve;
+use crate::numbers::sweep_curve::{Curve, CurvePoint, Reached, SweepCurve};
 use crate::numbers::sweep_score::SweepScores;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::about_interval;
@@ -45,33 +45,33 @@ fn n_values(sweep: &SweepScores) -> String {
 
 fn line(sweep: &SweepScores, curve: &SweepCurve<'_>) -> Line {
     let first = curve.first();
-    let subject = &first.subject;
+    let mut line = best_line(curve, &[first.n_scans, first.counts.no()], percent);
+    let time = curve.best().and_then(|it| sweep.time_of(&it.reached.subject));
+    line.cells.push(Cell::new(decimals_or_dash(time.map(|it| it.typical_ms), 2)));
+    line
+}
+
+/// Of a curve, what it is about, these `counts`, and its best and its worst point, as `shown`.
+pub(super) fn best_line<T: Reached>(
+    curve: &Curve<'_, T>,
+    counts: &[u64],
+    shown: impl Fn(f64) -> String,
+) -> Line {
+    let subject = curve.first().subject();
     let name = format!("{}{}", subject.extent.name(), subject.origin.in_brackets());
-    let undefined = || "–".to_owned();
-    let best = curve.best().map(|it| &curve.points[it]);
-    let lowest = curve.points.iter().filter_map(|it| it.reached.rate()).reduce(f64::min);
-    let within = best.and_then(|it| it.reached.rate_within());
-    let detector = curve.named(&subject.detector);
-    let texts = [
-        name,
-        detector,
-        first.task.name().to_owned(),
-        first.rate_name().to_owned(),
-        first.n_scans.to_string(),
-        first.counts.no().to_string(),
-        best.map_or_else(undefined, |it| it.x_text.to_owned()),
-        percent_or_dash(best.and_then(|it| it.reached.rate())),
-    ];
-    let interval = within.map_or_else(
-        || Cell::new(undefined()),
-        |it| Cell::interval(it.map(percent).join(" to "), first.blocks),
-    );
-    let time = best.and_then(|it| sweep.time_of(&it.reached.subject));
-    let time = decimals_or_dash(time.map(|it| it.typical_ms), 2);
-    let last = [interval, Cell::new(percent_or_dash(lowest)), Cell::new(time)];
+    let mut texts = vec![name, curve.named(&subject.detector)];
+    texts.extend(curve.first().about().into_iter().map(str::to_owned));
+    texts.extend(counts.iter().map(u64::to_string));
+    let (best, worst) = (curve.best(), curve.worst());
+    let or_dash = |text: Option<String>| Cell::new(text.unwrap_or_else(|| "–".to_owned()));
+    let value = |it: Option<&CurvePoint<'_, T>>| or_dash(it.and_then(|it| it.reached.value()).map(&shown));
+    let interval = best.and_then(|it| it.reached.interval());
+    let interval = interval
+        .map_or_else(|| or_dash(None), |it| Cell::interval(it.ends.map(&shown).join(" to "), it.blocks));
+    let of_points = [or_dash(best.map(|it| it.x_text.to_owned())), value(best), interval, value(worst)];
     Line {
         kind: LineKind::of(&subject.extent),
-        cells: texts.map(Cell::new).into_iter().chain(last).collect(),
+        cells: texts.into_iter().map(Cell::new).chain(of_points).collect(),
     }
 }
 

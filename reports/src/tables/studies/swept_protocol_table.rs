@@ -2,12 +2,11 @@
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::protocols::drawn_scans::N_PROTOCOL_RESAMPLES;
-use crate::protocols::protocol_number::ProtocolNumber;
-use crate::protocols::swept_number_curves::NumberCurve;
 use crate::protocols::swept_numbers::SweptNumbers;
-use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::grid::{Column, Grid};
 use crate::tables::notes::about_interval_of;
 use crate::tables::sheet::{Sheet, Tabular};
+use crate::tables::studies::sweep_table::best_line;
 
 /// For every principal number the best point.
 #[derive(Debug, Clone, Copy)]
@@ -31,31 +30,12 @@ impl Tabular for SweptProtocolTable<'_> {
         let n_values = curves.first().map_or(0, |it| it.points.len());
         let title =
             format!("Protocols of others: best of {n_values} values over {}.", self.swept.parameters[0]);
+        let lines = curves
+            .iter()
+            .map(|it| best_line(it, &[it.first().number.metric.n], |value| fixed_decimals(value, 4)));
         let columns = columns.into_iter().chain(numbers).collect();
-        let grid = Grid::with_one_rule(columns, curves.iter().map(line).collect());
+        let grid = Grid::with_one_rule(columns, lines.collect());
         Sheet::of(title, grid, sentences.into_iter().flatten().collect()).labelled("sweep_protocols")
-    }
-}
-
-fn line(curve: &NumberCurve<'_>) -> Line {
-    let first = curve.first();
-    let name = format!("{}{}", first.subject.extent.name(), first.subject.origin.in_brackets());
-    let ProtocolNumber { protocol, detector, metric, .. } = &first.number;
-    let detector = curve.named(detector);
-    let best = curve.best().map(|it| &curve.points[it]);
-    let undefined = || Cell::new("–");
-    let value = |it: &ProtocolNumber| it.value.map(|it| Cell::new(fixed_decimals(it, 4)));
-    let interval = best
-        .and_then(|it| it.reached.number.interval)
-        .map(|it| Cell::interval(it.ends.map(|end| fixed_decimals(end, 4)).join(" to "), it.blocks));
-    let worst = curve.worst().and_then(|it| value(&curve.points[it].reached.number));
-    let texts = [&name, &detector, protocol.name(), &metric.class, &metric.id, &metric.n.to_string()];
-    let numbers =
-        [best.map(|it| Cell::new(it.x_text)), best.and_then(|it| value(&it.reached.number)), interval, worst];
-    let numbers = numbers.into_iter().map(|it| it.unwrap_or_else(undefined));
-    Line {
-        kind: LineKind::of(&first.subject.extent),
-        cells: texts.map(Cell::new).into_iter().chain(numbers).collect(),
     }
 }
 

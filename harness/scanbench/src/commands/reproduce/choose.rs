@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
-use evaluation::metrics::counts::FalseDetections;
 use evaluation::reproduction::open_values::open_values_of;
-use evaluation::reproduction::settings::{TaskCounts, count, latin_hypercube, plan, point};
+use evaluation::reproduction::settings::{count, latin_hypercube, plan, point};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ChosenDetector, built_in_named};
 use evaluation::sweep::sweep_plan::SweepPlan;
@@ -66,9 +65,7 @@ fn rates(
         let counts = count(plan, &*it.dataset, &it.scan_indices, interrupted, || progress.inc(1))?;
         progress.finish_and_clear();
         for (rates, counts) in rates.iter_mut().zip(counts) {
-            let counts: TaskCounts = counts[0];
-            for (task, counts) in Task::ALL.into_iter().zip(counts).filter(|it| tasks.contains(&it.0)) {
-                let counts = counts.scored(FalseDetections::of(&description.annotated, task));
+            for (task, counts) in Task::ALL.into_iter().zip(counts[0]).filter(|it| tasks.contains(&it.0)) {
                 if let Some(rate) = counts.f_rate().or_else(|| counts.recall()) {
                     rates.push((format!("{} {task}", description.id), rate));
                 }

@@ -9,6 +9,7 @@ use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::scan_recorder::FigureView;
 use reports::files::archive::{ArchiveError, SCHEMA};
+use reports::files::csv_rows::csv_of_cells;
 use reports::pages::reproduction_page::ReproductionPage;
 use reports::plots::study_plots::settings_plot;
 use reports::reproduction::claim::Paper;
@@ -229,7 +230,7 @@ impl Written<'_> {
             tables.push(("What the papers leave open", table));
             write_table(directory, "open_values", table)?;
             write_figure(directory, "settings", svg)?;
-            directory.write_file("settings.csv", settings_csv(sensitivity).as_bytes())?;
+            directory.write_file("settings.csv", &settings_csv(sensitivity))?;
         }
         let verb = format!("reproduce {}", arguments.paper.name());
         let scans = judge.scans_in_words();
@@ -280,8 +281,7 @@ fn notes(settings: Option<&Sensitivity>) -> Vec<String> {
 }
 
 /// One row for each setting: its values, and the rates of method and rival.
-fn settings_csv(sensitivity: &Sensitivity) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
+fn settings_csv(sensitivity: &Sensitivity) -> Vec<u8> {
     let Sensitivity { values, settings, rates, .. } = sensitivity;
     let names = values.iter().map(|it| it.parameter.clone());
     let of_rates =
@@ -291,10 +291,7 @@ fn settings_csv(sensitivity: &Sensitivity) -> String {
         let found = rates.iter().flat_map(move |it| [it.of_method[idx], it.of_rival[idx]].map(written));
         setting.iter().cloned().chain(found).collect::<Vec<_>>()
     });
-    for row in std::iter::once(names.chain(of_rates).collect::<Vec<_>>()).chain(rows) {
-        writer.write_record(row).expect("memory takes all that is written");
-    }
-    String::from_utf8(writer.into_inner().expect("memory takes all that is written")).expect("it is text")
+    csv_of_cells(names.chain(of_rates).collect(), rows)
 }
 
 /// What shows the same of a scan. Their titles say of which figure.

@@ -2,7 +2,6 @@
 
 use std::sync::atomic::AtomicBool;
 
-use evaluation::metrics::counts::{Counts, FalseDetections};
 use evaluation::reproduction::open_values::{OPEN_VALUES, OpenRange};
 use evaluation::reproduction::settings::{TaskCounts, count, latin_hypercube, plan, point};
 use evaluation::run::config::RunConfig;
@@ -32,7 +31,6 @@ const CRITERION: &str = "matching.criterion";
 pub struct CountedPoints {
     /// Of each data set, of each point, of each detector.
     pub counts: Vec<Vec<Vec<TaskCounts>>>,
-    known: Vec<[FalseDetections; Task::ALL.len()]>,
 }
 
 impl CountedPoints {
@@ -48,17 +46,13 @@ impl CountedPoints {
         let chosen: Vec<String> = detectors.iter().map(|it| (*it).to_owned()).collect();
         let chosen = built_in_named(&chosen, config)?.into_iter().map(ChosenDetector::from).collect();
         let plan = plan(config, chosen, names, points);
-        let mut counted = Self { counts: Vec::new(), known: Vec::new() };
+        let mut counts = Vec::new();
         for it in datasets {
-            let description = it.dataset.description();
-            let progress = progress_over_scans(it.scan_indices.len(), &description.id);
-            counted
-                .counts
-                .push(count(&plan, &*it.dataset, &it.scan_indices, interrupted, || progress.inc(1))?);
-            counted.known.push(Task::ALL.map(|task| FalseDetections::of(&description.annotated, task)));
+            let progress = progress_over_scans(it.scan_indices.len(), &it.dataset.description().id);
+            counts.push(count(&plan, &*it.dataset, &it.scan_indices, interrupted, || progress.inc(1))?);
             progress.finish_and_clear();
         }
-        Ok(counted)
+        Ok(Self { counts })
     }
 
     /// The F-rate at a point on these data sets together; `None` where false detections are not known.
@@ -70,14 +64,12 @@ impl CountedPoints {
         task: Task,
     ) -> Option<f64> {
         let task_idx = Task::ALL.iter().position(|it| *it == task)?;
-        let mut sum = Counts::default();
-        for &idx in dataset_idxs {
-            if self.known[idx][task_idx] != FalseDetections::Known {
-                return None;
-            }
-            sum += self.counts[idx][point_idx][detector_idx][task_idx];
-        }
-        sum.scored(FalseDetections::Known).f_rate()
+        let of_datasets = dataset_idxs.iter().map(|it| self.counts[*it][point_idx][detector_idx][task_idx]);
+        let sum = of_datasets.reduce(|mut sum, it| {
+            sum += it;
+            sum
+        });
+        sum?.f_rate()
     }
 
     /// Number of data sets.

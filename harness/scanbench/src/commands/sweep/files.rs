@@ -1,13 +1,15 @@
 //! What `scanbench sweep` leaves behind.
 
 use crate::commands::failure::{Failure, NothingEvaluated};
+use crate::commands::official_evaluation::warning_of_no_ground;
 use crate::commands::paper_files::{write_figure, write_table};
+use crate::commands::progress::progress_over_results;
 use crate::commands::run_manifest::detector_entry;
-use crate::commands::standard_streams::terminal;
+use crate::commands::standard_streams::{print_diagnostic, terminal};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
-use evaluation::sweep::paired_points::PairedPoints;
+use evaluation::sweep::drawn_sweep::DrawnSweep;
 use evaluation::sweep::sweep_tally::SweepTally;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::CsvRowWriter;
@@ -15,27 +17,27 @@ use reports::numbers::sweep_score::{SweepScores, SweepTime};
 use reports::plots::fitness_plot::fitness_plot;
 use reports::plots::pareto_plot::pareto_plot;
 use reports::plots::rate_plot::rate_plot;
+use reports::plots::swept_protocol_plot::swept_protocol_plot;
+use reports::protocols::swept_numbers::SweptNumbers;
 use reports::run_folder::detector_changes::detector_changes;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{
-    RunDirectory, SWEEP_BEST_TXT, SWEEP_CSV, SWEEP_TIMES_CSV, TIMES_OF_PROCESSORS_CSV,
+    RunDirectory, SWEEP_BEST_TXT, SWEEP_CSV, SWEEP_PROTOCOLS_CSV, SWEEP_PROTOCOLS_JSON, SWEEP_TIMES_CSV,
+    TIMES_OF_PROCESSORS_CSV,
 };
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::fitness_table::{FitnessTable, fitness_sentences};
 use reports::tables::studies::sweep_recommendation::recommendations;
 use reports::tables::studies::sweep_table::SweepTable;
+use reports::tables::studies::swept_protocol_table::SweptProtocolTable;
 use reports::verdicts::fitness_verdict::fitness_verdicts;
+use reports::vocabulary::protocol::Protocol;
 
 /// Writes tables and plots into `directory`, and returns what is to be printed.
 pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<String, ArchiveError> {
-    let not_written = |name: &str| {
-        let path = directory.path_of(name);
-        move |source| ArchiveError::Csv { path, source }
-    };
-    directory.write_file(SWEEP_CSV, &sweep.to_csv().map_err(not_written(SWEEP_CSV))?)?;
+    directory.write_file(SWEEP_CSV, &sweep.to_csv())?;
     if !sweep.times.is_empty() {
-        let times = sweep.times_to_csv().map_err(not_written(SWEEP_TIMES_CSV))?;
-        directory.write_file(SWEEP_TIMES_CSV, &times)?;
+        directory.write_file(SWEEP_TIMES_CSV, &sweep.times_to_csv())?;
     }
     for extent in sweep.extents() {
         let name = extent.name();
@@ -63,15 +65,49 @@ pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<Stri
     Ok(printed)
 }
 
+/// Makes the numbers of a sweep under its protocols and writes them into `directory` in all their forms. Returns the table
+/// that is printed.
+pub fn write_swept_protocols(
+    directory: &RunDirectory,
+    manifest: &Manifest,
+    tally: &SweepTally<'_>,
+) -> Result<String, ArchiveError> {
+    let n_points = manifest.sweep.as_ref().map_or(0, |it| it.points.len());
+    let bar = progress_over_results(n_points, 0, "protocols");
+    let swept = tally.protocol_numbers(|| bar.inc(1));
+    bar.finish_and_clear();
+    if manifest.protocols.contains(&Protocol::Ground) {
+        warn_of_no_ground(manifest, &swept);
+    }
+    directory.write_file(SWEEP_PROTOCOLS_CSV, &swept.to_csv())?;
+    directory.write_file(SWEEP_PROTOCOLS_JSON, swept.to_json().as_bytes())?;
+    for (protocol, extent) in swept.extents() {
+        if let Some(plot) = swept_protocol_plot(&swept, protocol, extent) {
+            write_figure(directory, &format!("protocol_{protocol}_{}", extent.name()), &plot)?;
+        }
+    }
+    let table = SweptProtocolTable { swept: &swept };
+    write_table(directory, "sweep_protocols", &table)?;
+    Ok(format!("\n{}", terminal().text(&table)))
+}
+
+fn warn_of_no_ground(manifest: &Manifest, swept: &SweptNumbers) {
+    for detector in manifest.detectors.iter().map(|it| &it.name) {
+        let mut of_ground = swept.numbers.iter().filter(|it| it.number.protocol == Protocol::Ground);
+        if of_ground.all(|it| it.number.detector != *detector) {
+            print_diagnostic(warning_of_no_ground(detector));
+        }
+    }
+}
+
 /// What the sweep of `manifest` recommends, one text after the other, which are written into `directory`, too.
 pub fn write_best(
     directory: &RunDirectory,
     manifest: &Manifest,
-    tally: &SweepTally<'_>,
+    drawn: &DrawnSweep<'_>,
     sweep: &SweepScores,
 ) -> Result<Vec<String>, Failure> {
-    let points = PairedPoints::draw(tally);
-    let mut texts = recommendations(sweep, &|it| points.difference(it), &|it| points.held_out(it));
+    let mut texts = recommendations(sweep, &|it| drawn.difference(it), &|it| drawn.held_out(it));
     texts.extend(fitness_sentences(&fitness_verdicts(sweep)));
     let changes = changes_of_shipped(manifest)?;
     if !changes.is_empty() {
@@ -113,10 +149,7 @@ pub fn write_times_of_unlike(
     if unlike.is_empty() {
         return Ok(());
     }
-    let path = directory.path_of(TIMES_OF_PROCESSORS_CSV);
-    let rows = sweep.times_of_processors_to_csv(unlike);
-    let rows = rows.map_err(|source| ArchiveError::Csv { path, source })?;
-    directory.write_file(TIMES_OF_PROCESSORS_CSV, &rows)
+    directory.write_file(TIMES_OF_PROCESSORS_CSV, &sweep.times_of_processors_to_csv(unlike))
 }
 
 /// A sweep over scans in which there is nothing to find.

@@ -1,7 +1,6 @@
 //! `scanbench sweep`.
 
 pub mod files;
-pub mod protocol_files;
 pub mod setup;
 pub mod whole_sweep;
 pub mod shared_sweep;

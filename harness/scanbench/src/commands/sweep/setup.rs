@@ -5,10 +5,9 @@ use std::num::NonZeroUsize;
 
 use evaluation::journal::Journal;
 use evaluation::protocols::chosen_protocols::ChosenProtocols;
-use evaluation::sweep::journal_entry::JournalEntry;
 use evaluation::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
+use evaluation::sweep::scan_at_point::JournalEntry;
 use evaluation::sweep::sweep_plan::SweepPlan;
-use evaluation::sweep::swept_values::SweptValues;
 use evaluation::sweep::timing_pass::DETECTIONS_PER_SCAN;
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
@@ -39,29 +38,12 @@ pub struct Sweep<'a> {
     pub protocols: Option<ChosenProtocols>,
     /// The scans.
     pub datasets: Vec<OpenedDataset>,
-    /// What was done before.
-    pub done: SweepDone,
+    /// Scans at points that were counted before, by their keys.
+    pub counted: BTreeSet<[usize; 3]>,
+    /// Scans that were timed before, by theirs.
+    pub timed: BTreeSet<(usize, usize)>,
     /// When it was begun.
     pub started: Timestamp,
-}
-
-/// What a sweep has done.
-#[derive(Debug, Default)]
-pub struct SweepDone {
-    /// Scans at points, by their keys.
-    pub counted: BTreeSet<[usize; 3]>,
-    /// Scans that were timed, by theirs.
-    pub timed: BTreeSet<(usize, usize)>,
-}
-
-impl SweepDone {
-    /// Takes in what is in a journal.
-    pub fn add(&mut self, entry: &JournalEntry) {
-        match entry {
-            JournalEntry::Quality(it) => self.counted.insert(it.key()),
-            JournalEntry::Times(it) => self.timed.insert(it.key()),
-        };
-    }
 }
 
 /// The points that `arguments` ask for.
@@ -69,7 +51,7 @@ pub fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
     let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
     let (detectors, mut config) = runnable_detectors(&file, &arguments.detectors)?;
     choose_criterion(&mut config, &arguments.matching);
-    let lists: Vec<SweptValues> = arguments.lists.iter().map(|it| it.0.clone()).collect();
+    let lists: Vec<SweptParameter> = arguments.lists.iter().map(|it| it.0.clone()).collect();
     let plan = SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?;
     let at_points = |it| plan.points.iter().map(move |point| (it, &point.config));
     refuse_unread_models(plan.detectors.iter().flat_map(at_points))?;
@@ -98,7 +80,8 @@ impl<'a> Sweep<'a> {
                 protocols.check(&*opened.dataset)?;
             }
         }
-        Ok(Self { arguments, plan, protocols, datasets, done: SweepDone::default(), started })
+        let (counted, timed) = (BTreeSet::new(), BTreeSet::new());
+        Ok(Self { arguments, plan, protocols, datasets, counted, timed, started })
     }
 
     /// The data sets, as a sweep goes over them.
@@ -117,29 +100,26 @@ impl<'a> Sweep<'a> {
 
     /// Does what is not done, and keeps it in `journal`.
     pub fn run(&self, journal: &Journal) -> Result<(), SweepError> {
-        let SweepDone { counted, timed } = &self.done;
-        let datasets = self.swept_datasets();
-        let processor = machine().cpu_model;
-        let no_bar = || ();
+        let Self { counted, timed, .. } = self;
         let pass = SweepPass {
             plan: &self.plan,
-            datasets: &datasets,
+            datasets: &self.swept_datasets(),
             protocols: self.protocols.as_ref(),
-            journal,
             interrupted: interruption_flag(),
-            on_done: &no_bar,
-            processor: &processor,
         };
         let bar = progress_over_results(self.n_results(), counted.len(), "counting");
-        let on_done = || bar.inc(1);
-        SweepPass { on_done: &on_done, ..pass }.count(counted, self.n_jobs())?;
+        pass.count(counted, self.n_jobs(), &|scan| {
+            journal.add(&JournalEntry::Quality(scan))?;
+            bar.inc(1);
+            Ok(())
+        })?;
         bar.finish_and_clear();
         let n_timed = self.arguments.timed_scans as usize;
         let per_scan = self.plan.points.len() * self.plan.detectors.len();
         let n_timings = pass.timed_scans(n_timed).len() * per_scan;
         let bar = progress_over_results(n_timings, timed.len() * per_scan, "timing");
-        let on_done = || bar.inc(1);
-        SweepPass { on_done: &on_done, ..pass }.time(timed, n_timed)?;
+        let processor = machine().cpu_model;
+        pass.time(timed, n_timed, &processor, || bar.inc(1), &|it| journal.add(&JournalEntry::Times(it)))?;
         bar.finish_and_clear();
         Ok(())
     }
@@ -168,10 +148,8 @@ impl<'a> Sweep<'a> {
 
     fn entry(&self) -> SweepEntry {
         let SweepPlan { swept, tied, points, base, .. } = &self.plan;
-        let parameter =
-            |it: &SweptValues| SweptParameter { name: it.name.clone(), values: it.values.clone() };
         SweepEntry {
-            swept: swept.iter().map(parameter).collect(),
+            swept: swept.clone(),
             tied: tied.clone(),
             points: points.iter().map(|it| it.values.clone()).collect(),
             configured: base.value_of(&swept[0].name).map(ToString::to_string),

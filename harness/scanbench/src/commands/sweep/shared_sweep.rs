@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use evaluation::journal::{Journal, JournalError};
-use evaluation::sweep::journal_entry::JournalEntry;
+use evaluation::sweep::scan_at_point::JournalEntry;
 use reports::files::archive::ArchiveError;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{SWEPT_SCANS_JSONL, TIMED_SCANS_JSONL};
@@ -40,11 +40,14 @@ impl SharedWork for Sweep<'_> {
     }
 
     fn add_done(&mut self, entry: JournalEntry) {
-        self.done.add(&entry);
+        match entry {
+            JournalEntry::Quality(it) => self.counted.insert(it.key()),
+            JournalEntry::Times(it) => self.timed.insert(it.key()),
+        };
     }
 
     fn done(&self) -> Option<String> {
-        let n_done = self.done.counted.len();
+        let n_done = self.counted.len();
         (n_done > 0).then(|| format!("{n_done} of {} results", self.n_results()))
     }
 

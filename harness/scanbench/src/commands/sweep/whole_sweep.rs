@@ -1,8 +1,7 @@
 //! A sweep made of the results of its shards.
 
 use evaluation::metrics::counts::Counts;
-use evaluation::sweep::journal_entry::TimedScan;
-use evaluation::sweep::scan_at_point::ScanAtPoint;
+use evaluation::sweep::scan_at_point::{ScanAtPoint, TimedScan};
 use evaluation::sweep::sweep_tally::SweepTally;
 use reports::numbers::sweep_score::SweepScores;
 use reports::pages::sweep_page::SweepPage;
@@ -19,8 +18,9 @@ use crate::commands::shards::executor::WholeResult;
 use crate::commands::shards::shard_directory::ShardDirectory;
 use crate::commands::shards::whole_manifest::{Pieces, merged_manifest};
 use crate::commands::standard_streams::terminal;
-use crate::commands::sweep::files::{refuse_nothing, write_best, write_sweep, write_times_of_unlike};
-use crate::commands::sweep::protocol_files::write_swept_protocols;
+use crate::commands::sweep::files::{
+    refuse_nothing, write_best, write_sweep, write_swept_protocols, write_times_of_unlike,
+};
 
 /// A sweep of which all is counted, and written.
 pub struct WholeSweep {
@@ -49,14 +49,15 @@ impl WholeResult for WholeSweep {
             progress.inc(1);
         }
         progress.finish_and_clear();
-        let scores = tally.summary();
+        let drawn = tally.draw();
+        let scores = drawn.summary();
         refuse_nothing(&scores)?;
         let mut printed = write_sweep(directory, &scores)?;
         if !manifest.protocols.is_empty() {
-            printed.push_str(&write_swept_protocols(directory, &manifest, &tally, &scores)?);
+            printed.push_str(&write_swept_protocols(directory, &manifest, &tally)?);
         }
         // The answer last.
-        let best = write_best(directory, &manifest, &tally, &scores)?;
+        let best = write_best(directory, &manifest, &drawn, &scores)?;
         printed = format!("{}\n\n{}", printed.trim_end(), terminal().sentences(best).trim_end());
         let unlike = tally.times_of_processors();
         write_times_of_unlike(directory, &scores, &unlike)?;
