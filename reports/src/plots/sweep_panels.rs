@@ -30,7 +30,7 @@ pub(crate) fn heading(curves: &[SweepCurve<'_>]) -> String {
 
 /// What bars are, with what is to be said of them.
 pub(crate) fn about_bars(curves: &[SweepCurve<'_>]) -> String {
-    let caveat = curves.first().and_then(|it| it.first().blocks.caveat_of_conclusions());
+    let caveat = curves.first().and_then(|it| it.first().blocks.caveat());
     caveat.map_or_else(|| "Bars: 95 % intervals".to_owned(), |it| format!("Bars: 95 % intervals {it}"))
 }
 

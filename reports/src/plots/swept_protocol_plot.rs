@@ -26,7 +26,7 @@ pub fn swept_protocol_plot(swept: &SweptNumbers, protocol: Protocol, extent: &Ex
 fn title(first: &NumberCurve<'_>) -> String {
     let first = first.first();
     let origin = first.subject.origin.in_brackets();
-    let caveat = first.number.interval.and_then(|it| it.blocks.caveat_of_conclusions());
+    let caveat = first.number.interval.and_then(|it| it.blocks.caveat());
     let caveat = caveat.map_or_else(String::new, |it| format!(", interval {it}"));
     let (protocol, dataset) = (first.number.protocol, &first.number.dataset);
     format!("{dataset}{origin}, protocol {protocol}. Ring: best. Bars: 95 % intervals{caveat}")
