@@ -118,11 +118,12 @@ impl Sample {
 
     /// The value of `metric`; `None` if it is undefined, or not measured of the slice.
     pub fn value(&self, metric: &Metric) -> Option<f64> {
-        self.total.value(metric, self.false_objects).filter(|_| self.slice.measures(metric))
+        self.total.value(metric.formula(), self.false_objects).filter(|_| self.slice.measures(metric))
     }
 
     /// The value of `metric` in each resample.
     pub fn resampled_values(&self, metric: &Metric) -> impl Iterator<Item = Option<f64>> {
-        self.resampled.iter().map(move |sums| sums.value(metric, self.false_objects))
+        let formula = metric.formula();
+        self.resampled.iter().map(move |sums| sums.value(formula, self.false_objects))
     }
 }
