@@ -144,7 +144,7 @@ impl DamageArgs {
     }
 }
 
-pub(super) fn sensor_help() -> String {
+pub fn sensor_help() -> String {
     let ids = EMBEDDED_SENSORS.map(|(id, _)| id).join(", ");
     format!("Sensor [default: the catalogue's, or what scans show]: {ids} or a TOML file")
 }
