@@ -9,9 +9,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use detector::{DetectorOutput, OrientedBox, PointCloud};
-use evaluation::protocols::known_protocols::PROTOCOLS;
+use evaluation::protocols::PROTOCOLS;
 use evaluation::protocols::official_objects::OfficialScanView;
-use evaluation::protocols::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
+use evaluation::protocols::official_protocol::{FoundInScan, OfficialProtocol};
 use nalgebra::{Isometry3, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -74,11 +74,7 @@ fn measure(protocol: &dyn OfficialProtocol) -> f64 {
             objects: &objects,
             kitti_objects: None,
         };
-        if let ProtocolRows::RankedBoxes(boxes) = protocol.rows(&found) {
-            for row in &boxes {
-                rows.add_ranked_box(row);
-            }
-        }
+        rows.add(&protocol.rows(&found));
         matching_s += started.elapsed().as_secs_f64();
     }
     let scans = DrawnScans::of(&tally, OVERALL);

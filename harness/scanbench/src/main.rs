@@ -10,10 +10,10 @@ use reports::files::unfinished;
 mod cli;
 mod commands;
 
-use cli::Cli;
+use commands::Cli;
 #[cfg(target_os = "linux")]
-use cli::Command;
-use commands::dispatch::dispatch;
+use commands::Command;
+use commands::dispatch;
 use commands::exit_code::exit_code_of;
 use commands::interruption::watch_for_signals;
 #[cfg(target_os = "linux")]

@@ -109,7 +109,7 @@ impl BlockSums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sums::Term;
+    use crate::vocabulary::metric::Term;
     use proptest::prelude::*;
 
     proptest! {

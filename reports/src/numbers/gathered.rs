@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use crate::numbers::average_precision::RankedDetection;
 use crate::numbers::block_sums::BlockSums;
 use crate::numbers::blocks::{Blocks, DriveSecond};
-use crate::numbers::sums::{FalseObjects, Sums, Term};
+use crate::numbers::sums::{FalseObjects, Sums};
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, range_m};
+use crate::vocabulary::metric::Term;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 

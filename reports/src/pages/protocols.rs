@@ -4,7 +4,6 @@ use maud::{Markup, html};
 
 use super::markup::{sentences, table};
 use super::run_facts::RunFacts;
-use crate::tables::protocol_in_short::published;
 use crate::tables::protocol_table::{ProtocolLines, ProtocolTable};
 use crate::tables::sheet::Tabular as _;
 
@@ -20,7 +19,7 @@ pub(super) fn protocols(facts: &RunFacts) -> Markup {
             @for (short, every) in short.iter().zip(&every) {
                 h3 { "Protocol " (short.protocol) }
                 (grids(short))
-                @if let Some(published) = published(short.protocol) { p.about { (published) } }
+                @if let Some(published) = short.protocol.published() { p.about { (published) } }
                 @if short.is_short() {
                     details { summary { "All numbers" } (grids(every)) }
                 }

@@ -13,7 +13,7 @@ use super::ranked_classes::{RankedClass, RankedScan};
 use super::under_protocol::Ranking;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
-use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, RankedProtocol};
+use crate::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
 
 /// The largest errors, which a class has where nothing of it is found; what an error is divided by for CDS.
 const LARGEST_ERRORS: [f64; 3] = [PAIR_DISTANCES_M[ERROR_DISTANCE], 1.0, PI];
@@ -42,7 +42,7 @@ pub(super) struct Argoverse2 {
 impl Argoverse2 {
     /// Of the rows of the scans named, which ascend.
     pub(super) fn new(scans: &[ScanName], rows: &BTreeMap<ScanName, RankedScan>) -> Self {
-        Self { classes: RankedClass::all(RankedProtocol::Argoverse2, scans, rows) }
+        Self { classes: RankedClass::all(Protocol::Argoverse2, scans, rows) }
     }
 
     /// The classes that the scans have annotations of, each with its index.
@@ -77,7 +77,7 @@ impl Argoverse2 {
 
 impl Ranking for Argoverse2 {
     fn metrics(&self) -> Vec<ProtocolMetric> {
-        let names = RankedProtocol::Argoverse2.classes();
+        let names = Protocol::Argoverse2.ranked_classes();
         let n = self.classes.iter().map(RankedClass::n).sum();
         let of_several = [ALL_CLASSES, PRESENT_CLASSES].into_iter().flat_map(|class| {
             OF_CLASS[..N_SUMMED_UP].iter().map(move |it| ProtocolMetric::new(class, *it, n))
@@ -153,7 +153,7 @@ mod tests {
     use crate::rows::ranked_box_row::RankedBoxRow;
     use proptest::prelude::*;
 
-    const HERE: RankedProtocol = RankedProtocol::Argoverse2;
+    const HERE: Protocol = Protocol::Argoverse2;
 
     #[track_caller]
     fn check(rows: &[RankedBoxRow], class: &str, metric: &str, expected: f64) {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::drawn_scans::{Times, add};
 use super::ranked_classes::RankedClass;
 use super::recall_grid::{N_RECALLS, n_to_pass, on_line, recall_at};
-use crate::vocabulary::ranked_protocol::PAIR_DISTANCES_M;
+use crate::vocabulary::protocol::PAIR_DISTANCES_M;
 
 /// Average precision at each of [`PAIR_DISTANCES_M`] in each draw: the mean over recalls of the best precision at that
 /// recall or a higher one.

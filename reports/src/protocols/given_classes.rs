@@ -14,7 +14,7 @@ impl GivenClasses {
     /// Adds the class of a detection; an annotation changes nothing.
     pub fn add_ranked_box(&mut self, row: &RankedBoxRow) {
         if let BoxKind::Detection { .. } = row.ranked_box.kind {
-            self.0.insert((row.protocol.protocol(), row.ranked_box.class));
+            self.0.insert((row.protocol, row.ranked_box.class));
         }
     }
 

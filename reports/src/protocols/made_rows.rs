@@ -7,10 +7,10 @@ use super::protocol_tally::{ProtocolQuestion, ProtocolTally};
 use super::under_protocol::UnderProtocol;
 use crate::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox, RankedBoxRow};
 use crate::rows::scan_name::ScanName;
-use crate::vocabulary::ranked_protocol::RankedProtocol;
+use crate::vocabulary::protocol::Protocol;
 
 /// An annotation of `class` in scan `scan`.
-pub(super) fn labelled(protocol: RankedProtocol, scan: u32, class: &'static str) -> RankedBoxRow {
+pub(super) fn labelled(protocol: Protocol, scan: u32, class: &'static str) -> RankedBoxRow {
     RankedBoxRow {
         scan: ScanName { dataset: "street".to_owned(), sequence: "0000".to_owned(), scan },
         detector: "mine".to_owned(),
@@ -33,7 +33,7 @@ pub(super) fn labelled(protocol: RankedProtocol, scan: u32, class: &'static str)
 
 /// A detection, which finds an annotation at all distances, half a metre off and turned by 0.3, or none.
 pub(super) fn found(
-    protocol: RankedProtocol,
+    protocol: Protocol,
     scan: u32,
     id: u32,
     class: &'static str,
@@ -55,7 +55,7 @@ pub(super) fn found(
 }
 
 /// The ranking right, false, right, on two annotations of `class` in two scans.
-pub(super) fn right_false_right(protocol: RankedProtocol, class: &'static str) -> Vec<RankedBoxRow> {
+pub(super) fn right_false_right(protocol: Protocol, class: &'static str) -> Vec<RankedBoxRow> {
     vec![
         labelled(protocol, 0, class),
         labelled(protocol, 1, class),
@@ -72,7 +72,7 @@ fn under_protocol<T>(rows: &[RankedBoxRow], look: impl FnOnce(&dyn UnderProtocol
         tally.add_ranked_box(row);
     }
     let scans = DrawnScans::undrawn(rows.iter().map(|it| it.scan.clone()).collect());
-    let question = ProtocolQuestion { protocol: rows[0].protocol.protocol(), detector: "mine" };
+    let question = ProtocolQuestion { protocol: rows[0].protocol, detector: "mine" };
     look(&*tally.rows(question, &scans).expect("there are rows"))
 }
 

@@ -20,3 +20,21 @@ pub mod protocol_report;
 mod short_forms;
 pub mod given_classes;
 pub mod swept_numbers;
+
+use std::collections::BTreeMap;
+
+use crate::rows::scan_name::ScanName;
+use crate::vocabulary::protocol::Protocol;
+
+/// What the boxes in `rows` come to under `protocol`, on the scans named; `None` if it does not rank boxes.
+fn under_ranked(
+    protocol: Protocol,
+    scans: &[ScanName],
+    rows: &BTreeMap<ScanName, ranked_classes::RankedScan>,
+) -> Option<Box<dyn under_protocol::UnderProtocol>> {
+    match protocol {
+        Protocol::Nuscenes => Some(Box::new(nuscenes::Nuscenes::new(scans, rows))),
+        Protocol::Argoverse2 => Some(Box::new(argoverse2::Argoverse2::new(scans, rows))),
+        Protocol::KittiObject | Protocol::SemanticKitti | Protocol::Ground => None,
+    }
+}

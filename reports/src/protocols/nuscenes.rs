@@ -12,7 +12,7 @@ use super::ranked_classes::{RankedClass, RankedScan};
 use super::under_protocol::Ranking;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
-use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, RankedProtocol};
+use crate::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
 
 /// How much mAP weighs beside one error in NDS.
 const AP_WEIGHT: f64 = 5.0;
@@ -51,7 +51,7 @@ struct ClassScores {
 impl Nuscenes {
     /// Of the rows of the scans named, which ascend.
     pub(super) fn new(scans: &[ScanName], rows: &BTreeMap<ScanName, RankedScan>) -> Self {
-        Self { classes: RankedClass::all(RankedProtocol::Nuscenes, scans, rows) }
+        Self { classes: RankedClass::all(Protocol::Nuscenes, scans, rows) }
     }
 
     fn values_of(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
@@ -76,7 +76,7 @@ impl Nuscenes {
 
     /// The classes that the scans have annotations of, each with its name and its index.
     fn present(&self) -> impl Iterator<Item = (usize, &'static str, &RankedClass)> {
-        let named = RankedProtocol::Nuscenes.classes().iter().zip(&self.classes).enumerate();
+        let named = Protocol::Nuscenes.ranked_classes().iter().zip(&self.classes).enumerate();
         named.filter(|(_, (_, class))| class.n() > 0).map(|(index, (name, class))| (index, *name, class))
     }
 
@@ -119,7 +119,7 @@ impl Ranking for Nuscenes {
     }
 
     fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
-        let named = self.classes.iter().zip(RankedProtocol::Nuscenes.classes());
+        let named = self.classes.iter().zip(Protocol::Nuscenes.ranked_classes());
         let scores: Vec<[ClassScores; N]> =
             named.map(|(class, name)| ClassScores::of(class, name, times)).collect();
         std::array::from_fn(|draw| self.values_of(&scores.iter().map(|it| it[draw]).collect::<Vec<_>>()))
@@ -169,7 +169,7 @@ mod tests {
     use crate::rows::ranked_box_row::RankedBoxRow;
     use proptest::prelude::*;
 
-    const HERE: RankedProtocol = RankedProtocol::Nuscenes;
+    const HERE: Protocol = Protocol::Nuscenes;
 
     #[track_caller]
     fn check(rows: &[RankedBoxRow], class: &str, metric: &str, expected: Option<f64>) {

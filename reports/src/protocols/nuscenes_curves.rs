@@ -4,7 +4,7 @@ use super::drawn_scans::{Times, add};
 use super::ranked_classes::{Finder, RankedClass};
 use super::recall_grid::{N_RECALLS, n_to_pass, on_line, recall_at};
 use crate::rows::ranked_box_row::PairErrors;
-use crate::vocabulary::ranked_protocol::PAIR_DISTANCES_M;
+use crate::vocabulary::protocol::PAIR_DISTANCES_M;
 
 /// Precision below this counts as none, and so does recall up to it.
 const LEAST_PRECISION: f64 = 0.1;

@@ -2,16 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use super::argoverse2::Argoverse2;
 use super::drawn_scans::DrawnScans;
 use super::ground::{Ground, ScoredGround};
 use super::kitti_object::numbers::KittiMatches;
 use super::kitti_object::scan::KittiScan;
-use super::nuscenes::Nuscenes;
 use super::protocol_number::ProtocolNumber;
 use super::ranked_classes::RankedScan;
 use super::semantic_kitti::{ScoredLabels, SemanticKitti};
 use super::under_protocol::{DrawnValues, UnderProtocol};
+use super::under_ranked;
 use crate::numbers::tally::Tally;
 use crate::rows::kitti_object_row::{KittiFact, KittiObjectRow};
 use crate::rows::label_score_row::LabelScoreRow;
@@ -19,12 +18,11 @@ use crate::rows::official_rows::OfficialRows;
 use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::protocol::{Protocol, ProtocolFamily};
-use crate::vocabulary::ranked_protocol::RankedProtocol;
 
 /// Rows of protocols, in whatever order they came.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ProtocolTally {
-    ranked: BTreeMap<(RankedProtocol, String), BTreeMap<ScanName, RankedScan>>,
+    ranked: BTreeMap<(Protocol, String), BTreeMap<ScanName, RankedScan>>,
     // Of each detector.
     kitti: BTreeMap<String, BTreeMap<ScanName, Vec<KittiFact>>>,
     // By detector.
@@ -105,7 +103,7 @@ impl ProtocolTally {
             ProtocolFamily::KittiObjects => !self.kitti.is_empty(),
             ProtocolFamily::Instances => !self.labels.is_empty(),
             ProtocolFamily::Ground => !self.ground.is_empty(),
-            ProtocolFamily::RankedBoxes => self.ranked.keys().any(|(it, _)| it.protocol() == *protocol),
+            ProtocolFamily::RankedBoxes => self.ranked.keys().any(|(it, _)| it == protocol),
         };
         Protocol::ALL.into_iter().filter(has_rows).collect()
     }
@@ -132,12 +130,8 @@ impl ProtocolTally {
             }
             ProtocolFamily::Ground => Box::new(Ground::new(scans.names(), self.ground.get(detector)?)),
             ProtocolFamily::RankedBoxes => {
-                let ranked = RankedProtocol::of(protocol)?;
-                let rows = self.ranked.get(&(ranked, detector.to_owned()))?;
-                match ranked {
-                    RankedProtocol::Nuscenes => Box::new(Nuscenes::new(scans.names(), rows)),
-                    RankedProtocol::Argoverse2 => Box::new(Argoverse2::new(scans.names(), rows)),
-                }
+                let rows = self.ranked.get(&(protocol, detector.to_owned()))?;
+                return under_ranked(protocol, scans.names(), rows);
             }
         })
     }

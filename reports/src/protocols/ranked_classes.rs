@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::drawn_scans::{Times, add, n_in_draws};
 use crate::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox};
 use crate::rows::scan_name::ScanName;
-use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, RankedProtocol};
+use crate::vocabulary::protocol::{ERROR_DISTANCE, Protocol};
 
 /// What counts of one scan.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -35,8 +35,8 @@ struct FoundBox {
 
 impl RankedScan {
     /// Adds a box; one that is not evaluated changes nothing.
-    pub(super) fn add(&mut self, protocol: RankedProtocol, it: &RankedBox) {
-        let class = protocol.classes().iter().position(|name| *name == it.class);
+    pub(super) fn add(&mut self, protocol: Protocol, it: &RankedBox) {
+        let class = protocol.ranked_classes().iter().position(|name| *name == it.class);
         let (Some(class), BoxState::Counts) = (class.map(|it| it as u8), it.state) else { return };
         match &it.kind {
             BoxKind::Annotation => {
@@ -92,11 +92,11 @@ impl Finder {
 impl RankedClass {
     /// The classes of `protocol`, in its order, of the scans at the indices of their names in `scans`, which ascend.
     pub(super) fn all(
-        protocol: RankedProtocol,
+        protocol: Protocol,
         scans: &[ScanName],
         rows: &BTreeMap<ScanName, RankedScan>,
     ) -> Vec<Self> {
-        let mut classes = vec![Self::default(); protocol.classes().len()];
+        let mut classes = vec![Self::default(); protocol.ranked_classes().len()];
         let mut detections: Vec<Vec<(f64, u32, &FoundBox)>> = vec![Vec::new(); classes.len()];
         for (name, scan) in rows {
             let Ok(index) = scans.binary_search(name) else { continue };

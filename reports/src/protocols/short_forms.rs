@@ -1,9 +1,8 @@
 //! Which numbers of a protocol stand in short tables, and which are drawn.
 
-use super::kitti_object::measures::{PRINCIPAL, SHORT_FORM};
+use super::kitti_object::measures::SHORT_FORM;
 use super::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolNumber};
 use crate::vocabulary::protocol::ProtocolFamily;
-use crate::vocabulary::ranked_protocol::RankedProtocol;
 
 impl ProtocolNumber {
     /// Whether it stands in the short form of a table: numbers of all classes together; of KITTI, which has none, AP of each
@@ -20,18 +19,12 @@ impl ProtocolNumber {
 
     /// Whether it is one of the few that a protocol is known by, which sweeps show.
     pub fn is_principal(&self) -> bool {
-        let (class, id) = (self.metric.class.as_str(), self.metric.id.as_str());
-        match self.protocol.family() {
-            ProtocolFamily::KittiObjects => PRINCIPAL.contains(&id),
-            ProtocolFamily::RankedBoxes => {
-                let metrics =
-                    RankedProtocol::of(self.protocol).map_or(&[][..], RankedProtocol::principal_metrics);
-                class == PRESENT_CLASSES && metrics.contains(&id)
-            }
-            ProtocolFamily::Instances => {
-                class == ALL_CLASSES && ["s_assoc", "s_assoc_over_50_points", "unknown_quality"].contains(&id)
-            }
-            ProtocolFamily::Ground => id == "f1",
-        }
+        let class = self.metric.class.as_str();
+        let is_of_class = match self.protocol.family() {
+            ProtocolFamily::RankedBoxes => class == PRESENT_CLASSES,
+            ProtocolFamily::Instances => class == ALL_CLASSES,
+            ProtocolFamily::KittiObjects | ProtocolFamily::Ground => true,
+        };
+        is_of_class && self.protocol.principal_metrics().contains(&self.metric.id.as_str())
     }
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::csv_rows::row;
 use crate::files::exact_number::Exact;
 use crate::rows::scan_name::ScanName;
-use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, RankedProtocol};
+use crate::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
 
 /// An annotation or a detection of a class that the protocol evaluates, and what became of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ pub struct RankedBoxRow {
     /// Name of the detector.
     pub detector: String,
     /// The protocol.
-    pub protocol: RankedProtocol,
+    pub protocol: Protocol,
     /// The box.
     pub ranked_box: RankedBox,
 }
@@ -112,7 +112,7 @@ row! {
     struct BoxRecord {
         scan: ScanName = ["dataset", "sequence", "scan"],
         detector: String,
-        protocol: RankedProtocol,
+        protocol: Protocol,
         kind: KindName,
         id: u32,
         name: String,
@@ -175,8 +175,7 @@ impl TryFrom<BoxRecord> for RankedBoxRow {
 
     fn try_from(record: BoxRecord) -> Result<Self, String> {
         let class = record.protocol.class_named(&record.class);
-        let class =
-            class.ok_or_else(|| format!("{} has no class {:?}", record.protocol.protocol(), record.class))?;
+        let class = class.ok_or_else(|| format!("{} has no class {:?}", record.protocol, record.class))?;
         let kind = record.kind()?;
         let sides_m = record.length_width_height_m.map(|it| it.0);
         if sides_m.iter().any(|it| *it <= 0.0) {
@@ -268,7 +267,7 @@ mod tests {
         [car, found].map(|ranked_box| RankedBoxRow {
             scan: ScanName { dataset: "street".to_owned(), sequence: "0000".to_owned(), scan: 7 },
             detector: "pca".to_owned(),
-            protocol: RankedProtocol::Nuscenes,
+            protocol: Protocol::Nuscenes,
             ranked_box,
         })
     }

@@ -8,8 +8,7 @@ use crate::protocols::protocol_report::ProtocolReport;
 use crate::run_folder::manifest::Manifest;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
-use crate::vocabulary::protocol::{Protocol, ProtocolFamily};
-use crate::vocabulary::ranked_protocol::RankedProtocol;
+use crate::vocabulary::protocol::Protocol;
 
 /// A line for each detector, on all data sets of one origin together.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,38 +36,19 @@ impl ProtocolInShort {
 
 impl Tabular for ProtocolInShort {
     fn sheet(&self) -> Sheet {
-        let published = published(self.protocol).map(str::to_owned);
+        let published = self.protocol.published().map(str::to_owned);
         Sheet::of_parts(self.parts.clone(), self.not_given.iter().cloned().chain(published).collect())
-    }
-}
-
-/// What others published of the same numbers; `None` where nothing is known. `docs/published.md` has more, with sources.
-pub(crate) fn published(protocol: Protocol) -> Option<&'static str> {
-    match protocol {
-        Protocol::KittiObject => Some(
-            "Published, not measured here: PointRCNN has 78.85 % in ap_3d_moderate_r11 and 87.89 % in ap_bev_moderate_r11 of Car on \
-             KITTI's validation split.",
-        ),
-        Protocol::SemanticKitti => Some(
-            "Published, not measured here: UNIT has 0.715 in s_assoc and 0.811 over 50 points on SemanticKITTI's drive 08.",
-        ),
-        Protocol::Ground => Some(
-            "Published, not measured here, on SemanticKITTI's drive 08: Patchwork++ has an f1 of 96.74 % by groundgrid and 93.43 % by \
-             patchwork; continuous_clustering has 92.66 % by continuous-clustering.",
-        ),
-        Protocol::Nuscenes | Protocol::Argoverse2 => None,
     }
 }
 
 /// Whether a number is one of those that a detector is known by: of a class that is given, or of no class.
 fn is_shown(number: &ProtocolNumber, given: &GivenClasses) -> bool {
     let (class, id) = (number.metric.class.as_str(), number.metric.id.as_str());
-    match (number.protocol.family(), RankedProtocol::of(number.protocol)) {
-        (ProtocolFamily::RankedBoxes, ranked) => {
-            ranked.is_some_and(|it| it.principal_metrics().contains(&id)) && given.has(number.protocol, class)
-        }
-        (ProtocolFamily::KittiObjects, _) => number.is_principal() && given.has(number.protocol, class),
-        (ProtocolFamily::Instances | ProtocolFamily::Ground, _) => number.is_principal(),
+    let protocol = number.protocol;
+    if protocol.family().has_classes() {
+        protocol.principal_metrics().contains(&id) && given.has(protocol, class)
+    } else {
+        number.is_principal()
     }
 }
 
@@ -104,7 +84,7 @@ fn part(numbers: &[&ProtocolNumber], manifest: &Manifest, pool: &Pool, given: &G
 
 /// Classes that are annotated, but given by no detector.
 fn not_given(numbers: &[&ProtocolNumber], protocol: Protocol, given: &GivenClasses) -> Option<String> {
-    if matches!(protocol, Protocol::SemanticKitti | Protocol::Ground) {
+    if !protocol.family().has_classes() {
         return None;
     }
     let mut classes: Vec<&str> = Vec::new();
@@ -140,7 +120,8 @@ mod tests {
     fn what_is_published_is_what_the_docs_have() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/published.md");
         let docs = std::fs::read_to_string(path).unwrap();
-        let numbers = Protocol::ALL.into_iter().filter_map(published).flat_map(str::split_whitespace);
+        let numbers =
+            Protocol::ALL.into_iter().filter_map(Protocol::published).flat_map(str::split_whitespace);
         let numbers: Vec<&str> = numbers
             .filter(|it| !it.ends_with('.') && it.contains('.') && it.parse::<f64>().is_ok())
             .collect();

@@ -14,7 +14,7 @@ use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::task_grids::extent_cell;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
-use crate::vocabulary::protocol::{Protocol, ProtocolFamily};
+use crate::vocabulary::protocol::Protocol;
 
 /// The numbers of a run under one protocol.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,31 +145,15 @@ impl<'a> ProtocolTable<'a> {
         });
         let has_gaps = self.numbers.iter().any(|it| it.value.is_none());
         let about_gaps = has_gaps.then(|| "–: no annotation that it could be of, or not known.".to_owned());
-        let about_scores = match self.protocol.family() {
-            ProtocolFamily::KittiObjects | ProtocolFamily::RankedBoxes => {
-                "Detections without a score have 1; vehicles without a predicted class are cars."
-            }
-            ProtocolFamily::Instances => {
-                "All points count, whatever their range, and objects of a single point. The entropies are sums over a scan."
-            }
-            ProtocolFamily::Ground => {
-                "class: which labels are ground, by whose definition. Numbers of one are not to be compared with those of another."
-            }
-        };
         let more = self.is_short().then(|| format!("All numbers: {}.md.", self.stem_of_all()));
-        let about_scores = Some(about_scores.to_owned());
-        [about_classes, about_scores, about_gaps, about_intervals, more].into_iter().flatten().collect()
+        let remark = Some(self.protocol.family().remark().to_owned());
+        [about_classes, remark, about_gaps, about_intervals, more].into_iter().flatten().collect()
     }
 }
 
 impl Tabular for ProtocolTable<'_> {
     fn sheet(&self) -> Sheet {
-        let counted = match self.protocol.family() {
-            ProtocolFamily::KittiObjects | ProtocolFamily::RankedBoxes => "annotations that count",
-            ProtocolFamily::Instances => "instances, scans, or segments of a class",
-            ProtocolFamily::Ground => "points, or scans",
-        };
-        let title = format!("Protocol {}. n: {counted}.", self.protocol);
+        let title = format!("Protocol {}. n: {}.", self.protocol, self.protocol.family().counted());
         Sheet::of(title, self.grid(), self.sentences()).labelled(&self.file_stem().replacen("table_", "", 1))
     }
 }

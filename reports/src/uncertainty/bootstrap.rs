@@ -197,15 +197,15 @@ fn student_quantile(share: f64, degrees_of_freedom: u64) -> f64 {
 mod tests {
     use super::*;
     use crate::numbers::blocks::BlockKind;
-    use crate::numbers::sums::{FalseObjects, Term};
-    use crate::vocabulary::metric::Metric;
+    use crate::numbers::sums::FalseObjects;
+    use crate::vocabulary::metric::{Metric, Term};
 
     fn drives(n: usize) -> BlockCount {
         BlockCount::of_dataset(n as u64, BlockKind::Drives)
     }
 
     fn recall_of(sums: &Sums) -> Option<f64> {
-        sums.value(&Metric::Recall, FalseObjects::Known)
+        sums.value(Metric::Recall.formula(), FalseObjects::Known)
     }
 
     /// Blocks of `n` annotations, of which `found` are found.

@@ -4,10 +4,10 @@ use crate::numbers::average_precision::{RankedDetection, average_precision, oper
 use crate::numbers::pools::Pool;
 use crate::numbers::precision_recall_row::PrecisionRecallRow;
 use crate::numbers::run_report::{MetricRow, Subject};
-use crate::numbers::sums::{FalseObjects, RATIOS, Term};
+use crate::numbers::sums::FalseObjects;
 use crate::numbers::tally::Tally;
 use crate::uncertainty::sample::{Draw, Question, Sample};
-use crate::vocabulary::metric::{Metric, RecallPositions};
+use crate::vocabulary::metric::{Metric, RecallPositions, Term};
 use crate::vocabulary::slice::Slice;
 
 impl Tally {
@@ -98,38 +98,18 @@ impl Question<'_> {
     }
 }
 
-/// The metrics of everything, in the order of a report.
-const OF_ALL: [Metric; 10] = [
-    Metric::No,
-    Metric::Tp,
-    Metric::Mo,
-    Metric::Fo,
-    Metric::IgnoredAnnotations,
-    Metric::IgnoredDetections,
-    Metric::UnknowableDetections,
-    Metric::OverSegmentationEntropy,
-    Metric::UnderSegmentationEntropy,
-    Metric::FRate,
-];
-
 impl Sample {
     fn rows(&self, question: &Question<'_>) -> Vec<MetricRow> {
-        let metrics: Vec<Metric> = match question.slice {
-            Slice::All => {
-                let mut all: Vec<Metric> = OF_ALL.into_iter().chain(RATIOS).collect();
-                if self.total.of(Term::TimedScans) > 0.0 {
-                    all.extend([Metric::ReferenceTime, Metric::TimeRatio]);
-                }
-                all.sort();
-                all.dedup();
-                all
-            }
-            slice if slice.has_false_detections() => {
-                vec![Metric::No, Metric::Tp, Metric::Fo, Metric::Recall, Metric::FRate]
-            }
-            _ => vec![Metric::No, Metric::Tp, Metric::Recall],
+        let slice = question.slice;
+        let is_timed = self.total.of(Term::TimedScans) > 0.0;
+        let is_listed = |it: &Metric| match it {
+            Metric::ReferenceTime | Metric::TimeRatio => is_timed,
+            // Of parts these follow from the others.
+            Metric::Mo | Metric::Precision => slice == Slice::All,
+            _ => true,
         };
-        metrics.into_iter().map(|metric| self.row(question, &metric)).collect()
+        let listed = Metric::of_sums().filter(|it| slice.measures(it)).filter(is_listed);
+        listed.map(|metric| self.row(question, &metric)).collect()
     }
 
     fn row(&self, question: &Question<'_>, metric: &Metric) -> MetricRow {
@@ -138,7 +118,7 @@ impl Sample {
         let n = match metric {
             Metric::TimeRatio => self.total.of(Term::TimedScans),
             Metric::ReferenceTime => return row(self.total.of(Term::TimedScans) as u64),
-            ratio if RATIOS.contains(ratio) => {
+            ratio if ratio.is_ratio() => {
                 self.total.ratio(ratio, self.false_objects).map_or(0.0, |[_, denominator]| denominator)
             }
             _ => return row(self.n_scans),
@@ -160,7 +140,6 @@ mod tests {
     use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
     use crate::vocabulary::criterion::CriterionKind;
     use crate::vocabulary::extent::OVERALL;
-    use crate::vocabulary::metric::BoxDimension;
     use crate::vocabulary::reason::{FalseReason, IgnoredDetection, MissReason};
     use crate::vocabulary::task::Task;
 
@@ -284,10 +263,10 @@ mod tests {
                 (Metric::UnderSegmentationEntropy, 1.0),
                 (Metric::UnderSegmentationEntropyPerObject, 0.2),
                 // Half a metre and none; 1 m and none; 190° is 10°, and 170° to -30° is 20°.
-                (Metric::BoxError(BoxDimension::Center), 0.25),
-                (Metric::BoxError(BoxDimension::Length), 0.5),
-                (Metric::BoxError(BoxDimension::Width), 0.0),
-                (Metric::BoxError(BoxDimension::Yaw), 15.0),
+                (Metric::BoxCenterError, 0.25),
+                (Metric::BoxLengthError, 0.5),
+                (Metric::BoxWidthError, 0.0),
+                (Metric::BoxYawError, 15.0),
                 (Metric::ReferenceTime, 0.2),
                 (Metric::TimeRatio, 4.0),
                 // Right, false, right of four annotations: precision 1 up to 25 %, 2/3 up to 50 %, then none.

@@ -149,12 +149,13 @@ impl Sample {
 
     /// The value of `metric`; `None` if it is undefined, or not measured of the slice.
     pub fn value(&self, metric: &Metric) -> Option<f64> {
-        self.total.value(metric, self.false_objects).filter(|_| self.slice.measures(metric))
+        self.total.value(metric.formula(), self.false_objects).filter(|_| self.slice.measures(metric))
     }
 
     /// The value of `metric` in each resample.
     pub fn resampled_values(&self, metric: &Metric) -> impl Iterator<Item = Option<f64>> {
-        self.resampled.iter().map(move |sums| sums.value(metric, self.false_objects))
+        let formula = metric.formula();
+        self.resampled.iter().map(move |sums| sums.value(formula, self.false_objects))
     }
 
     /// The 95 % interval of `metric`; `None` if it is undefined in too many resamples, or a data set has a single block.

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::gathered::{slices_of_annotation, slices_of_detection};
-use crate::numbers::sums::{FalseObjects, Term};
+use crate::numbers::sums::FalseObjects;
 use crate::numbers::tally::Tally;
 use crate::rows::counts::Counts;
 use crate::rows::error_row::ErrorRow;
 use crate::rows::match_outcome::MatchOutcome;
 use crate::rows::match_row::MatchRow;
 use crate::uncertainty::sample::{Question, Sample};
+use crate::vocabulary::metric::Term;
 use crate::vocabulary::reason::{FalseReason, MissReason, MistakeKind};
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;

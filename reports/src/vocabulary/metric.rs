@@ -37,8 +37,14 @@ pub enum Metric {
     UnderSegmentationEntropy,
     /// USE over the number of detections that hold a point of an annotation.
     UnderSegmentationEntropyPerObject,
-    /// Mean error of the boxes of matched pairs.
-    BoxError(BoxDimension),
+    /// Distance of the centres of the boxes of matched pairs on the ground plan, a mean.
+    BoxCenterError,
+    /// Difference of their lengths, along the heading.
+    BoxLengthError,
+    /// Difference of their widths.
+    BoxWidthError,
+    /// Angle between their headings, where front and back are the same.
+    BoxYawError,
     /// Mean precision over recall, where detections are ranked by score.
     AveragePrecision(RecallPositions),
     /// Scans per second of detection: number of scans / total time.
@@ -73,19 +79,6 @@ pub struct ProtocolMetricName {
     pub unit: &'static str,
     /// Which way is better.
     pub direction: Direction,
-}
-
-/// What two boxes are compared by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum BoxDimension {
-    /// Distance of the centres on the ground plan.
-    Center,
-    /// Length, along the heading.
-    Length,
-    /// Width.
-    Width,
-    /// Heading, where front and back are the same.
-    Yaw,
 }
 
 /// At which recalls precision is looked up for an average precision.
@@ -125,53 +118,141 @@ pub enum Direction {
     Neither,
 }
 
+/// What is summed, of which every ratio is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Term {
+    /// NO, the annotations that count.
+    Annotations,
+    /// TP, those found.
+    Matched,
+    /// FO, the false detections.
+    False,
+    /// Annotations that are neither found nor missed.
+    IgnoredAnnotations,
+    /// Detections that are neither right nor false.
+    IgnoredDetections,
+    /// Detections of which it cannot be known whether they are false.
+    Unknowable,
+    /// Annotations that are torn apart.
+    Split,
+    /// Detections that hold an annotation.
+    Holding,
+    /// Of these, those that hold several.
+    Joining,
+    /// Entropy of the annotations over the detections, in nats.
+    OverEntropy,
+    /// Entropy of the detections over the annotations, in nats.
+    UnderEntropy,
+    /// Detections with a point of an annotation.
+    Touching,
+    /// Matched pairs both of which have a box.
+    BoxPairs,
+    /// Distances of the centres of these, in metres.
+    CenterError,
+    /// Differences of their lengths, in metres.
+    LengthError,
+    /// Differences of their widths, in metres.
+    WidthError,
+    /// Angles between their headings, in degrees.
+    YawError,
+    /// Scans whose time counts and was measured beside that of the reference.
+    TimedScans,
+    /// Logarithms of the times of these over those of the reference.
+    LogTimeRatio,
+    /// Logarithms of the times of the reference in milliseconds.
+    LogReference,
+}
+
+impl Term {
+    /// How many there are.
+    pub const N: usize = Self::LogReference as usize + 1;
+}
+
+/// How a metric follows from sums.
+#[derive(Debug, Clone, Copy)]
+pub enum Formula {
+    /// It is one of them.
+    Sum(Term),
+    /// The first without the second.
+    Difference(Term, Term),
+    /// All of the first over all of the second.
+    Ratio(&'static [Term], &'static [Term]),
+    /// The geometric mean of values: the sum of their logarithms, and how many they are.
+    GeometricMean(Term, Term),
+    /// It does not: it is made of times or ranks, or is a number of a protocol.
+    NotOfSums,
+}
+
 const STAGE_PREFIX: &str = "stage_p50_ms/";
 
 /// The name of what detectors are timed in turns with: a plain write of a grid, the least that any grid method has to do.
 pub const SPEED_REFERENCE: &str = "grid-write";
 
-/// A metric with its id, its unit and which way is better.
-type Declared = (Metric, &'static str, &'static str, Direction);
+/// A metric with its id, its unit, which way is better, and how it is made.
+type Declared = (Metric, &'static str, &'static str, Direction, Formula);
 
 /// The metrics without a name in their id, in the order of a report.
-static METRICS: [Declared; 35] = {
-    use Direction::{HigherIsBetter, LowerIsBetter, Neither};
-    [
-        (Metric::No, "no", "count", Neither),
-        (Metric::Tp, "tp", "count", HigherIsBetter),
-        (Metric::Mo, "mo", "count", LowerIsBetter),
-        (Metric::Fo, "fo", "count", LowerIsBetter),
-        (Metric::Precision, "precision", "ratio", HigherIsBetter),
-        (Metric::Recall, "recall", "ratio", HigherIsBetter),
-        (Metric::FRate, "f_rate", "ratio", HigherIsBetter),
-        (Metric::IgnoredAnnotations, "ignored_annotations", "count", Neither),
-        (Metric::IgnoredDetections, "ignored_detections", "count", Neither),
-        (Metric::UnknowableDetections, "unknowable_detections", "count", Neither),
-        (Metric::OverSegmentation, "over_segmentation", "ratio", LowerIsBetter),
-        (Metric::UnderSegmentation, "under_segmentation", "ratio", LowerIsBetter),
-        (Metric::OverSegmentationEntropy, "ose", "nats", LowerIsBetter),
-        (Metric::OverSegmentationEntropyPerObject, "ose_per_object", "nats", LowerIsBetter),
-        (Metric::UnderSegmentationEntropy, "use", "nats", LowerIsBetter),
-        (Metric::UnderSegmentationEntropyPerObject, "use_per_object", "nats", LowerIsBetter),
-        (Metric::BoxError(BoxDimension::Center), "box_center_error_m", "m", LowerIsBetter),
-        (Metric::BoxError(BoxDimension::Length), "box_length_error_m", "m", LowerIsBetter),
-        (Metric::BoxError(BoxDimension::Width), "box_width_error_m", "m", LowerIsBetter),
-        (Metric::BoxError(BoxDimension::Yaw), "box_yaw_error_deg", "deg", LowerIsBetter),
-        (Metric::AveragePrecision(RecallPositions::Points101), "ap_101_points", "ratio", HigherIsBetter),
-        (Metric::AveragePrecision(RecallPositions::R40), "ap_r40", "ratio", HigherIsBetter),
-        (Metric::FpsMean, "fps_mean", "scans/s", HigherIsBetter),
-        (Metric::FpsP50, "fps_p50", "scans/s", HigherIsBetter),
-        (Metric::Latency(LatencyStatistic::Min), "latency_min_ms", "ms", LowerIsBetter),
-        (Metric::Latency(LatencyStatistic::P50), "latency_p50_ms", "ms", LowerIsBetter),
-        (Metric::Latency(LatencyStatistic::P90), "latency_p90_ms", "ms", LowerIsBetter),
-        (Metric::Latency(LatencyStatistic::P95), "latency_p95_ms", "ms", LowerIsBetter),
-        (Metric::Latency(LatencyStatistic::P99), "latency_p99_ms", "ms", LowerIsBetter),
-        (Metric::Latency(LatencyStatistic::Max), "latency_max_ms", "ms", LowerIsBetter),
-        (Metric::CpuMean, "cpu_mean_ms", "ms", LowerIsBetter),
-        (Metric::OverheadP50, "overhead_p50_ms", "ms", Neither),
-        (Metric::FailedScans, "failed_scans", "count", LowerIsBetter),
-        (Metric::ReferenceTime, "reference_ms", "ms", Neither),
-        (Metric::TimeRatio, "time_over_reference", "times", LowerIsBetter),
+static METRICS: &[Declared] = {
+    use Direction::{HigherIsBetter as Higher, LowerIsBetter as Lower, Neither};
+    use Formula::{Difference, GeometricMean, NotOfSums, Ratio, Sum};
+    use Term::{
+        Annotations, BoxPairs, CenterError, False, Holding, Joining, LengthError, LogReference, LogTimeRatio,
+        Matched, OverEntropy, Split, TimedScans, Touching, UnderEntropy, Unknowable, WidthError, YawError,
+    };
+    &[
+        (Metric::No, "no", "count", Neither, Sum(Annotations)),
+        (Metric::Tp, "tp", "count", Higher, Sum(Matched)),
+        (Metric::Mo, "mo", "count", Lower, Difference(Annotations, Matched)),
+        (Metric::Fo, "fo", "count", Lower, Sum(False)),
+        (Metric::Precision, "precision", "ratio", Higher, Ratio(&[Matched], &[Matched, False])),
+        (Metric::Recall, "recall", "ratio", Higher, Ratio(&[Matched], &[Annotations])),
+        (
+            Metric::FRate,
+            "f_rate",
+            "ratio",
+            Higher,
+            Ratio(&[Matched, Matched], &[Annotations, Matched, False]),
+        ),
+        (Metric::IgnoredAnnotations, "ignored_annotations", "count", Neither, Sum(Term::IgnoredAnnotations)),
+        (Metric::IgnoredDetections, "ignored_detections", "count", Neither, Sum(Term::IgnoredDetections)),
+        (Metric::UnknowableDetections, "unknowable_detections", "count", Neither, Sum(Unknowable)),
+        (Metric::OverSegmentation, "over_segmentation", "ratio", Lower, Ratio(&[Split], &[Annotations])),
+        (Metric::UnderSegmentation, "under_segmentation", "ratio", Lower, Ratio(&[Joining], &[Holding])),
+        (Metric::OverSegmentationEntropy, "ose", "nats", Lower, Sum(OverEntropy)),
+        (
+            Metric::OverSegmentationEntropyPerObject,
+            "ose_per_object",
+            "nats",
+            Lower,
+            Ratio(&[OverEntropy], &[Annotations]),
+        ),
+        (Metric::UnderSegmentationEntropy, "use", "nats", Lower, Sum(UnderEntropy)),
+        (
+            Metric::UnderSegmentationEntropyPerObject,
+            "use_per_object",
+            "nats",
+            Lower,
+            Ratio(&[UnderEntropy], &[Touching]),
+        ),
+        (Metric::BoxCenterError, "box_center_error_m", "m", Lower, Ratio(&[CenterError], &[BoxPairs])),
+        (Metric::BoxLengthError, "box_length_error_m", "m", Lower, Ratio(&[LengthError], &[BoxPairs])),
+        (Metric::BoxWidthError, "box_width_error_m", "m", Lower, Ratio(&[WidthError], &[BoxPairs])),
+        (Metric::BoxYawError, "box_yaw_error_deg", "deg", Lower, Ratio(&[YawError], &[BoxPairs])),
+        (Metric::AveragePrecision(RecallPositions::Points101), "ap_101_points", "ratio", Higher, NotOfSums),
+        (Metric::AveragePrecision(RecallPositions::R40), "ap_r40", "ratio", Higher, NotOfSums),
+        (Metric::FpsMean, "fps_mean", "scans/s", Higher, NotOfSums),
+        (Metric::FpsP50, "fps_p50", "scans/s", Higher, NotOfSums),
+        (Metric::Latency(LatencyStatistic::Min), "latency_min_ms", "ms", Lower, NotOfSums),
+        (Metric::Latency(LatencyStatistic::P50), "latency_p50_ms", "ms", Lower, NotOfSums),
+        (Metric::Latency(LatencyStatistic::P90), "latency_p90_ms", "ms", Lower, NotOfSums),
+        (Metric::Latency(LatencyStatistic::P95), "latency_p95_ms", "ms", Lower, NotOfSums),
+        (Metric::Latency(LatencyStatistic::P99), "latency_p99_ms", "ms", Lower, NotOfSums),
+        (Metric::Latency(LatencyStatistic::Max), "latency_max_ms", "ms", Lower, NotOfSums),
+        (Metric::CpuMean, "cpu_mean_ms", "ms", Lower, NotOfSums),
+        (Metric::OverheadP50, "overhead_p50_ms", "ms", Neither, NotOfSums),
+        (Metric::FailedScans, "failed_scans", "count", Lower, NotOfSums),
+        (Metric::ReferenceTime, "reference_ms", "ms", Neither, GeometricMean(LogReference, TimedScans)),
+        (Metric::TimeRatio, "time_over_reference", "times", Lower, GeometricMean(LogTimeRatio, TimedScans)),
     ]
 };
 
@@ -217,6 +298,24 @@ impl Metric {
         }
     }
 
+    /// How it is made of sums.
+    pub fn formula(&self) -> Formula {
+        match self {
+            Self::StageP50(_) | Self::OfProtocol(_) => Formula::NotOfSums,
+            listed => listed.declared().4,
+        }
+    }
+
+    /// The metrics that are made of sums, in the order of a report.
+    pub fn of_sums() -> impl Iterator<Item = Self> {
+        METRICS.iter().filter(|it| !matches!(it.4, Formula::NotOfSums)).map(|it| it.0.clone())
+    }
+
+    /// Whether it is a ratio of sums.
+    pub fn is_ratio(&self) -> bool {
+        matches!(self.formula(), Formula::Ratio(..))
+    }
+
     /// Whether it is a time or made of one, and so another in every run.
     pub fn is_time(&self) -> bool {
         !matches!(self, Self::OfProtocol(_)) && matches!(self.unit(), "ms" | "scans/s" | "times")
@@ -240,6 +339,33 @@ impl Metric {
             Self::Latency(LatencyStatistic::P99) if n < 299 => Some("p99 of fewer than 299 scans"),
             _ => None,
         }
+    }
+}
+
+impl Formula {
+    /// The sums that it is made of.
+    fn terms(&self) -> impl Iterator<Item = Term> {
+        let [left, right]: [&[Term]; 2] = match self {
+            Self::Sum(sum) => [std::slice::from_ref(sum), &[]],
+            Self::Difference(left, right) | Self::GeometricMean(left, right) => {
+                [std::slice::from_ref(left), std::slice::from_ref(right)]
+            }
+            Self::Ratio(part, whole) => [part, whole],
+            Self::NotOfSums => [&[], &[]],
+        };
+        left.iter().chain(right).copied()
+    }
+
+    /// Whether it can be known only where all false detections are.
+    pub fn needs_false_detections(&self) -> bool {
+        self.terms().any(|it| it == Term::False)
+    }
+
+    /// Whether it can be known of a part of the objects: what is torn apart or run together, and boxes, are of everything
+    /// alone.
+    pub fn is_of_slices(&self) -> bool {
+        let is_of_slices = |it| matches!(it, Term::Annotations | Term::Matched | Term::False);
+        !matches!(self, Self::NotOfSums) && self.terms().all(is_of_slices)
     }
 }
 

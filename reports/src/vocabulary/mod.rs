@@ -13,7 +13,6 @@ pub mod slice;
 pub mod origin;
 pub mod extent;
 pub mod protocol;
-pub mod ranked_protocol;
 pub mod thing_class;
 pub mod ground_definition;
 pub mod claim_verdict;

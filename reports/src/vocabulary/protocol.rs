@@ -32,6 +32,13 @@ pub enum ProtocolFamily {
     Ground,
 }
 
+/// Distances of centres below which a detection finds an annotation, in metres, in the order of all rows. The third is that
+/// of the errors.
+pub const PAIR_DISTANCES_M: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+
+/// Which of [`PAIR_DISTANCES_M`] errors are measured at.
+pub const ERROR_DISTANCE: usize = 2;
+
 impl Protocol {
     /// What its numbers are computed from.
     pub fn family(self) -> ProtocolFamily {
@@ -42,4 +49,120 @@ impl Protocol {
             Self::Ground => ProtocolFamily::Ground,
         }
     }
+
+    /// The classes that it evaluates, in the makers' order; none where it does not rank boxes by the distance of centres.
+    pub fn ranked_classes(self) -> &'static [&'static str] {
+        match self {
+            Self::Nuscenes => &NUSCENES_CLASSES,
+            Self::Argoverse2 => &ARGOVERSE2_CLASSES,
+            Self::KittiObject | Self::SemanticKitti | Self::Ground => &[],
+        }
+    }
+
+    /// That of [`Self::ranked_classes`] with this name; `None` if it is not evaluated.
+    pub fn class_named(self, name: &str) -> Option<&'static str> {
+        self.ranked_classes().iter().copied().find(|it| *it == name)
+    }
+
+    /// The metrics that it is known by.
+    pub fn principal_metrics(self) -> &'static [&'static str] {
+        match self {
+            Self::KittiObject => &["ap_3d_moderate_r40", "ap_bev_moderate_r40"],
+            Self::Nuscenes => &["ap", "nds"],
+            Self::Argoverse2 => &["ap", "cds"],
+            Self::SemanticKitti => &["s_assoc", "s_assoc_over_50_points", "unknown_quality"],
+            Self::Ground => &["f1"],
+        }
+    }
+
+    /// What others published of the same numbers; `None` where nothing is known. `docs/published.md` has more, with sources.
+    pub fn published(self) -> Option<&'static str> {
+        match self {
+            Self::KittiObject => Some(
+                "Published, not measured here: PointRCNN has 78.85 % in ap_3d_moderate_r11 and 87.89 % in ap_bev_moderate_r11 of Car on \
+                 KITTI's validation split.",
+            ),
+            Self::SemanticKitti => Some(
+                "Published, not measured here: UNIT has 0.715 in s_assoc and 0.811 over 50 points on SemanticKITTI's drive 08.",
+            ),
+            Self::Ground => Some(
+                "Published, not measured here, on SemanticKITTI's drive 08: Patchwork++ has an f1 of 96.74 % by groundgrid and 93.43 % by \
+                 patchwork; continuous_clustering has 92.66 % by continuous-clustering.",
+            ),
+            Self::Nuscenes | Self::Argoverse2 => None,
+        }
+    }
 }
+
+impl ProtocolFamily {
+    /// Whether objects have classes that a detector may give or not.
+    pub fn has_classes(self) -> bool {
+        matches!(self, Self::KittiObjects | Self::RankedBoxes)
+    }
+
+    /// What its numbers are made of.
+    pub fn counted(self) -> &'static str {
+        match self {
+            Self::KittiObjects | Self::RankedBoxes => "annotations that count",
+            Self::Instances => "instances, scans, or segments of a class",
+            Self::Ground => "points, or scans",
+        }
+    }
+
+    /// What has to be said of its numbers.
+    pub fn remark(self) -> &'static str {
+        match self {
+            Self::KittiObjects | Self::RankedBoxes => {
+                "Detections without a score have 1; vehicles without a predicted class are cars."
+            }
+            Self::Instances => {
+                "All points count, whatever their range, and objects of a single point. The entropies are sums over a scan."
+            }
+            Self::Ground => {
+                "class: which labels are ground, by whose definition. Numbers of one are not to be compared with those of another."
+            }
+        }
+    }
+}
+
+const NUSCENES_CLASSES: [&str; 10] = [
+    "car",
+    "truck",
+    "bus",
+    "trailer",
+    "construction_vehicle",
+    "pedestrian",
+    "motorcycle",
+    "bicycle",
+    "traffic_cone",
+    "barrier",
+];
+
+const ARGOVERSE2_CLASSES: [&str; 26] = [
+    "ARTICULATED_BUS",
+    "BICYCLE",
+    "BICYCLIST",
+    "BOLLARD",
+    "BOX_TRUCK",
+    "BUS",
+    "CONSTRUCTION_BARREL",
+    "CONSTRUCTION_CONE",
+    "DOG",
+    "LARGE_VEHICLE",
+    "MESSAGE_BOARD_TRAILER",
+    "MOBILE_PEDESTRIAN_CROSSING_SIGN",
+    "MOTORCYCLE",
+    "MOTORCYCLIST",
+    "PEDESTRIAN",
+    "REGULAR_VEHICLE",
+    "SCHOOL_BUS",
+    "SIGN",
+    "STOP_SIGN",
+    "STROLLER",
+    "TRUCK",
+    "TRUCK_CAB",
+    "VEHICULAR_TRAILER",
+    "WHEELCHAIR",
+    "WHEELED_DEVICE",
+    "WHEELED_RIDER",
+];

@@ -94,14 +94,11 @@ impl Slice {
         Self::Points(bin.unwrap_or(POINTS.len() - 1))
     }
 
-    /// Whether `metric` is measured of it. What is torn apart or run together, and boxes, are of everything alone.
+    /// Whether `metric` is measured of it.
     pub fn measures(&self, metric: &Metric) -> bool {
-        match metric {
-            _ if *self == Self::All => true,
-            Metric::No | Metric::Tp | Metric::Mo | Metric::Recall => true,
-            Metric::Fo | Metric::Precision | Metric::FRate => self.has_false_detections(),
-            _ => false,
-        }
+        let formula = metric.formula();
+        let is_of_slice = || self.has_false_detections() || !formula.needs_false_detections();
+        *self == Self::All || formula.is_of_slices() && is_of_slice()
     }
 
     /// Whether it is known of a false detection if it belongs here, so that precision and F-rate mean something.

@@ -21,3 +21,10 @@ named! {
         Reproduce = "reproduce",
     }
 }
+
+impl Study {
+    /// Whether its directory is called after the data sets, unless it is named: not of those that put up what they look at.
+    pub fn is_called_after_data(self) -> bool {
+        !matches!(self, Self::Robustness | Self::Partial | Self::Gaps)
+    }
+}

@@ -6,12 +6,10 @@
 use std::f64::consts::PI;
 
 use reports::rows::ranked_box_row::{BoxState, PairErrors};
-use reports::vocabulary::protocol::Protocol;
-use reports::vocabulary::ranked_protocol::{PAIR_DISTANCES_M, RankedProtocol};
+use reports::vocabulary::protocol::{PAIR_DISTANCES_M, Protocol};
 use scans::dataset::official::OfficialObject;
 
-use super::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
-use super::ranked_boxes::{Pairs, RankedRules, rows_by};
+use super::ranked_boxes::{Pairs, RankedRules};
 
 /// The protocol, without regard to the region of interest of maps.
 pub struct Argoverse2;
@@ -19,18 +17,8 @@ pub struct Argoverse2;
 /// Farther than this from the origin of the car nothing is evaluated.
 const RANGE_M: f64 = 150.0;
 
-impl OfficialProtocol for Argoverse2 {
-    fn protocol(&self) -> Protocol {
-        Protocol::Argoverse2
-    }
-
-    fn rows(&self, found: &FoundInScan<'_>) -> ProtocolRows {
-        ProtocolRows::RankedBoxes(rows_by::<Self>(found))
-    }
-}
-
 impl RankedRules for Argoverse2 {
-    const PROTOCOL: RankedProtocol = RankedProtocol::Argoverse2;
+    const PROTOCOL: Protocol = Protocol::Argoverse2;
 
     const MOST_DETECTIONS: usize = 100;
 

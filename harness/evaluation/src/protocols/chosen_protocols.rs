@@ -9,9 +9,9 @@ use reports::vocabulary::protocol::Protocol;
 use scans::annotation::LabeledScan;
 use scans::dataset::{Dataset, DatasetError};
 
-use super::known_protocols::official_protocol;
+use super::PROTOCOLS;
 use super::official_objects::OfficialScanView;
-use super::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
+use super::official_protocol::{FoundInScan, OfficialProtocol};
 use super::semantic_kitti::label_scores::{FoundPoints, LabeledPoints, scores_labels};
 use crate::run::running_detector::RunningDetector;
 
@@ -62,8 +62,9 @@ pub struct ScanUnderProtocols<'a> {
 impl ChosenProtocols {
     /// These; `None` if there are none.
     pub fn of(protocols: &[Protocol]) -> Option<Self> {
+        let of_boxes = |protocol: &Protocol| PROTOCOLS.iter().copied().find(|it| it.protocol() == *protocol);
         let chosen = Self {
-            of_boxes: protocols.iter().filter_map(|it| official_protocol(*it)).collect(),
+            of_boxes: protocols.iter().filter_map(of_boxes).collect(),
             of_labels: protocols.iter().copied().filter(|it| scores_labels(*it)).collect(),
         };
         (!protocols.is_empty()).then_some(chosen)
@@ -171,12 +172,7 @@ impl ScanUnderProtocols<'_> {
     }
 
     fn add_boxes(&self, found: &FoundInScan<'_>, rows: &mut OfficialRows) {
-        for protocol in &self.chosen.of_boxes {
-            match protocol.rows(found) {
-                ProtocolRows::RankedBoxes(of_scan) => rows.boxes.extend(of_scan),
-                ProtocolRows::KittiObjects(of_scan) => rows.kitti.extend(of_scan),
-            }
-        }
+        self.chosen.of_boxes.iter().for_each(|it| rows.append(it.rows(found)));
     }
 
     fn add_labels(&self, name: &str, scores: impl Iterator<Item = LabelScore>, rows: &mut OfficialRows) {
@@ -192,8 +188,7 @@ pub fn have_ground(rows: &OfficialRows) -> bool {
 
 /// How many of `rows` are beyond the number that `protocol` evaluates.
 pub fn n_beyond_number(rows: &OfficialRows, protocol: Protocol) -> usize {
-    let is_beyond = |it: &&RankedBoxRow| {
-        it.protocol.protocol() == protocol && it.ranked_box.state == BoxState::BeyondNumber
-    };
+    let is_beyond =
+        |it: &&RankedBoxRow| it.protocol == protocol && it.ranked_box.state == BoxState::BeyondNumber;
     rows.boxes.iter().filter(is_beyond).count()
 }

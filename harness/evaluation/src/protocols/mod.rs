@@ -7,5 +7,8 @@ pub mod nuscenes;
 pub mod argoverse2;
 pub mod kitti_object;
 pub mod semantic_kitti;
-pub mod known_protocols;
 pub mod chosen_protocols;
+
+/// Every protocol that evaluates boxes, in the order of tables.
+pub const PROTOCOLS: &[&dyn official_protocol::OfficialProtocol] =
+    &[&kitti_object::protocol::KittiObjectProtocol, &nuscenes::Nuscenes, &argoverse2::Argoverse2];

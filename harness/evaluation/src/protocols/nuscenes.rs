@@ -5,12 +5,10 @@
 use std::f64::consts::PI;
 
 use reports::rows::ranked_box_row::{BoxState, PairErrors};
-use reports::vocabulary::protocol::Protocol;
-use reports::vocabulary::ranked_protocol::{PAIR_DISTANCES_M, RankedProtocol};
+use reports::vocabulary::protocol::{PAIR_DISTANCES_M, Protocol};
 use scans::dataset::official::OfficialObject;
 
-use super::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
-use super::ranked_boxes::{Pairs, RankedRules, rows_by};
+use super::ranked_boxes::{Pairs, RankedRules};
 
 /// The protocol.
 pub struct Nuscenes;
@@ -18,18 +16,8 @@ pub struct Nuscenes;
 /// What bicycles stand in.
 const BIKE_RACK: &str = "static_object.bicycle_rack";
 
-impl OfficialProtocol for Nuscenes {
-    fn protocol(&self) -> Protocol {
-        Protocol::Nuscenes
-    }
-
-    fn rows(&self, found: &FoundInScan<'_>) -> ProtocolRows {
-        ProtocolRows::RankedBoxes(rows_by::<Self>(found))
-    }
-}
-
 impl RankedRules for Nuscenes {
-    const PROTOCOL: RankedProtocol = RankedProtocol::Nuscenes;
+    const PROTOCOL: Protocol = Protocol::Nuscenes;
 
     // The makers refuse results with more than 500 boxes in a scan.
     const MOST_DETECTIONS: usize = usize::MAX;

@@ -1,8 +1,7 @@
 //! What every protocol can do with a scan.
 
 use detector::DetectorOutput;
-use reports::rows::kitti_object_row::KittiObjectRow;
-use reports::rows::ranked_box_row::RankedBoxRow;
+use reports::rows::official_rows::OfficialRows;
 use reports::rows::scan_name::ScanName;
 use reports::vocabulary::protocol::Protocol;
 use scans::dataset::Dataset;
@@ -22,7 +21,7 @@ pub trait OfficialProtocol: Sync {
     }
 
     /// The rows of what one detector found in a scan, whatever the order of labels and detections.
-    fn rows(&self, found: &FoundInScan<'_>) -> ProtocolRows;
+    fn rows(&self, found: &FoundInScan<'_>) -> OfficialRows;
 }
 
 /// What one detector found in a scan.
@@ -39,13 +38,4 @@ pub struct FoundInScan<'a> {
     pub objects: &'a [OfficialObject],
     /// Of results in KITTI's files, what these say; `None` of others.
     pub kitti_objects: Option<&'a [KittiObject]>,
-}
-
-/// The rows of a scan.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ProtocolRows {
-    /// Those of protocols that rank boxes by distance.
-    RankedBoxes(Vec<RankedBoxRow>),
-    /// Those of KITTI's evaluation of objects.
-    KittiObjects(Vec<KittiObjectRow>),
 }

@@ -2,11 +2,12 @@
 
 use std::cmp::Ordering;
 
+use reports::rows::official_rows::OfficialRows;
 use reports::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox, RankedBoxRow};
-use reports::vocabulary::ranked_protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, RankedProtocol};
+use reports::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
 use scans::dataset::official::OfficialObject;
 
-use super::official_protocol::FoundInScan;
+use super::official_protocol::{FoundInScan, OfficialProtocol};
 
 /// For each of [`PAIR_DISTANCES_M`] the annotation that a detection finds, by its index.
 pub(super) type Pairs = [Option<usize>; PAIR_DISTANCES_M.len()];
@@ -14,7 +15,7 @@ pub(super) type Pairs = [Option<usize>; PAIR_DISTANCES_M.len()];
 /// What protocols of this kind differ in. Centres are from where ranges are measured.
 pub(super) trait RankedRules {
     /// Which it is.
-    const PROTOCOL: RankedProtocol;
+    const PROTOCOL: Protocol;
 
     /// The class that is evaluated of what files call `name`; `None` if it is not.
     fn class_of(name: &str) -> Option<&'static str>;
@@ -32,6 +33,16 @@ pub(super) trait RankedRules {
     fn errors(class: &'static str, detection: &OfficialObject, annotation: &OfficialObject) -> PairErrors;
 }
 
+impl<Rules: RankedRules + Sync> OfficialProtocol for Rules {
+    fn protocol(&self) -> Protocol {
+        Rules::PROTOCOL
+    }
+
+    fn rows(&self, found: &FoundInScan<'_>) -> OfficialRows {
+        OfficialRows { boxes: rows_by::<Rules>(found), ..OfficialRows::default() }
+    }
+}
+
 /// An object of a class that is evaluated.
 struct Candidate {
     class: &'static str,
@@ -40,16 +51,16 @@ struct Candidate {
 }
 
 /// The rows of what was found in a scan: annotations, then detections, each by their numbers.
-pub(super) fn rows_by<Rules: RankedRules>(found: &FoundInScan<'_>) -> Vec<RankedBoxRow> {
+fn rows_by<Rules: RankedRules>(found: &FoundInScan<'_>) -> Vec<RankedBoxRow> {
     let labels = found.view.labels();
     let annotations = candidates::<Rules>(labels.clone(), &labels);
     let mut detections = candidates::<Rules>(found.objects.to_vec(), &labels);
-    for class in Rules::PROTOCOL.classes() {
+    for class in Rules::PROTOCOL.ranked_classes() {
         let counted = detections.iter_mut().filter(|it| it.class == *class && it.state == BoxState::Counts);
         counted.skip(Rules::MOST_DETECTIONS).for_each(|it| it.state = BoxState::BeyondNumber);
     }
     let mut kinds: Vec<BoxKind> = detections.iter().map(|it| unmatched(&it.object)).collect();
-    for class in Rules::PROTOCOL.classes() {
+    for class in Rules::PROTOCOL.ranked_classes() {
         match_class::<Rules>(class, &annotations, &detections, &mut kinds);
     }
     let annotations = annotations.into_iter().map(|it| (it, BoxKind::Annotation)).zip(0..);

@@ -11,6 +11,7 @@ pub(super) fn detectors_help() -> String {
     )
 }
 
-pub(super) fn detector_names() -> Vec<&'static str> {
+/// The names of all detectors, in the order of tables.
+pub fn detector_names() -> Vec<&'static str> {
     DETECTORS.iter().map(|it| it.name).collect()
 }

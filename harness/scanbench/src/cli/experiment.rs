@@ -22,6 +22,6 @@ pub struct ExperimentArgs {
 }
 
 /// Help of `--detectors` where `default` run if none is named.
-pub(super) fn experiment_detectors_help(default: &str) -> String {
+pub fn experiment_detectors_help(default: &str) -> String {
     format!("Detectors, separated by commas: {} [default: {default}]", detector_names().join(", "))
 }

@@ -2,7 +2,6 @@
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
-use evaluation::protocols::known_protocols::known_protocols;
 use reports::vocabulary::protocol::Protocol;
 
 use super::help_text::JUDGING;
@@ -20,7 +19,7 @@ pub struct ProtocolArgs {
 
 /// Takes the names of the protocols there are.
 fn protocol_parser() -> impl clap::builder::TypedValueParser<Value = Protocol> {
-    let names = known_protocols().map(Protocol::name);
+    let names = Protocol::ALL.map(Protocol::name);
     PossibleValuesParser::new(names)
         .map(|it| Protocol::from_name(&it).expect("only these names are possible"))
 }

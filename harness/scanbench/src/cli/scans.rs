@@ -143,7 +143,7 @@ impl DamageArgs {
     }
 }
 
-pub(super) fn sensor_help() -> String {
+pub fn sensor_help() -> String {
     let ids = EMBEDDED_SENSORS.map(|(id, _)| id).join(", ");
     format!("Sensor: {ids} or a TOML file")
 }

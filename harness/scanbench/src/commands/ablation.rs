@@ -1,7 +1,8 @@
 //! `scanbench ablation`.
 
-use std::path::Path;
+use std::path::PathBuf;
 
+use clap::Args;
 use evaluation::run::ablation::{TASK, variants};
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
@@ -12,7 +13,8 @@ use reports::tables::studies::ablation_score::AblationRow;
 use reports::tables::studies::ablation_table::AblationTable;
 use reports::vocabulary::study::Study;
 
-use crate::cli::AblationArgs;
+use crate::cli::help_text::DETECTORS;
+use crate::cli::{BlocksArgs, ConfigArgs, DatasetArgs, MatchingArgs, OutputArgs, ShardArgs, TimingArgs};
 use crate::commands::config::{built_in_methods, choose_criterion, refuse_unread_models};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
@@ -20,11 +22,54 @@ use crate::commands::judged_streets::advise_on_judged;
 use crate::commands::named_blocks::with_named_blocks;
 use crate::commands::open_datasets::open_datasets;
 use crate::commands::paper_files::{write_figure, write_table};
-use crate::commands::scan_study::ScanStudy;
-use crate::commands::shards::watched_study::execute_watched;
+use crate::commands::scan_study::{Printed, ScanStudy, make_study};
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::shards::work_output::WorkOutput;
-use crate::commands::standard_streams::{print_result_in, terminal};
+use crate::commands::standard_streams::terminal;
+
+/// Arguments of `scanbench ablation`.
+#[derive(Debug, Args)]
+#[command(after_help = ABLATION_EXAMPLES)]
+pub struct AblationArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// Which of them belong together.
+    #[command(flatten)]
+    pub blocks: BlocksArgs,
+    /// Which part of them.
+    #[command(flatten)]
+    pub shard: ShardArgs,
+    /// Parameters of the whole method.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// How detections are judged.
+    #[command(flatten)]
+    pub matching: MatchingArgs,
+    /// Also run variants with trees that were trained without the part
+    ///
+    /// DIR has folders such as without-walls and one-round, written by `train groupings` with
+    /// `-P hierarchical.walls.enabled=false` and `-P hierarchical.grouping.rounds=1`.
+    #[arg(long, value_name = "DIR", help_heading = DETECTORS)]
+    pub models: Option<PathBuf>,
+    /// Where the table is written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+    /// What runs beside what.
+    #[command(flatten)]
+    pub timing: TimingArgs,
+}
+
+const ABLATION_EXAMPLES: &str = "\
+Examples:
+  scanbench ablation
+  scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
+  scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
+  scanbench ablation streets --shard 1/2 -o shards  # and 2/2, then: scanbench merge shards
+
+Runs the whole method and one variant without each part. Writes ablation.csv,
+ablation.md and the files of a run whose detectors are the variants:
+  scanbench compare DIR --detectors 'whole method,without terrain'";
 
 /// The method whose parts are left out.
 const METHOD: &str = "hierarchical";
@@ -35,10 +80,7 @@ const ABLATION_CSV: &str = "ablation.csv";
 /// the table; or makes a shard of that.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let output = WorkOutput::claim(Study::Ablation, arguments.shard.shard, &arguments.output)?;
-    let mut ablation = open_ablation(arguments, output.started)?;
-    let Some((made, _)) = execute_watched(&mut ablation, output)? else { return Ok(()) };
-    let tables = write_ablation(&made.directory, &made.whole)?;
-    print_ablation(&tables, &made.finish()?.0)
+    make_study(&mut open_ablation(arguments, output.started)?, output, write_ablation)
 }
 
 /// Who takes part, and on which scans.
@@ -65,18 +107,13 @@ pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<Sca
     })
 }
 
-/// Writes the files that only an ablation has into `directory`, and returns its tables.
-pub fn write_ablation(directory: &RunDirectory, run: &WholeRun) -> Result<Vec<AblationTable>, Failure> {
+/// Writes the files that only an ablation has into `directory`.
+pub fn write_ablation(directory: &RunDirectory, run: &WholeRun) -> Result<Printed, Failure> {
     let of_task = run.numbers.short.tables.iter().filter(|it| it.task == TASK);
     let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &run.numbers.report)).collect();
     tables.iter().try_for_each(|it| write_files(directory, it))?;
-    Ok(tables)
-}
-
-/// Prints the tables of the ablation in `finished`.
-pub fn print_ablation(tables: &[AblationTable], finished: &Path) -> Result<(), Failure> {
     let texts: Vec<String> = tables.iter().map(|it| terminal().text(it)).collect();
-    print_result_in("Ablation", finished, texts.join("\n"))
+    Ok(Printed { files: "Ablation", text: texts.join("\n") })
 }
 
 fn write_files(directory: &RunDirectory, table: &AblationTable) -> Result<(), Failure> {

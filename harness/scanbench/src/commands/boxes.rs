@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
+use clap::Args;
 use evaluation::metrics::box_errors::BoxErrors;
 use evaluation::run::box_study::{BoxPair, FITS, box_error_lines, box_pairs, box_points};
 use evaluation::run::config::RunConfig;
@@ -19,7 +20,7 @@ use reports::tables::formats::format::Format as _;
 use reports::tables::studies::box_error_row::{BoxErrorRow, BoxPointsRow, FittedBoxRow, MatchedVehicle};
 use reports::tables::studies::box_table::BoxTable;
 
-use crate::cli::BoxesArgs;
+use crate::cli::{BlocksArgs, ConfigArgs, DatasetArgs, MatchingArgs, OutputArgs};
 use crate::commands::config::{built_in_detectors, choose_criterion, warn_of_unknown_sensor};
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::first_look::look_first_at_all;
@@ -31,6 +32,40 @@ use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::standard_streams::{print_result_in, terminal};
+
+/// Arguments of `scanbench boxes`.
+#[derive(Debug, Args)]
+#[command(after_help = BOXES_EXAMPLES)]
+pub struct BoxesArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// Which of them belong together.
+    #[command(flatten)]
+    pub blocks: BlocksArgs,
+    /// Parameters of the hierarchical detector and of matching.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// How clusters are matched.
+    #[command(flatten)]
+    pub matching: MatchingArgs,
+    /// Where tables and plots are written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const BOXES_EXAMPLES: &str = "\
+Examples:
+  scanbench boxes
+  scanbench boxes streets ~/data/kitti_tracking -o runs/boxes
+
+Fits boxes to each cluster of the hierarchical detector that matches an annotated car,
+van, truck or bus: to its convex hull, along its principal axes, closest to its points,
+and along the outline that the sensor sees. The fifth is the reported box. Writes
+boxes.csv with every box; box_errors.csv and box_errors.md with median errors and
+shares by class, occlusion, range and number of points, and 95 % intervals;
+box_points.csv with the positions of points in the boxes of each class; a plot and a
+picture of these points for simulated data and each recorded data set; manifest.json.";
 
 /// Fewer vehicles of a class than this make no picture of their points.
 const FEWEST_SHOWN: usize = 10;

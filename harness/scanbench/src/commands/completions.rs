@@ -8,7 +8,7 @@ use clap_complete::Shell;
 use evaluation::run::detector_list::DETECTORS;
 use simulator::catalogue::built_in_catalogue;
 
-use crate::cli::Cli;
+use crate::commands::Cli;
 use crate::commands::failure::Failure;
 use crate::commands::standard_streams::print_result;
 

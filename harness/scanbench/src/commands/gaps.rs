@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 
+use clap::Args;
 use evaluation::metrics::pair_separation::SEPARATED;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::gap_experiment::{GAPS_DM, PairTally, RANGES_M, StagedPairs};
@@ -17,7 +18,8 @@ use reports::vocabulary::study::Study;
 use simulator::object_pair::{PairKind, PairLayout};
 use simulator::simulated_street::sensor_named;
 
-use crate::cli::GapsArgs;
+use crate::cli::help_text::DATA;
+use crate::cli::{ExperimentArgs, OutputArgs, sensor_help};
 use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::paper_files::write_figure;
@@ -25,6 +27,36 @@ use crate::commands::scan_study::{PutUp, ScanStudy};
 use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::standard_streams::{print_diagnostic, print_result_in, terminal};
+
+/// Arguments of `scanbench gaps`.
+#[derive(Debug, Args)]
+#[command(after_help = GAPS_EXAMPLES)]
+pub struct GapsArgs {
+    /// Pairs of each kind, layout and range; each is simulated with every gap
+    #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub pairs: u32,
+    /// Sensor.
+    #[arg(long, help_heading = DATA, value_name = "SENSOR", default_value = "hdl-64e-s2", help = sensor_help())]
+    pub sensor: String,
+    /// The detectors, in the order of tables and plots.
+    #[command(flatten)]
+    pub detectors: ExperimentArgs,
+    /// Where curves and plots are written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const GAPS_EXAMPLES: &str = "\
+Examples:
+  scanbench gaps
+  scanbench gaps --pairs 100 --seed 7 -o runs/gaps
+  scanbench gaps -d hierarchical,pca --sensor os1-128
+
+Simulates pairs on an empty road: two cars, a car and a pedestrian, two pedestrians,
+a car and a sign, a car and a bin; side by side and one behind the other, 0.2 to
+1.2 m apart, 5 to 30 m away. Writes gaps.csv with every bin and its denominator,
+gaps.svg and one plot for each kind of pair, pair.svg (a pair from above, as
+simple-grid and hierarchical segment it) and the files of a run on these scans.";
 
 /// The ablation, the method, its rival.
 const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];

@@ -1,9 +1,10 @@
 //! `scanbench init`.
 
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use clap::Args;
 use evaluation::run::side_by_side::RunError;
 use reports::files::archive::ArchiveError;
 use reports::files::new_folders::NewFolders;
@@ -14,12 +15,30 @@ use scans::conversion::output_format::OutputFormat;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
-use crate::cli::InitArgs;
 use crate::commands::empty_folder::refuse_occupied;
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
+
+/// Arguments of `scanbench init`.
+#[derive(Debug, Args)]
+#[command(after_help = INIT_EXAMPLES)]
+pub struct InitArgs {
+    /// Folder to write; a new or empty one
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}
+
+const INIT_EXAMPLES: &str = "\
+Examples:
+  scanbench init my-detector
+  cd my-detector && scanbench run data/street -d cells,hierarchical
+
+Writes a small detector in Python, a scanbench.toml that names it, a simulated street
+with labels in KITTI's format, and a workflow for GitHub that runs `scanbench gate`.
+Detectors in Python need the package: pip install ./harness/python in a checkout of
+scanbench. No package index has it.";
 
 /// The files beside the data, by their path in the folder.
 const TEMPLATE: [(&str, &str); 6] = [

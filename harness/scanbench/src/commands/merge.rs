@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use reports::files::archive::ArchiveError;
 use reports::run_folder::made_in_shards::MadeInShards;
 use reports::run_folder::manifest::Manifest;
@@ -12,13 +13,12 @@ use reports::run_folder::run_target::{ClaimedTarget, MANIFEST_JSON};
 use reports::run_folder::shard_check::{NamedShard, check_shards};
 use reports::vocabulary::study::Study;
 
-use crate::cli::{MergeArgs, OutputArgs};
-use crate::commands::ablation::{print_ablation, write_ablation};
+use crate::cli::OutputArgs;
+use crate::commands::SCAN_STUDIES;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::partial::print_partial;
 use crate::commands::partial::whole_partial::WholePartial;
 use crate::commands::reproduce::papers_run::merge_reproduction;
-use crate::commands::robustness::{print_robustness, write_robustness};
 use crate::commands::run::ending::print_ending;
 use crate::commands::shards::executor::WholeResult;
 use crate::commands::shards::shard_directory::ShardDirectory;
@@ -27,6 +27,29 @@ use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::sweep::print_sweep;
 use crate::commands::sweep::whole_sweep::WholeSweep;
+
+/// Arguments of `scanbench merge`.
+#[derive(Debug, Args)]
+#[command(after_help = MERGE_EXAMPLES)]
+pub struct MergeArgs {
+    /// All shards of a run or of another study, in any order, or the folder that holds them
+    #[arg(value_name = "SHARD", required = true)]
+    pub shards: Vec<PathBuf>,
+    /// Where the run is written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const MERGE_EXAMPLES: &str = "\
+Examples:
+  scanbench run --shard 1/2 -o shards && scanbench run --shard 2/2 -o shards
+  scanbench merge shards -o runs/whole
+  scanbench sweep -L xi=2,3 --shard 1/1 -o cells && scanbench merge cells -o runs/cells
+
+The result equals that of the verb in one piece, except for times. Shards are refused
+(exit code 5) if one is missing or duplicate, or if data, parameters or programs
+differ. Times of different processors are separate, in table_times.md and
+times_of_processors.csv. docs/many-machines.md says more.";
 
 /// Puts shards together: their rows one after the other, and all numbers made of these as those of the whole are.
 pub fn merge(arguments: &MergeArgs) -> Result<(), Failure> {
@@ -77,17 +100,12 @@ fn put_together<Whole: WholeResult>(
 
 /// Makes of the numbers of a run those of its study.
 fn merge_run(Merged { study, directory, whole }: Merged<WholeRun>) -> Result<(), Failure> {
-    match study {
-        Study::Ablation => {
-            let tables = write_ablation(&directory, &whole)?;
-            print_ablation(&tables, &directory.finish()?)
-        }
-        Study::Robustness => {
-            let scores = write_robustness(&directory, &whole)?;
-            print_robustness(&scores, &whole.manifest, &directory.finish()?)
-        }
-        Study::Reproduce => merge_reproduction(&whole, directory),
-        _ => print_ending(&whole, &directory.finish()?),
+    if study == Study::Reproduce {
+        return merge_reproduction(&whole, directory);
+    }
+    match SCAN_STUDIES.iter().find(|it| it.0 == study) {
+        Some((_, write)) => write(&directory, &whole)?.print(&directory.finish()?),
+        None => print_ending(&whole, &directory.finish()?),
     }
 }
 

@@ -1,14 +1,28 @@
 //! `scanbench params`.
 
 use baselines::params::{BASELINE_BOUNDS, PARAMS_TOML};
+use clap::Args;
 use detector::params::HIERARCHICAL_TOML;
 use detector::params::bounds::{Bounds, HIERARCHICAL_BOUNDS};
 use detector::params::paper::PAPER_TOML;
 use evaluation::run::detector_list::{DETECTORS, ListedDetector};
 
-use crate::cli::ParamsArgs;
 use crate::commands::failure::Failure;
 use crate::commands::standard_streams::print_result;
+
+/// Arguments of `scanbench params`.
+#[derive(Debug, Args)]
+#[command(after_help = PARAMS_EXAMPLES)]
+pub struct ParamsArgs {
+    /// Detectors; all that are built in if none is named
+    #[arg(value_name = "NAME", value_parser = DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>())]
+    pub detectors: Vec<String>,
+}
+
+const PARAMS_EXAMPLES: &str = "\
+Examples:
+  scanbench params paper
+  scanbench params kd-tree pca > mine.toml      a file for -c, to be changed";
 
 /// Prints the parameters of detectors with their bounds and what is said of them, as a file for `-c`.
 pub fn params(arguments: &ParamsArgs) -> Result<(), Failure> {

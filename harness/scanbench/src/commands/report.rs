@@ -1,5 +1,8 @@
 //! `scanbench report`.
 
+use std::path::PathBuf;
+
+use clap::Args;
 use evaluation::partial::methods::OURS;
 use reports::pages::partial_page::PartialPage;
 use reports::pages::run_page::RunPage;
@@ -7,13 +10,30 @@ use reports::pages::sweep_page::SweepPage;
 use reports::run_folder::partial_archive::PartialArchive;
 use reports::run_folder::run_directory::REPORT_HTML;
 
-use crate::cli::ReportArgs;
 use crate::commands::failure::Failure;
 use crate::commands::open_run::refuse_other_than_run;
 use crate::commands::run::ending::in_short;
 use crate::commands::standard_streams::{
     Verbosity, is_said, print_diagnostic, print_result, print_result_in,
 };
+
+/// Arguments of `scanbench report`.
+#[derive(Debug, Args)]
+#[command(after_help = REPORT_EXAMPLES)]
+pub struct ReportArgs {
+    /// Directory of a run or of a sweep
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+}
+
+const REPORT_EXAMPLES: &str = "\
+Examples:
+  scanbench report runs/latest
+  scanbench report runs/cell-sizes         a sweep
+
+Makes report.html and figures/ from the other files of the run directory; no data set
+is read. The page needs no network and no scripts. Without worst_points.json, the
+pictures of the worst mistakes show boxes only, no points.";
 
 /// Makes the page of a run, a sweep or partial clouds, of its files alone.
 pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {

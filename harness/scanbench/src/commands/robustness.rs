@@ -1,7 +1,8 @@
 //! `scanbench robustness`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use evaluation::run::config::{RunConfig, TrainedModel};
 use evaluation::run::detector_list::built_in_named;
 use evaluation::run::entrant::Entrant;
@@ -13,21 +14,58 @@ use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::robustness_table::{
-    ConditionRow, ConditionScores, NamedCondition, RobustnessTable, condition_scores,
+    ConditionRow, NamedCondition, RobustnessTable, condition_scores,
 };
 use reports::vocabulary::study::Study;
 use simulator::StreetKind;
 
-use crate::cli::RobustnessArgs;
+use crate::cli::help_text::{DATA, DETECTORS as DETECTORS_HEADING};
+use crate::cli::{ExperimentArgs, OutputArgs, ShardArgs, experiment_detectors_help};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::paper_files::{write_figure, write_table};
-use crate::commands::scan_study::{PutUp, ScanStudy};
-use crate::commands::shards::watched_study::execute_watched;
+use crate::commands::scan_study::{Printed, PutUp, ScanStudy, make_study};
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::shards::work_output::WorkOutput;
-use crate::commands::standard_streams::{print_result_in, terminal};
+use crate::commands::standard_streams::terminal;
+
+/// Arguments of `scanbench robustness`.
+#[derive(Debug, Args)]
+#[command(after_help = ROBUSTNESS_EXAMPLES)]
+#[command(mut_arg("detectors", |it| it.help(experiment_detectors_help(&DETECTORS.join(",")))))]
+pub struct RobustnessArgs {
+    /// Scans of each of the three kinds of street, under each condition
+    #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub scans: u32,
+    /// Also run hierarchical with the trees in DIR, such as of fewer conditions, as "hierarchical, other training"
+    ///
+    /// DIR is what `scanbench train groupings` wrote.
+    #[arg(long, value_name = "DIR", help_heading = DETECTORS_HEADING)]
+    pub other_training: Option<PathBuf>,
+    /// Which part of them.
+    #[command(flatten)]
+    pub shard: ShardArgs,
+    /// The detectors, in the order of the table.
+    #[command(flatten)]
+    pub detectors: ExperimentArgs,
+    /// Where the tables are written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const ROBUSTNESS_EXAMPLES: &str = "\
+Examples:
+  scanbench robustness
+  scanbench robustness --scans 20 --seed 7 -o runs/robustness
+  scanbench robustness -d hierarchical -P walls.enabled=false
+  scanbench robustness --other-training docs/models/streets-and-rain
+  scanbench robustness --shard 1/2 -o shards  # and 2/2, then: scanbench merge shards
+
+Simulates the same streets under one condition after another: slopes and hills,
+kerbs, a truck ahead, mounting heights, sensors, rain, rolling shutter. Writes
+robustness.csv with the counts behind every rate, robustness.md and the files of a
+run whose data sets are the conditions.";
 
 /// The method, its strongest rival, and the papers' baselines.
 const DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "kd-tree", "pca", "simple-grid"];
@@ -45,11 +83,7 @@ const DRAWN: &str = "streets";
 /// directory and prints the table; or makes a shard of that.
 pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let output = WorkOutput::claim(Study::Robustness, arguments.shard.shard, &arguments.output)?;
-    let mut study = open_robustness(arguments, output.started)?;
-    let Some((made, _)) = execute_watched(&mut study, output)? else { return Ok(()) };
-    let scores = write_robustness(&made.directory, &made.whole)?;
-    let (finished, run) = made.finish()?;
-    print_robustness(&scores, &run.manifest, &finished)
+    make_study(&mut open_robustness(arguments, output.started)?, output, write_robustness)
 }
 
 /// Who takes part, also with other trees if that is asked for, and the streets of each condition.
@@ -84,26 +118,16 @@ fn with_other_training(directory: &Path, config: &RunConfig) -> Result<Entrant, 
     Ok(Entrant { name: OTHER_TRAINING, chosen: method.into(), config })
 }
 
-/// Writes the files that only this study has into `directory`, and returns its scores.
-pub fn write_robustness(directory: &RunDirectory, run: &WholeRun) -> Result<Vec<ConditionScores>, Failure> {
-    let conditions: Vec<NamedCondition> = CONDITIONS.iter().map(named).collect();
-    let scores = condition_scores(&conditions, &run.numbers.short.tables);
-    write_tables(directory, &scores, &notes(&run.manifest))?;
-    Ok(scores)
-}
-
-/// Prints the table of `scores`, which is written to `finished` beside `manifest`.
-pub fn print_robustness(
-    scores: &[ConditionScores],
-    manifest: &Manifest,
-    finished: &Path,
-) -> Result<(), Failure> {
-    let notes = notes(manifest);
-    print_result_in(
-        "Tables",
-        finished,
-        terminal().text(&RobustnessTable { conditions: scores, notes: &notes }),
-    )
+/// Writes the files that only this study has into `directory`.
+pub fn write_robustness(directory: &RunDirectory, run: &WholeRun) -> Result<Printed, Failure> {
+    let named: Vec<NamedCondition> = CONDITIONS.iter().map(named).collect();
+    let conditions = &condition_scores(&named, &run.numbers.short.tables)[..];
+    let rows: Vec<ConditionRow> = conditions.iter().flat_map(ConditionRow::simulated).collect();
+    directory.write_file("robustness.csv", &to_csv_bytes(&rows)?)?;
+    write_figure(directory, "robustness", &robustness_plot(conditions))?;
+    let table = RobustnessTable { conditions, notes: &notes(&run.manifest) };
+    write_table(directory, "robustness", &table)?;
+    Ok(Printed { files: "Tables", text: terminal().text(&table) })
 }
 
 fn named(condition: &Condition) -> NamedCondition {
@@ -130,15 +154,4 @@ fn notes(manifest: &Manifest) -> Vec<String> {
          labels."
             .to_owned(),
     ]
-}
-
-fn write_tables(
-    directory: &RunDirectory,
-    conditions: &[ConditionScores],
-    notes: &[String],
-) -> Result<(), Failure> {
-    let rows: Vec<ConditionRow> = conditions.iter().flat_map(ConditionRow::simulated).collect();
-    directory.write_file("robustness.csv", &to_csv_bytes(&rows)?)?;
-    write_figure(directory, "robustness", &robustness_plot(conditions))?;
-    Ok(write_table(directory, "robustness", &RobustnessTable { conditions, notes })?)
 }

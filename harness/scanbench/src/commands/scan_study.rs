@@ -11,6 +11,7 @@ use evaluation::run::scan_recorder::FigureView;
 use evaluation::run::sink::Sinks;
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::RunDirectory;
 use serde_json::Value;
 
 use crate::cli::{ExperimentArgs, StreamArgs};
@@ -20,7 +21,10 @@ use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::RunProgress;
 use crate::commands::recorder::{Recorder, begin_recording};
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::shards::watched_study::WatchedStudy;
+use crate::commands::shards::watched_study::{WatchedStudy, execute_watched};
+use crate::commands::shards::whole_run::WholeRun;
+use crate::commands::shards::work_output::WorkOutput;
+use crate::commands::standard_streams::print_result_in;
 use crate::commands::watched_run::WatchedRun;
 
 /// Who looks at which scans.
@@ -45,6 +49,31 @@ pub struct ScanStudy<'a> {
     pub recorded: Option<(StreamArgs, &'static [FigureView])>,
     /// What looks at clusters, of which no row speaks.
     pub pairs: Option<&'a RefCell<PairTally<'a>>>,
+}
+
+/// Writes the files that only a study has into the directory of a run, and returns what is printed.
+pub type WriteStudy = fn(&RunDirectory, &WholeRun) -> Result<Printed, Failure>;
+
+/// What is printed of a study.
+pub struct Printed {
+    /// What its files are, such as `Tables`.
+    pub files: &'static str,
+    /// The result.
+    pub text: String,
+}
+
+impl Printed {
+    /// Prints it; the files are in `finished`.
+    pub fn print(self, finished: &Path) -> Result<(), Failure> {
+        print_result_in(self.files, finished, self.text)
+    }
+}
+
+/// Makes `study` in `output` as a run with the files that `write` adds; or a shard of that.
+pub fn make_study(study: &mut ScanStudy<'_>, output: WorkOutput, write: WriteStudy) -> Result<(), Failure> {
+    let Some((made, _)) = execute_watched(study, output)? else { return Ok(()) };
+    let printed = write(&made.directory, &made.whole)?;
+    printed.print(&made.finish()?.0)
 }
 
 /// Scenes that were put up for a study.

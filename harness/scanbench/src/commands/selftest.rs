@@ -1,5 +1,6 @@
 //! `scanbench selftest`: annotations fed back as detections.
 
+use clap::Args;
 use detector::{DetectedClass, Detection, Detections, OrientedBox};
 use evaluation::matching::assign::{MatchingParams, assign};
 use evaluation::matching::criterion::Criterion;
@@ -12,12 +13,29 @@ use scans::annotation::{Annotation, LabeledScan};
 use scans::dataset::class_table::ClassTable;
 use scans::dataset::source::DamagePolicy;
 
-use crate::cli::SelftestArgs;
+use crate::cli::{DamageArgs, DatasetArgs, ProtocolArgs};
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::selftest_protocols::check_protocols;
 use crate::commands::standard_streams::print_result;
+
+/// Arguments of `scanbench selftest`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  scanbench selftest ../data/kitti_tracking --scans 0..10\n  scanbench selftest streets --protocol nuscenes"
+)]
+pub struct SelftestArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// What becomes of damaged ones.
+    #[command(flatten)]
+    pub damage: DamageArgs,
+    /// What else is tested.
+    #[command(flatten)]
+    pub protocol: ProtocolArgs,
+}
 
 /// The scores are not what they must be.
 #[derive(Debug, thiserror::Error)]

@@ -15,7 +15,7 @@ use reports::run_folder::manifest::Manifest;
 use reports::vocabulary::reason::MistakeKind;
 use reports::worst::mistakes::ListedMistake;
 
-use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
+use crate::cli::{RunArgs, StreamArgs, ViewArgs};
 use crate::commands::config::{choose_criterion, chosen_detectors};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
@@ -27,6 +27,7 @@ use crate::commands::recorder::{
 };
 use crate::commands::run_manifest::refuse_other_scans;
 use crate::commands::standard_streams::print_diagnostic;
+use crate::commands::{Cli, Command};
 
 /// Runs the scans of `mistakes` again as `manifest` says, and records them, the first mistake's first.
 pub fn record(

@@ -7,7 +7,7 @@ use detector::PointCloud;
 
 use super::ConversionError;
 use super::whole_folder::WholeFolder;
-use crate::dataset::scan_folder::scan_file::scan_extension;
+use crate::dataset::scan_folder::any_scan_file::scan_extension;
 use crate::object_cloud::object_cloud_set::ObjectCloudSet;
 use crate::object_cloud::object_sheet::{OBJECT_SHEET, ObjectSheet, SeenObject};
 

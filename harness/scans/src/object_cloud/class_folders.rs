@@ -18,8 +18,8 @@ use super::object_cloud_set::{ObjectCloudSet, ObjectSetDescription};
 use super::object_sheet::{OBJECT_SHEET, ObjectSheet};
 use crate::dataset::DatasetError;
 use crate::dataset::on_disk::{entries_of, name_of, names_of};
-use crate::dataset::scan_folder::any_scan_file::read_scan_file;
-use crate::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, ScanPoints, scan_extension};
+use crate::dataset::scan_folder::any_scan_file::{SCAN_EXTENSIONS, read_scan_file, scan_extension};
+use crate::dataset::scan_folder::scan_file::ScanPoints;
 use crate::dataset::shown_name::shown;
 
 /// Heights of the lowest point of an object above the ground that are taken as they are, in metres.

@@ -16,9 +16,6 @@ pub const SHORT_FORM: [&str; 6] = [
     "ap_bev_hard_r40",
 ];
 
-/// Those in the difficulty that the benchmark ranks by.
-pub const PRINCIPAL: [&str; 2] = ["ap_3d_moderate_r40", "ap_bev_moderate_r40"];
-
 /// Whether a number of this name is of the sound reading.
 pub fn is_sound(id: &str) -> bool {
     id.starts_with(SOUND)
@@ -95,6 +92,7 @@ impl Measure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vocabulary::protocol::Protocol;
 
     #[test]
     fn names_distinguish_all_numbers_of_a_class() {
@@ -103,7 +101,8 @@ mod tests {
         let distinct: std::collections::BTreeSet<&String> = ids.iter().collect();
         assert_eq!((ids.len(), distinct.len()), (72, 72));
         let some = ["ap_2d_easy_r11", "aos_hard_r40", "sound_ap_bev_loose_moderate_r40"];
-        for id in some.into_iter().chain(SHORT_FORM).chain(PRINCIPAL) {
+        let principal = Protocol::KittiObject.principal_metrics().iter().copied();
+        for id in some.into_iter().chain(SHORT_FORM).chain(principal) {
             assert!(ids.iter().any(|it| it == id), "{id}");
         }
     }

@@ -8,7 +8,6 @@ use crate::files::archive::pretty_json;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::Interval;
 use crate::numbers::run_report::{MetricRow, RunReport};
-use crate::numbers::sums::RATIOS;
 use crate::tables::formats::format::Format;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{Direction, LatencyStatistic, Metric};
@@ -84,6 +83,6 @@ fn headline_rows(report: &RunReport) -> impl Iterator<Item = &MetricRow> {
     let is_of_all = report.overall().iter().any(|it| it.subject.dataset == OVERALL);
     let rows = report.rows().iter().filter(move |_| !is_of_all).chain(report.overall());
     let is_headline =
-        |metric: &Metric| RATIOS.contains(metric) || *metric == Metric::Latency(LatencyStatistic::P50);
+        |metric: &Metric| metric.is_ratio() || *metric == Metric::Latency(LatencyStatistic::P50);
     rows.filter(move |it| it.subject.slice == Slice::All && is_headline(&it.metric))
 }

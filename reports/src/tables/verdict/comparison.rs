@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
-use crate::numbers::sums::RATIOS;
 use crate::numbers::tally::Tally;
 use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_number::ALL_CLASSES;
@@ -25,6 +24,7 @@ use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::verdicts::protocol_differences::{
     ProtocolPair, ProtocolSide, common_protocols, pairs as pairs_of,
 };
+use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 
 /// What was compared with what, and the result.
@@ -124,7 +124,8 @@ fn differences(
                         sides[side].1.sample(&question, &draws)
                     };
                     let [Some(before), Some(after)] = [0, 1].map(sample) else { continue };
-                    let of_metrics = RATIOS.iter().filter_map(|it| paired_difference(&before, &after, it));
+                    let ratios = Metric::of_sums().filter(Metric::is_ratio);
+                    let of_metrics = ratios.filter_map(|it| paired_difference(&before, &after, &it));
                     let task = about(task.name(), on.as_deref());
                     differences.extend(of_metrics.map(|difference| {
                         let (task, detector, slice) = (task.clone(), name.clone(), slice.name());

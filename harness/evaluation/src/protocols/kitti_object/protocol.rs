@@ -1,11 +1,12 @@
 //! KITTI's evaluation of objects as one of the protocols.
 
 use reports::rows::kitti_object_row::KittiObjectRow;
+use reports::rows::official_rows::OfficialRows;
 use reports::vocabulary::protocol::Protocol;
 use scans::dataset::Dataset;
 
 use super::label_facts::{facts_of_detections, facts_of_results};
-use crate::protocols::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
+use crate::protocols::official_protocol::{FoundInScan, OfficialProtocol};
 
 /// KITTI's evaluation of objects.
 pub struct KittiObjectProtocol;
@@ -20,13 +21,14 @@ impl OfficialProtocol for KittiObjectProtocol {
         (!has_labels).then_some("has no labels in KITTI's layouts, which say where objects are in the image")
     }
 
-    fn rows(&self, found: &FoundInScan<'_>) -> ProtocolRows {
+    fn rows(&self, found: &FoundInScan<'_>) -> OfficialRows {
         let facts = found.view.kitti.as_ref().and_then(|(labels, frame)| match found.kitti_objects {
             Some(objects) => Some(facts_of_results(labels, objects)),
             None => facts_of_detections(labels, found.output, frame),
         });
         let row =
             |fact| KittiObjectRow { scan: found.name.clone(), detector: found.detector.to_owned(), fact };
-        ProtocolRows::KittiObjects(facts.unwrap_or_default().into_iter().map(row).collect())
+        let kitti = facts.unwrap_or_default().into_iter().map(row).collect();
+        OfficialRows { kitti, ..OfficialRows::default() }
     }
 }

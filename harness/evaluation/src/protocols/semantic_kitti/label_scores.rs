@@ -18,7 +18,7 @@ use crate::matching::detection_order::detection_ranks;
 
 /// Whether a protocol scores labels of points.
 pub fn scores_labels(protocol: Protocol) -> bool {
-    matches!(protocol, Protocol::SemanticKitti | Protocol::Ground)
+    matches!(protocol.family(), ProtocolFamily::Instances | ProtocolFamily::Ground)
 }
 
 /// A scan with the labels of its points.

@@ -30,7 +30,7 @@ use super::judge::{Judge, of_first_origin};
 use super::partial_objects::PartialObjects;
 use super::rate_tables::RateTables;
 use super::settings_study::SettingsStudy;
-use crate::cli::{Cli, Command, PaperName, ReproduceArgs};
+use crate::cli::{PaperName, ReproduceArgs};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
@@ -44,6 +44,7 @@ use crate::commands::shards::watched_study::execute_watched;
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::shards::work_output::{WorkOutput, refuse_what_is_for_whole_runs};
 use crate::commands::standard_streams::{print_diagnostic, print_result_in, terminal};
+use crate::commands::{Cli, Command};
 
 /// The method with a part switched off, by what the claims call it.
 const VARIANTS: [(&str, &str); 3] = [

@@ -111,10 +111,8 @@ pub fn unnamed(study: Study, ids: &str, started: Timestamp) -> (String, LatestPo
     let (verb, now) = (study.name(), compact_utc(started));
     match study {
         Study::Run => (format!("{now}-{ids}"), LatestPointer::Update),
-        Study::Sweep | Study::Ablation | Study::Reproduce => {
-            (format!("{now}-{verb}-{ids}"), LatestPointer::Leave)
-        }
-        Study::Robustness | Study::Partial | Study::Gaps => (format!("{now}-{verb}"), LatestPointer::Leave),
+        _ if study.is_called_after_data() => (format!("{now}-{verb}-{ids}"), LatestPointer::Leave),
+        _ => (format!("{now}-{verb}"), LatestPointer::Leave),
     }
 }
 

@@ -1,15 +1,9 @@
 //! A command that is run as shards.
 
 use clap::Parser as _;
-use jiff::Timestamp;
 
-use crate::cli::{Cli, Command, OutputArgs, ShardArgs};
-use crate::commands::ablation::open_ablation;
 use crate::commands::failure::{Failure, Usage};
-use crate::commands::partial::sets::open_all;
-use crate::commands::robustness::open_robustness;
-use crate::commands::run::setup::ChosenRun;
-use crate::commands::sweep::setup::{Sweep, sweep_plan};
+use crate::commands::{Cli, Command};
 
 /// A command of `scanbench` of which each task makes one shard.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,7 +21,7 @@ impl ShardedCommand {
                     Usage(format!("the command after -- is wrong\n{}", error.to_string().trim_end()))
                 })?;
         let (verb, arguments) = words.split_first().expect("clap wants a verb");
-        let Some((output, shard)) = outputs_of(&parsed.command) else {
+        let Some((output, shard)) = parsed.command.outputs_of_shards() else {
             return Err(Usage(format!(
                 "{verb} has no shards; write -- run …, sweep …, ablation …, robustness … or partial …"
             )));
@@ -70,15 +64,7 @@ impl ShardedCommand {
 
     /// Opens data sets, detectors and models as a task would, and looks at nothing else.
     pub fn try_here(&self) -> Result<(), Failure> {
-        let now = Timestamp::now();
-        match self.as_parsed()? {
-            Command::Run(it) => ChosenRun::of(&it)?.open(&it).map(drop),
-            Command::Sweep(it) => Sweep::open(&it, sweep_plan(&it)?, now).map(drop),
-            Command::Ablation(it) => open_ablation(&it, now).map(drop),
-            Command::Robustness(it) => open_robustness(&it, now).map(drop),
-            Command::Partial(it) => open_all(&it).map(drop),
-            _ => unreachable!("others have no shards"),
-        }
+        self.as_parsed()?.open_shard()
     }
 
     /// The words after the verb and `--shard I/N` by which a task makes its shard in `folder`.
@@ -86,18 +72,6 @@ impl ShardedCommand {
         // Before the arguments, which may end in `--`.
         let output = ["-o", folder].map(str::to_owned);
         output.into_iter().chain(self.arguments.iter().cloned()).collect()
-    }
-}
-
-/// Where a verb that has shards writes, and which of them it makes; `None` for other verbs.
-fn outputs_of(command: &Command) -> Option<(&OutputArgs, &ShardArgs)> {
-    match command {
-        Command::Run(it) => Some((&it.output, &it.shard)),
-        Command::Sweep(it) => Some((&it.output, &it.shard)),
-        Command::Ablation(it) => Some((&it.output, &it.shard)),
-        Command::Robustness(it) => Some((&it.output, &it.shard)),
-        Command::Partial(it) => Some((&it.output, &it.shard)),
-        _ => None,
     }
 }
 

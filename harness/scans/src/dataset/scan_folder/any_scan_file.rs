@@ -6,11 +6,20 @@ use super::las::{las_origin_m, parse_las};
 use super::npy::parse_npy;
 use super::pcd::parse_pcd;
 use super::ply::parse_ply;
-use super::scan_file::{ScanPoints, scan_extension};
+use super::scan_file::ScanPoints;
 use crate::dataset::DatasetError;
 use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::velodyne_bin::parse_velodyne_bin;
+
+/// The endings of names of scans.
+pub const SCAN_EXTENSIONS: [&str; 6] = ["bin", "pcd", "ply", "npy", "las", "laz"];
+
+/// The ending of `path` if it is that of a scan.
+pub fn scan_extension(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?;
+    SCAN_EXTENSIONS.into_iter().find(|it| extension.eq_ignore_ascii_case(it))
+}
 
 /// Reads the scan at `path`.
 pub fn read_scan_file(path: &Path) -> Result<ScanPoints, DatasetError> {

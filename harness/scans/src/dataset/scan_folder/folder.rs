@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-use super::any_scan_file::{read_scan_file, scan_origin_m};
+use super::any_scan_file::{read_scan_file, scan_extension, scan_origin_m};
 use super::label_file::LabelFile;
-use super::scan_file::{ScanPoints, scan_extension};
+use super::scan_file::ScanPoints;
 use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
