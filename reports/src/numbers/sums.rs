@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn ratios_are_those_of_the_counts() {
         let sums = four_annotations();
-        let value = |metric| sums.value(metric.formula(), FalseObjects::Known);
+        let value = |metric: Metric| sums.value(metric.formula(), FalseObjects::Known);
         assert_eq!(value(Metric::Precision), Some(0.6));
         assert_eq!(value(Metric::Recall), Some(0.75));
         assert_eq!(value(Metric::FRate), Some(6.0 / 9.0));
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn what_hangs_on_unknown_false_objects_is_unknown() {
-        let value = |metric| four_annotations().value(metric.formula(), FalseObjects::Unknown);
+        let value = |metric: Metric| four_annotations().value(metric.formula(), FalseObjects::Unknown);
         assert_eq!([Metric::Precision, Metric::FRate, Metric::Fo].map(value), [None; 3]);
         assert_eq!(value(Metric::Recall), Some(0.75));
     }
