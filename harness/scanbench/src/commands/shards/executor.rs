@@ -185,7 +185,7 @@ fn put_in_one_piece<W: SharedWork>(
 ) -> Result<W::Whole, Failure> {
     let manifest = work.write_files(&remains.journal, &remains.folder, record)?;
     work.carry_over(remains, &manifest, directory)?;
-    let record = manifest.shard().expect("its files were just written into it");
+    let record = manifest.shard.as_ref().expect("its files were just written into it");
     let shards = [ShardDirectory { folder: remains.folder.clone(), record }];
     W::Whole::write(study, &shards, &[&manifest], directory, Pieces::One)
 }
