@@ -20,8 +20,6 @@ pub struct BagParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CountScaling {
-    /// They stay as they are.
-    Raw,
     /// Each is divided by the sum over the patterns of its kind.
     Share,
     /// The square roots of shares, so that frequent patterns do not drown the others.
@@ -102,7 +100,6 @@ impl Vocabulary {
             if *value > 0.0 {
                 let share = *value / sums[pattern.kind_number()];
                 *value = match params.counts {
-                    CountScaling::Raw => *value,
                     CountScaling::Share => share,
                     CountScaling::RootShare => share.sqrt(),
                 };
@@ -146,11 +143,9 @@ mod tests {
         let (a, b, c) = (graph(0, 0, 1), graph(0, 0, 2), graph(0, 0, 3));
         let vocabulary = Vocabulary::new(vec![a, b]).unwrap();
         let mut bag = Vec::new();
-        for (counts, expected) in [
-            (CountScaling::Raw, [1.0, 2.0]),
-            (CountScaling::Share, [0.25, 0.5]),
-            (CountScaling::RootShare, [0.5, 0.5_f32.sqrt()]),
-        ] {
+        for (counts, expected) in
+            [(CountScaling::Share, [0.25, 0.5]), (CountScaling::RootShare, [0.5, 0.5_f32.sqrt()])]
+        {
             vocabulary.fill_bag(&[b, a, c, b], &params(counts, 0.0, RarePatterns::Dropped), &mut bag);
             assert_eq!(bag, expected);
         }
@@ -175,14 +170,14 @@ mod tests {
             vec![graph(0, 0, 1), graph(1, 1, 1)],
             vec![graph(2, 0, 5)],
         ];
-        let dropped = params(CountScaling::Raw, 0.5, RarePatterns::Dropped);
+        let dropped = params(CountScaling::Share, 0.5, RarePatterns::Dropped);
         assert_eq!(Vocabulary::learned(&objects, &dropped).patterns(), [graph(0, 0, 1)]);
-        let merged = params(CountScaling::Raw, 0.5, RarePatterns::Merged);
+        let merged = params(CountScaling::Share, 0.5, RarePatterns::Merged);
         let vocabulary = Vocabulary::learned(&objects, &merged);
         assert_eq!(vocabulary.patterns(), [graph(0, 0, 1), graph(1, ANY, 1)]);
         let mut bag = Vec::new();
         vocabulary.fill_bag(&[graph(1, 7, 1), graph(1, 1, 1), graph(3, 0, 1)], &merged, &mut bag);
-        assert_eq!(bag, [0.0, 2.0]);
+        assert_eq!(bag, [0.0, 2.0 / 3.0]);
     }
 
     #[test]

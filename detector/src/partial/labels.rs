@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::k_means::{k_means, nearest_center};
-use super::patch_descriptor::{Descriptor, N_DESCRIPTOR_VALUES};
+use super::patch_descriptor::Descriptor;
 
 /// Tuning of [`Labeler`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,8 +23,6 @@ pub struct LabelParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ValueScaling {
-    /// As they are.
-    Plain,
     /// Less their mean, over their deviation.
     Standardized,
 }
@@ -49,10 +47,7 @@ impl Labeler {
         let n_taken = descriptors.len().min(params.max_descriptors);
         let taken: Vec<Descriptor> =
             (0..n_taken).map(|it| descriptors[it * descriptors.len() / n_taken]).collect();
-        let units = match params.scaling {
-            ValueScaling::Plain => [1.0; N_DESCRIPTOR_VALUES],
-            ValueScaling::Standardized => deviations(&taken),
-        };
+        let units = deviations(&taken);
         let scaled: Vec<Descriptor> = taken.iter().map(|it| in_units(it, &units)).collect();
         Self { units, centers: k_means(&scaled, params.n_labels, params.seed) }
     }
@@ -81,6 +76,7 @@ fn deviations(descriptors: &[Descriptor]) -> Descriptor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::partial::patch_descriptor::N_DESCRIPTOR_VALUES;
 
     fn descriptor(cosine: f64, volume: f64) -> Descriptor {
         let mut values = [0.0; N_DESCRIPTOR_VALUES];
@@ -88,36 +84,25 @@ mod tests {
         values
     }
 
+    fn params(max_descriptors: usize) -> LabelParams {
+        LabelParams { n_labels: 2, scaling: ValueScaling::Standardized, seed: 1, max_descriptors }
+    }
+
     #[test]
-    fn scaling_decides_what_lies_together() {
+    fn values_count_in_units_of_their_deviation() {
         let descriptors =
             [descriptor(0.0, 0.0), descriptor(1.0, 0.0), descriptor(0.0, 30.0), descriptor(1.0, 31.0)];
-        let params = |scaling| LabelParams { n_labels: 2, scaling, seed: 1, max_descriptors: 9 };
-        let plain = Labeler::learned(&descriptors, &params(ValueScaling::Plain));
-        assert_eq!(plain.label_of(&descriptors[0]), plain.label_of(&descriptors[1]));
-        assert_ne!(plain.label_of(&descriptors[0]), plain.label_of(&descriptors[2]));
-        let standardized = Labeler::learned(&descriptors, &params(ValueScaling::Standardized));
-        assert!((standardized.units[8] - 0.5).abs() < 1e-12 && (standardized.units[0] - 1.0).abs() < 1e-12);
+        let labeler = Labeler::learned(&descriptors, &params(9));
+        assert!((labeler.units[8] - 0.5).abs() < 1e-12 && (labeler.units[0] - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn no_more_descriptors_are_looked_at_than_allowed() {
         let mut descriptors = vec![descriptor(0.0, 0.0); 4];
         descriptors[3] = descriptor(9.0, 0.0);
-        let params = LabelParams { n_labels: 2, scaling: ValueScaling::Plain, seed: 1, max_descriptors: 2 };
-        assert_eq!(Labeler::learned(&descriptors, &params).centers.len(), 1);
-        assert_eq!(
-            Labeler::learned(&descriptors, &LabelParams { max_descriptors: 4, ..params }).centers.len(),
-            2
-        );
-        assert_eq!(
-            Labeler::learned(
-                &[],
-                &LabelParams { n_labels: 2, scaling: ValueScaling::Plain, seed: 1, max_descriptors: 2 }
-            )
-            .centers
-            .len(),
-            0
-        );
+        let n_centers =
+            |of: &[Descriptor], max_descriptors| Labeler::learned(of, &params(max_descriptors)).centers.len();
+        assert_eq!([2, 4].map(|it| n_centers(&descriptors, it)), [1, 2]);
+        assert_eq!(n_centers(&[], 2), 0);
     }
 }

@@ -115,8 +115,8 @@ impl PartialParams {
         check_range(
             "patterns.kinds",
             if is_sound { n_kinds as f64 } else { f64::NAN },
-            [1.0, 5.0],
-            "1 to 5 different kinds",
+            [1.0, 4.0],
+            "1 to 4 different kinds",
         )?;
         for (name, edges) in [
             ("patterns.height_edges_m", &patterns.height_edges_m),

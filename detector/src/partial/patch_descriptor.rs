@@ -8,7 +8,7 @@ use super::hull_volume::HullVolume;
 use super::keypoints::{KeypointParams, characteristic_radius};
 use super::local_surface::{LocalSurface, SurfaceParams};
 use super::neighborhoods::{Nearby, Neighborhoods, keep_evenly};
-use super::point_pair_angles::{AngleParams, N_ANGLE_BINS, Pairs, point_feature_histogram};
+use super::point_pair_angles::{AngleParams, N_ANGLE_BINS, point_feature_histogram};
 use super::principal_frame::{PrincipalFrame, dot};
 use crate::portable_math::atan2;
 
@@ -76,17 +76,11 @@ impl PatchDescriber {
         around.within(center_m, surface.radius_m, &mut self.nearby);
         let neighbors = &mut self.nearby.found;
         keep_evenly(neighbors, params.max_points);
-        let mut keypoint_idx = neighbors.partition_point(|&it| it < point_idx);
-        if params.angles.pairs == Pairs::OfKeypoint && neighbors.get(keypoint_idx) != Some(&point_idx) {
-            // The keypoint was not kept. It replaces a point beside it, because all pairs are with the keypoint.
-            keypoint_idx = keypoint_idx.min(neighbors.len() - 1);
-            neighbors[keypoint_idx] = point_idx;
-        }
         self.positions_m.clear();
         self.positions_m.extend(neighbors.iter().map(|&it| around.points_m()[it as usize]));
         self.normals.clear();
         self.normals.extend(neighbors.iter().map(|&it| surfaces[it as usize].normal));
-        let angles = point_feature_histogram(keypoint_idx, &self.positions_m, &self.normals, &params.angles);
+        let angles = point_feature_histogram(&self.positions_m, &self.normals);
         let LocalSurface { harris, curvatures, .. } = surfaces[point_idx as usize];
         let volume_m3 = self.hull.of(&self.positions_m);
         let mut values = [0.0; N_DESCRIPTOR_VALUES];
@@ -132,7 +126,7 @@ pub fn modified_shape_index([first, second]: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
     use crate::partial::local_surface::{LocalSurfaces, NormalSigns};
-    use crate::partial::point_pair_angles::AngleSigns;
+    use crate::partial::point_pair_angles::{AngleSigns, Pairs};
 
     #[test]
     fn the_shape_index_distinguishes_saddles_troughs_and_bowls() {
@@ -142,14 +136,14 @@ mod tests {
         assert_eq!((modified_shape_index([1.0, 1.0]), modified_shape_index([0.0, 0.0])), (0.5, 0.5));
     }
 
-    /// The descriptors of these points, in the order of their neighbourhoods, and how far each is from the middle.
-    fn all_described(points_m: &[[f64; 3]], pairs: Pairs, max_points: usize) -> Vec<(f64, Descriptor)> {
+    /// The descriptor in the middle of these points.
+    fn described(points_m: &[[f64; 3]]) -> Descriptor {
         let surface =
             SurfaceParams { radius_m: 0.75, max_neighbors: 99, damping: 0.0, normals: NormalSigns::Up };
         let keypoint = KeypointParams { min_sphere: 0.0, max_sphere: 4.0 };
         let params = DescriptorParams {
-            angles: AngleParams { pairs, signs: AngleSigns::Count },
-            max_points,
+            angles: AngleParams { pairs: Pairs::All, signs: AngleSigns::Count },
+            max_points: 99,
             small_scale: 0.5,
             large_scale: 1.0,
             volume: VolumeScale::Cubic,
@@ -159,24 +153,10 @@ mod tests {
         let mut surfaces = LocalSurfaces::default();
         surfaces.fill(&around, &surface);
         let mut describer = PatchDescriber::default();
-        let mut describe =
-            |it: u32| describer.describe(&around, surfaces.surfaces(), it, &surface, &keypoint, &params);
-        (0..).zip(around.points_m()).map(|(it, at_m)| (dot(*at_m, *at_m), describe(it))).collect()
-    }
-
-    /// The descriptor in the middle of these points.
-    fn described(points_m: &[[f64; 3]]) -> Descriptor {
-        let all = all_described(points_m, Pairs::All, 99);
-        all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap().1
-    }
-
-    #[test]
-    fn keypoints_among_too_many_points_have_their_pairs() {
-        let steps = || (-2..=2).map(|it| f64::from(it) * 0.1);
-        let sheet: Vec<[f64; 3]> = steps().flat_map(|x| steps().map(move |y| [x, y, x * y])).collect();
-        for (_, descriptor) in all_described(&sheet, Pairs::OfKeypoint, 5) {
-            assert!((descriptor[..N_ANGLE_BINS].iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        }
+        let from_middle = |it: &[f64; 3]| dot(*it, *it);
+        let all = (0..).zip(around.points_m());
+        let middle = all.min_by(|a, b| from_middle(a.1).total_cmp(&from_middle(b.1))).unwrap().0;
+        describer.describe(&around, surfaces.surfaces(), middle, &surface, &keypoint, &params)
     }
 
     #[test]

@@ -38,8 +38,6 @@ pub enum PatternKind {
     /// Its graph: the labels of its four vertices without order, with the height of their mean and the volume that they
     /// span. The paper's.
     Graph,
-    /// Its graph, with its own label apart from the other three.
-    CenteredGraph,
     /// Its own label and height: a bag of words, without graphs.
     Keypoint,
     /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose
@@ -59,7 +57,6 @@ impl Pattern {
     fn new(kind: PatternKind, [height_bin, volume_bin]: [u8; 2], labels: [u8; N_VERTICES]) -> Self {
         let kind = match kind {
             PatternKind::Graph => 0,
-            PatternKind::CenteredGraph => 1,
             PatternKind::Keypoint => 2,
             PatternKind::Extents => 3,
             PatternKind::Form => 4,
@@ -94,7 +91,7 @@ impl Pattern {
     }
 }
 
-/// Number of kinds of patterns.
+/// Number of kinds of patterns; 1 stands for none of today's.
 pub const N_KINDS: usize = 5;
 /// Divisions of shape statistics into wide bins, and how many edges a wide bin spans.
 const N_DIVISIONS: usize = 3;
@@ -198,7 +195,6 @@ fn pattern_of(
     let bins = [bin_of(mean_height_m, &params.height_edges_m), volume_bin];
     match kind {
         PatternKind::Graph => labels.sort_unstable(),
-        PatternKind::CenteredGraph => labels[1..].sort_unstable(),
         PatternKind::Keypoint => {
             let height_m = vertices[0].map_or(0.0, |it| it.position_m[2]);
             let bins = [bin_of(height_m, &params.height_edges_m), ANY];
@@ -315,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn the_labels_of_a_graph_have_no_order_but_that_of_its_center_may_stand_apart() {
+    fn the_labels_of_a_graph_have_no_order() {
         let row = [
             keypoint(0.0, 0.0, 7),
             keypoint(1.0, 0.0, 3),
@@ -333,7 +329,7 @@ mod tests {
         assert_eq!(patterns.graphs()[0], [0, 1, 2, 3]);
         assert_eq!(patterns.graphs()[2], [2, 1, 3, 0]);
         check(&row[..4], PatternKind::Graph, &[[0, 0, 1, 3, 5, 7]; 4]);
-        check(&row[..2], PatternKind::CenteredGraph, &[[0, 0, 7, 3, 255, 255], [0, 0, 3, 7, 255, 255]]);
+        check(&row[..2], PatternKind::Graph, &[[0, 0, 3, 7, 255, 255]; 2]);
     }
 
     #[test]

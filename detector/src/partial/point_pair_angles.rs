@@ -7,7 +7,7 @@ use super::principal_frame::{cross, difference, dot};
 /// Number of bins: two for each of three angles.
 pub const N_ANGLE_BINS: usize = 8;
 
-/// Tuning of [`point_feature_histogram`].
+/// What model files say of [`point_feature_histogram`], which has no choices.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AngleParams {
@@ -23,8 +23,6 @@ pub struct AngleParams {
 pub enum Pairs {
     /// All, as in the histogram that the paper names.
     All,
-    /// Those of the keypoint with every other point, as in its fast form.
-    OfKeypoint,
 }
 
 /// Whether the signs of normals count.
@@ -33,9 +31,6 @@ pub enum Pairs {
 pub enum AngleSigns {
     /// Each angle has a bin for either sign.
     Count,
-    /// Normals have no sign: each angle has a bin for its small and for its large amounts, parted at 1/2 for the cosines and
-    /// at 45 degrees for θ.
-    Folded,
 }
 
 /// The shares of the pairs in the bins of α, φ and θ together, α in the highest bit; all 0 if there is no pair.
@@ -45,29 +40,12 @@ pub enum AngleSigns {
 /// u·n_t)`. v is a unit vector; a pair whose d lies along u has none and is left out, and so is one of the same position.
 ///
 /// Paper: BG section 3.1, equations 2 and 3 (which print `w·n_t` for α).
-pub fn point_feature_histogram(
-    keypoint_idx: usize,
-    positions_m: &[[f64; 3]],
-    normals: &[[f64; 3]],
-    params: &AngleParams,
-) -> [f64; N_ANGLE_BINS] {
+pub fn point_feature_histogram(positions_m: &[[f64; 3]], normals: &[[f64; 3]]) -> [f64; N_ANGLE_BINS] {
     let mut counts = [0_u32; N_ANGLE_BINS];
-    let mut count = |a: usize, b: usize| {
-        if let Some(bin) = bin_of([positions_m[a], positions_m[b]], [normals[a], normals[b]], params.signs) {
-            counts[bin] += 1;
-        }
-    };
-    match params.pairs {
-        Pairs::All => {
-            for b in 0..positions_m.len() {
-                for a in 0..b {
-                    count(a, b);
-                }
-            }
-        }
-        Pairs::OfKeypoint => {
-            for other in (0..positions_m.len()).filter(|&it| it != keypoint_idx) {
-                count(keypoint_idx, other);
+    for b in 0..positions_m.len() {
+        for a in 0..b {
+            if let Some(bin) = bin_of([positions_m[a], positions_m[b]], [normals[a], normals[b]]) {
+                counts[bin] += 1;
             }
         }
     }
@@ -78,11 +56,8 @@ pub fn point_feature_histogram(
 /// The sine of the least angle: of a line to a normal, for there to be a plane through both, and of an angle with a sign.
 const LEAST_SINE: f64 = 1e-6;
 
-fn bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns) -> Option<usize> {
-    match signs {
-        AngleSigns::Count => clear_signs(ends_m, normals).or_else(|| exact_bin_of(ends_m, normals, signs)),
-        AngleSigns::Folded => exact_bin_of(ends_m, normals, signs),
-    }
+fn bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2]) -> Option<usize> {
+    clear_signs(ends_m, normals).or_else(|| exact_bin_of(ends_m, normals))
 }
 
 /// A sine or cosine above this is too large for rounding to change its sign.
@@ -111,7 +86,7 @@ fn clear_signs(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2]) -> Option<usize> {
     are_clear.then_some(bits[0] << 2 | bits[1] << 1 | bits[2])
 }
 
-fn exact_bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns) -> Option<usize> {
+fn exact_bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2]) -> Option<usize> {
     let line = difference(ends_m[1], ends_m[0]);
     let length_m = dot(line, line).sqrt();
     if length_m == 0.0 {
@@ -132,12 +107,9 @@ fn exact_bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns
     }
     let v = v.map(|it| it / sine);
     let w = cross(source, v);
-    let (alpha, [theta_y, theta_x]) = (dot(v, target), [dot(w, target), dot(source, target)]);
-    let bits = match signs {
-        // On a plane all three are nought, but for rounding.
-        AngleSigns::Count => [alpha, phi, theta_y].map(|it| it > -LEAST_SINE),
-        AngleSigns::Folded => [alpha.abs() > 0.5, phi.abs() > 0.5, theta_y.abs() > theta_x.abs()],
-    };
+    let (alpha, theta_y) = (dot(v, target), dot(w, target));
+    // On a plane all three are nought, but for rounding.
+    let bits = [alpha, phi, theta_y].map(|it| it > -LEAST_SINE);
     Some(bits.into_iter().fold(0, |bin, bit| bin << 1 | usize::from(bit)))
 }
 
@@ -147,13 +119,13 @@ mod tests {
     use proptest::prelude::*;
 
     #[track_caller]
-    fn check(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns, expected: Option<usize>) {
-        assert_eq!(bin_of(ends_m, normals, signs), expected);
+    fn check(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], expected: Option<usize>) {
+        assert_eq!(bin_of(ends_m, normals), expected);
         let [a, b] = ends_m;
         let [m, n] = normals;
         // Which of the two comes first does not matter, unless their normals are as near to the line.
         if dot(m, difference(b, a)).abs() != dot(n, difference(b, a)).abs() {
-            assert_eq!(bin_of([b, a], [n, m], signs), expected);
+            assert_eq!(bin_of([b, a], [n, m]), expected);
         }
     }
 
@@ -161,13 +133,11 @@ mod tests {
     fn a_known_pair() {
         // u = z, d = x: v = z × x = y, w = z × y = −x. The target's normal (0, 0.6, 0.8): α = 0.6, φ = 0, θ = atan(0, 0.8).
         let ends = [[0.0; 3], [2.0, 0.0, 0.0]];
-        check(ends, [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]], AngleSigns::Count, Some(0b111));
-        check(ends, [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]], AngleSigns::Folded, Some(0b100));
-        check(ends, [[0.0, 0.0, 1.0], [0.0, -0.6, 0.8]], AngleSigns::Count, Some(0b011));
+        check(ends, [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]], Some(0b111));
+        check(ends, [[0.0, 0.0, 1.0], [0.0, -0.6, 0.8]], Some(0b011));
         // Here the second is the source: its normal leans to the line. u = (0.8, 0, 0.6), d = −x, v = u × d = (0, −0.6, 0) →
         // −y, w = u × −y = (0.6, 0, −0.8); φ = −0.8, α = 0, θ = atan(−0.8, 0.6).
-        check(ends, [[0.0, 0.0, 1.0], [0.8, 0.0, 0.6]], AngleSigns::Folded, Some(0b011));
-        check(ends, [[0.0, 0.0, 1.0], [0.8, 0.0, 0.6]], AngleSigns::Count, Some(0b100));
+        check(ends, [[0.0, 0.0, 1.0], [0.8, 0.0, 0.6]], Some(0b100));
     }
 
     proptest! {
@@ -182,11 +152,11 @@ mod tests {
             let unit = |it: [f64; 3]| it.map(|value| value / dot(it, it).sqrt().max(1e-9));
             for (ends_m, normals) in [(ends_m, normals), (ends_m.map(flat), normals), (ends_m, normals.map(flat))] {
                 let normals = normals.map(unit);
-                let exact = exact_bin_of(ends_m, normals, AngleSigns::Count);
+                let exact = exact_bin_of(ends_m, normals);
                 if let Some(clear) = clear_signs(ends_m, normals) {
                     prop_assert_eq!(Some(clear), exact);
                 }
-                prop_assert_eq!(bin_of(ends_m, normals, AngleSigns::Count), exact);
+                prop_assert_eq!(bin_of(ends_m, normals), exact);
             }
         }
     }
@@ -201,21 +171,16 @@ mod tests {
     #[test]
     fn pairs_without_a_frame_are_left_out() {
         let up = [0.0, 0.0, 1.0];
-        check([[0.0; 3], [0.0, 0.0, 1.0]], [up, up], AngleSigns::Count, None);
-        check([[1.0; 3], [1.0; 3]], [up, [1.0, 0.0, 0.0]], AngleSigns::Count, None);
+        check([[0.0; 3], [0.0, 0.0, 1.0]], [up, up], None);
+        check([[1.0; 3], [1.0; 3]], [up, [1.0, 0.0, 0.0]], None);
     }
 
     #[test]
     fn shares_add_up_to_one_or_are_nothing() {
-        let params = |pairs| AngleParams { pairs, signs: AngleSigns::Count };
         let positions_m = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let normals = [[0.0, 0.0, 1.0]; 3];
-        let flat = point_feature_histogram(0, &positions_m, &normals, &params(Pairs::All));
+        let flat = point_feature_histogram(&positions_m, &normals);
         assert_eq!(flat, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
-        assert_eq!(point_feature_histogram(1, &positions_m, &normals, &params(Pairs::OfKeypoint)), flat);
-        assert_eq!(
-            point_feature_histogram(0, &positions_m[..1], &normals[..1], &params(Pairs::All)),
-            [0.0; N_ANGLE_BINS]
-        );
+        assert_eq!(point_feature_histogram(&positions_m[..1], &normals[..1]), [0.0; N_ANGLE_BINS]);
     }
 }

@@ -64,6 +64,8 @@ pub enum Metric {
     ReferenceTime,
     /// Time of detection over that of the reference, of the shortest of all repetitions: geometric mean over scans.
     TimeRatio,
+    /// How well objects are classified of which a part has been seen.
+    Partial(PartialMetric),
     /// Median time of the stage of this name.
     StageP50(String),
     /// A number under a protocol of others.
@@ -79,6 +81,22 @@ pub struct ProtocolMetricName {
     pub unit: &'static str,
     /// Which way is better.
     pub direction: Direction,
+}
+
+/// A number of partly seen objects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum PartialMetric {
+    /// The mean of the recalls of the learnt classes.
+    MeanRecall,
+    /// The share of objects of no learnt class that are classified as none of these.
+    StrangersRejected,
+    /// The share of objects of the learnt classes that are classified as none of these.
+    KnownRejected,
+}
+
+impl PartialMetric {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::MeanRecall, Self::StrangersRejected, Self::KnownRejected];
 }
 
 /// At which recalls precision is looked up for an average precision.
@@ -253,6 +271,9 @@ static METRICS: &[Declared] = {
         (Metric::FailedScans, "failed_scans", "count", Lower, NotOfSums),
         (Metric::ReferenceTime, "reference_ms", "ms", Neither, GeometricMean(LogReference, TimedScans)),
         (Metric::TimeRatio, "time_over_reference", "times", Lower, GeometricMean(LogTimeRatio, TimedScans)),
+        (Metric::Partial(PartialMetric::MeanRecall), "mean_recall", "ratio", Higher, NotOfSums),
+        (Metric::Partial(PartialMetric::StrangersRejected), "strangers_rejected", "ratio", Higher, NotOfSums),
+        (Metric::Partial(PartialMetric::KnownRejected), "known_rejected", "ratio", Lower, NotOfSums),
     ]
 };
 

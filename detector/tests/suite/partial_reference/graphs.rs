@@ -88,7 +88,6 @@ pub fn bag(
             _ => graphs.len() as f64,
         };
         *count = match params.bag.counts {
-            CountScaling::Raw => *count,
             CountScaling::Share => *count / n,
             CountScaling::RootShare => (*count / n).sqrt(),
         };
@@ -239,10 +238,6 @@ fn pattern(vertices: &[Vertex], graph: &[usize], kind: PatternKind, model: &Part
         PatternKind::Graph => {
             labels.sort_unstable();
             0
-        }
-        PatternKind::CenteredGraph => {
-            labels[1..].sort_unstable();
-            1
         }
         PatternKind::Keypoint | PatternKind::Extents | PatternKind::Form => 2,
     };

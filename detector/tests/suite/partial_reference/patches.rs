@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use detector::partial::partial_params::PartialParams;
 use detector::partial::patch_descriptor::VolumeScale;
-use detector::partial::point_pair_angles::{AngleSigns, Pairs};
 use nalgebra::Vector3;
 
 use super::points::{neighbors, vector};
@@ -53,13 +52,8 @@ pub fn descriptor(
             (Some(small), Some(large)) => small.dot(&large).abs().min(1.0),
             _ => 1.0,
         };
-    let mut patch = neighbors(points_m, center_m, radius_m, params.descriptor.max_points);
-    if params.descriptor.angles.pairs == Pairs::OfKeypoint && !patch.contains(&point_idx) {
-        let n_before = patch.iter().filter(|&&it| it < point_idx).count();
-        let index = n_before.min(patch.len() - 1);
-        patch[index] = point_idx;
-    }
-    let bins = histogram(points_m, surfaces, &patch, point_idx, params);
+    let patch = neighbors(points_m, center_m, radius_m, params.descriptor.max_points);
+    let bins = histogram(points_m, surfaces, &patch);
     let [k1, k2] = surfaces[point_idx].curvatures;
     let shape_index = if k1 == k2 { 0.5 } else { (((k1 + k2) / (k1 - k2)).atan() / PI).abs() };
     let volume_m3 = hull_volume(&patch.iter().map(|&it| vector(points_m[it])).collect::<Vec<_>>());
@@ -78,27 +72,13 @@ pub fn descriptor(
     values
 }
 
-fn histogram(
-    points_m: &[[f64; 3]],
-    surfaces: &[Surface],
-    patch: &[usize],
-    keypoint: usize,
-    params: &PartialParams,
-) -> [f64; 8] {
+fn histogram(points_m: &[[f64; 3]], surfaces: &[Surface], patch: &[usize]) -> [f64; 8] {
     let mut counts = [0.0; 8];
     for (index, &b) in patch.iter().enumerate() {
         for &a in &patch[..index] {
-            if params.descriptor.angles.pairs == Pairs::All || a == keypoint || b == keypoint {
-                let [m, n] = [a, b].map(|it| (vector(points_m[it]), surfaces[it].normal));
-                // In the fast form the keypoint comes first.
-                let [m, n] = if params.descriptor.angles.pairs == Pairs::OfKeypoint && b == keypoint {
-                    [n, m]
-                } else {
-                    [m, n]
-                };
-                if let Some(bin) = bin(m, n, params.descriptor.angles.signs) {
-                    counts[bin] += 1.0;
-                }
+            let [m, n] = [a, b].map(|it| (vector(points_m[it]), surfaces[it].normal));
+            if let Some(bin) = bin(m, n) {
+                counts[bin] += 1.0;
             }
         }
     }
@@ -108,7 +88,7 @@ fn histogram(
 
 type PointWithNormal = (Vector3<f64>, Vector3<f64>);
 
-fn bin(a: PointWithNormal, b: PointWithNormal, signs: AngleSigns) -> Option<usize> {
+fn bin(a: PointWithNormal, b: PointWithNormal) -> Option<usize> {
     let line = b.0 - a.0;
     let is_b_nearer = b.1.dot(&line).abs() > a.1.dot(&line).abs();
     let ((from_m, source), (to_m, target)) = if is_b_nearer { (b, a) } else { (a, b) };
@@ -119,13 +99,7 @@ fn bin(a: PointWithNormal, b: PointWithNormal, signs: AngleSigns) -> Option<usiz
     let theta = w.dot(&target).atan2(source.dot(&target));
     // What rounding makes of nought is nought.
     let is_positive = |it: f64| it > -1e-6;
-    let bits = match signs {
-        AngleSigns::Count => [is_positive(alpha), is_positive(phi), is_positive(theta.sin())],
-        AngleSigns::Folded => {
-            let from_line = theta.abs().min(PI - theta.abs());
-            [alpha.abs() > 0.5, phi.abs() > 0.5, from_line > PI / 4.0]
-        }
-    };
+    let bits = [is_positive(alpha), is_positive(phi), is_positive(theta.sin())];
     Some(4 * usize::from(bits[0]) + 2 * usize::from(bits[1]) + usize::from(bits[2]))
 }
 

@@ -75,9 +75,7 @@ impl Method {
         let variants: [Variant<'_>; 12] = [
             (OURS, &|_| ()),
             ("without graphs", &|it| {
-                it.patterns
-                    .kinds
-                    .retain(|kind| !matches!(kind, PatternKind::Graph | PatternKind::CenteredGraph));
+                it.patterns.kinds.retain(|kind| *kind != PatternKind::Graph);
             }),
             ("without keypoints by themselves", &|it| {
                 it.patterns.kinds.retain(|kind| *kind != PatternKind::Keypoint);
