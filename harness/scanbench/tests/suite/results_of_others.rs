@@ -131,7 +131,7 @@ fn a_gate_refuses_results_of_other_files() {
     assert_eq!(refused.exit_code, Some(5), "{refused:#?}");
     refused.check_stderr(&["the results of deep changed: their checksums differ"]);
     let compared = workplace.succeed("compare first other").stdout;
-    assert!(compared.contains("The results of these changed before they were judged: deep."), "{compared}");
+    assert!(compared.contains("The given detections changed: deep."), "{compared}");
 }
 
 #[test]

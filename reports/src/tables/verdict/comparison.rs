@@ -210,7 +210,13 @@ fn of_protocol(
 
 impl Tabular for Comparison {
     fn sheet(&self) -> Sheet {
-        Sheet::of(format!("{}.", self.title), self.grid(), self.sentences()).labelled("comparison")
+        let title = format!("{}.", self.title);
+        let sheet = if self.differences.is_empty() {
+            Sheet::of_parts(Vec::new(), [vec![title], self.sentences()].concat())
+        } else {
+            Sheet::of(title, self.grid(), self.sentences())
+        };
+        sheet.labelled("comparison")
     }
 }
 
@@ -231,17 +237,16 @@ impl Comparison {
                 let [first, second] = self.sides();
                 about_differences(&format!("{second} − {first}"), kind)
             }
+            None if self.differences.is_empty() => {
+                "There are no numbers to compare: the scans have no labels.".to_owned()
+            }
             None => "There is only one block of scans, so there is no interval.".to_owned(),
         };
         let about_new = (!self.new_detectors.is_empty()).then(|| {
             format!("Not compared, because only the later run has it: {}.", self.new_detectors.join(", "))
         });
-        let about_results = (!self.other_results.is_empty()).then(|| {
-            format!(
-                "The results of these changed before they were judged: {}.",
-                self.other_results.join(", ")
-            )
-        });
+        let about_results = (!self.other_results.is_empty())
+            .then(|| format!("The given detections changed: {}.", self.other_results.join(", ")));
         let about_configuration = about_configuration(&self.configuration_changes);
         let of_sides =
             about_scans.into_iter().chain(about_configuration).chain(about_new).chain(about_results);

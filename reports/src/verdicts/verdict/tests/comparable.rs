@@ -70,5 +70,5 @@ fn results_of_other_files_are_not_gated() {
     );
     // What lies between the two is no secret.
     let comparison = compare_runs(&with("a"), &with("b"), ComparedSlices::All).unwrap();
-    check_holds(&printed(&comparison), "The results of these changed before they were judged: pca.");
+    check_holds(&printed(&comparison), "The given detections changed: pca.");
 }
