@@ -30,7 +30,6 @@ use crate::tables::studies::curve_row::CurveRow;
 use crate::tables::studies::gap_table::GapRow;
 use crate::tables::studies::robustness_table::ConditionRow;
 use crate::tables::verdict::comparison::DifferenceRow;
-use crate::tables::verdict::partial_comparison::PartialDifferenceRow;
 use crate::verdicts::fitness_verdict::FitnessVerdict;
 
 /// JSON files with their schemas (JSON Schema 2020-12), as they are written.
@@ -80,7 +79,6 @@ pub fn csv_files() -> Vec<(&'static str, &'static str, &'static [CsvField])> {
         file::<BoxPointsRow>("boxes", "box_points.csv"),
         file::<BoxErrorRow>("boxes", "box_errors.csv"),
         file::<PartialRow>("partial", "partial.csv"),
-        file::<PartialDifferenceRow>("compare of partial", "comparison.csv"),
         file::<CurveRow>("data realism", "realism.csv"),
         file::<ImportanceRow>("train", "importance.csv"),
         file::<CalibrationRow>("train", "calibration.csv"),

@@ -69,6 +69,8 @@ named! {
         Both = "drives and seconds",
         /// Single objects, each in all scans that show it, where a number is of objects and drives are too few.
         Tracks = "tracks",
+        /// Single objects, each with all parts of it that are seen.
+        Objects = "objects",
         /// Blocks that the user has named.
         Named = "named blocks",
         /// Single scans of which nobody knows when they were taken: they may be neighbours, and nothing may rest on an
@@ -140,10 +142,11 @@ impl BlockCount {
         self.are_too_few().then(|| format!("{} {verb} too few", self.counted()))
     }
 
-    fn counted(self) -> String {
+    /// How many of what, such as `7 blocks of scans`.
+    pub fn counted(self) -> String {
         let what = match (self.kind, self.n_blocks) {
-            (BlockKind::Tracks, 1) => "object",
-            (BlockKind::Tracks, _) => "objects",
+            (BlockKind::Tracks | BlockKind::Objects, 1) => "object",
+            (BlockKind::Tracks | BlockKind::Objects, _) => "objects",
             (_, 1) => "block of scans",
             _ => "blocks of scans",
         };

@@ -14,7 +14,7 @@ use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
 /// The numbers of a run.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(try_from = "ReportRecord")]
 pub struct RunReport {
     // Invariant: no two rows have the same subject and metric.

@@ -5,7 +5,6 @@ use maud::{Markup, html};
 use super::markup::commands;
 use crate::run_folder::command_line::shell_word;
 use crate::run_folder::manifest::{GitState, Manifest};
-use crate::run_folder::partial_manifest::PartialManifest;
 
 /// What made a result.
 pub(super) struct Made<'a> {
@@ -18,16 +17,15 @@ pub(super) struct Made<'a> {
 }
 
 impl<'a> Made<'a> {
-    /// A run.
-    pub(super) fn run(it: &'a Manifest) -> Self {
-        let Manifest { argv, scanbench_version: version, created, git, scoring_version, .. } = it;
-        Self { argv, version, created, git: git.as_ref(), note: format!("scoring version {scoring_version}") }
-    }
-
-    /// A result of `scanbench partial`.
-    pub(super) fn partial(it: &'a PartialManifest) -> Self {
-        let PartialManifest { argv, scanbench_version: version, created, git, .. } = it;
-        Self { argv, version, created, git: git.as_ref(), note: "partial clouds".to_owned() }
+    /// The result of this manifest.
+    pub(super) fn of(it: &'a Manifest) -> Self {
+        let Manifest { argv, scanbench_version: version, created, git, scoring_version, partial, .. } = it;
+        let note = if partial.is_some() {
+            "partial clouds".to_owned()
+        } else {
+            format!("scoring version {scoring_version}")
+        };
+        Self { argv, version, created, git: git.as_ref(), note }
     }
 
     /// The command for whoever has the program, the same for whoever has the source, and what to cite.
@@ -73,13 +71,13 @@ impl<'a> Made<'a> {
 mod tests {
     use super::*;
     use crate::files::texts::check_holds;
-    use crate::run_folder::partial_manifest::tests::manifest;
+    use crate::run_folder::manifest::tests::partial_manifest;
 
     #[test]
     fn whoever_has_the_program_can_repeat_and_cite_it() {
-        let mut manifest = manifest();
+        let mut manifest = partial_manifest();
         manifest.git = Some(GitState { commit: "f00d".to_owned(), dirty: false });
-        let made = Made::partial(&manifest);
+        let made = Made::of(&manifest);
         let text = made.markup().into_string();
         let command = "<code>scanbench partial 'it'\\''s &lt;here&gt;'</code>";
         assert!(text.contains(command) && text.contains("git checkout f00d"), "{text}");

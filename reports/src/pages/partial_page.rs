@@ -14,8 +14,9 @@ use crate::files::whole_file::write_whole;
 use crate::partial_study::partial_curves::PartialCurve;
 use crate::plots::figure::Figure;
 use crate::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
-use crate::run_folder::partial_archive::PartialArchive;
-use crate::run_folder::partial_manifest::PartialManifest;
+use crate::run_folder::manifest::Manifest;
+use crate::run_folder::partial_entry::PartialEntry;
+use crate::run_folder::run_archive::RunArchive;
 use crate::run_folder::run_directory::{PARTIAL_RRD, REPORT_HTML};
 use crate::tables::sheet::Tabular as _;
 use crate::tables::studies::partial_findings::{judged_objects, partial_findings, partial_heading};
@@ -35,25 +36,26 @@ impl PartialPage {
     ///
     /// [`ArchiveError`] if a file is missing or damaged.
     pub fn of(directory: &Path, method: &str) -> Result<Self, ArchiveError> {
-        let PartialArchive { manifest, rows } = PartialArchive::read(directory)?;
-        let curves = PartialCurve::all(&rows);
-        let n_objects = n_objects(&manifest, &curves);
-        let found = partial_findings(&manifest, &curves, method);
+        let RunArchive { manifest, objects, .. } = RunArchive::read(directory)?;
+        let partial = manifest.partial.clone().unwrap_or_default();
+        let (curves, title) = (PartialCurve::all(&objects), partial.title());
+        let n_objects = n_objects(&partial, &curves);
+        let found = partial_findings(&partial, &curves, method);
         let has_recording = directory.join(PARTIAL_RRD).is_file();
         let sections = html! {
             header {
                 p.kicker { "scanbench" }
                 h1 { "What is it, when only a part has been seen?" }
-                p.facts { (manifest.title()) " " (n_objects) " objects, each in growing parts." }
+                p.facts { (title) " " (n_objects) " objects, each in growing parts." }
             }
             (verdict(&curves, method, &found))
-            (figure("accuracy", partial_heading(&curves, method), &partial_accuracy_plot(&curves, &manifest.title()),
+            (figure("accuracy", partial_heading(&curves, method), &partial_accuracy_plot(&curves, &title),
                 "The mean of recalls over the steps, with 95 % intervals over objects."))
-            (tables(&manifest, &curves, method))
+            (tables(&title, &curves, method))
             (errors(&curves, method))
-            (figure("calibration", "How sure, and how often right", &partial_calibration_plot(&curves, &manifest.title()),
+            (figure("calibration", "How sure, and how often right", &partial_calibration_plot(&curves, &title),
                 "Decisions by the chance that they were given, and the share of them that was right; on the thin line both are the same."))
-            (reproduction(&manifest, has_recording))
+            (reproduction(&manifest, &partial, has_recording))
         };
         Ok(Self { html: document("partial clouds", &SECTIONS, &sections).into_string() })
     }
@@ -78,8 +80,8 @@ const SECTIONS: [(&str, &str); 6] = [
     ("reproduce", "Reproduce"),
 ];
 
-fn n_objects(manifest: &PartialManifest, curves: &[PartialCurve]) -> u64 {
-    let sets: BTreeSet<&str> = manifest.sets.iter().map(|it| it.judged.id.as_str()).collect();
+fn n_objects(partial: &PartialEntry, curves: &[PartialCurve]) -> u64 {
+    let sets: BTreeSet<&str> = partial.sets.iter().map(|it| it.judged.id.as_str()).collect();
     sets.into_iter().flat_map(|it| judged_objects(curves, it).into_values()).sum()
 }
 
@@ -119,9 +121,8 @@ fn picture(name: &str, figure: &Figure, caption: &str) -> Markup {
     wide_picture(name, &figure.panel(name.to_owned()).inline(), &html! { (caption) })
 }
 
-fn tables(manifest: &PartialManifest, curves: &[PartialCurve], method: &str) -> Markup {
-    let title = manifest.title();
-    let sheet = PartialTable { title: &title, curves, method, found: &[] }.sheet();
+fn tables(title: &str, curves: &[PartialCurve], method: &str) -> Markup {
+    let sheet = PartialTable { title, curves, method, found: &[] }.sheet();
     html! {
         section #tables aria-label="Tables" {
             h2 { "Tables" }
@@ -153,15 +154,15 @@ fn errors(curves: &[PartialCurve], method: &str) -> Markup {
     }
 }
 
-fn reproduction(manifest: &PartialManifest, has_recording: bool) -> Markup {
+fn reproduction(manifest: &Manifest, partial: &PartialEntry, has_recording: bool) -> Markup {
     html! {
         section #reproduce aria-label="Reproduce" {
             h2 { "Reproduce" }
-            (Made::partial(manifest).markup())
-            @for model in manifest.sets.iter().filter_map(|it| it.model.as_ref()).take(1) {
+            (Made::of(manifest).markup())
+            @for model in partial.sets.iter().filter_map(|it| it.model.as_ref()).take(1) {
                 p { "The model " (model.name) " was made by " code { (model.made_by) } " of " (model.data.join(", ")) "." }
             }
-            @for (name, checksum) in &manifest.peers {
+            @for (name, checksum) in &partial.peers {
                 p { "The results of " (name) " are those of another program; SHA-256 of its file: " code { (checksum) } }
             }
             @if has_recording {
@@ -176,7 +177,7 @@ mod tests {
     use super::*;
     use crate::files::csv_rows::to_csv_bytes;
     use crate::partial_study::partial_curves::tests::rows;
-    use crate::run_folder::partial_manifest::tests::manifest;
+    use crate::run_folder::manifest::tests::partial_manifest;
     use crate::run_folder::run_directory::PARTIAL_CSV;
     use crate::run_folder::run_target::MANIFEST_JSON;
 
@@ -184,14 +185,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, content: &[u8]| std::fs::write(folder.path().join(name), content).unwrap();
         write(PARTIAL_CSV, &to_csv_bytes(&rows()).unwrap());
-        write(MANIFEST_JSON, manifest().to_json().as_bytes());
+        write(MANIFEST_JSON, partial_manifest().to_json().as_bytes());
         folder
     }
 
     #[test]
     fn a_page_has_figures_tables_and_how_to_make_it_again() {
         let folder = result();
-        assert!(PartialArchive::is_partial(folder.path()));
         let page = PartialPage::of(folder.path(), "graphs").unwrap();
         for part in [
             "street (simulated), classified by the shipped model",

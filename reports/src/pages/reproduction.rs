@@ -13,7 +13,7 @@ pub(super) fn reproduction(facts: &RunFacts) -> Markup {
     html! {
         section #reproduce aria-labelledby="reproduce-title" {
             h2 #reproduce-title { "Reproduce" }
-            (Made::run(manifest).markup())
+            (Made::of(manifest).markup())
             @match &manifest.git {
                 Some(git) if git.dirty => p { "The source had uncommitted changes, so the numbers may differ." },
                 Some(_) => p { "All numbers are reproduced to the last digit, except times." },

@@ -5,54 +5,8 @@ use std::collections::BTreeMap;
 use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
 use crate::rows::partial_row::{PartialRow, Predicted};
 use crate::uncertainty::bootstrap::{Distribution, N_RESAMPLES, Resamples};
+use crate::vocabulary::metric::PartialMetric;
 use crate::vocabulary::partial_class::PartialClass;
-
-/// A number of one method at one step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum PartialMetric {
-    /// The mean of the recalls of the learnt classes.
-    MeanRecall,
-    /// The share of objects of no learnt class that are classified as none of these.
-    StrangersRejected,
-    /// The share of objects of the learnt classes that are classified as none of these.
-    KnownRejected,
-}
-
-impl PartialMetric {
-    /// All.
-    pub const ALL: [Self; 3] = [Self::MeanRecall, Self::StrangersRejected, Self::KnownRejected];
-
-    /// The name used in files.
-    pub fn id(self) -> &'static str {
-        match self {
-            Self::MeanRecall => "mean_recall",
-            Self::StrangersRejected => "strangers_rejected",
-            Self::KnownRejected => "known_rejected",
-        }
-    }
-
-    /// What people read.
-    pub fn in_words(self) -> &'static str {
-        match self {
-            Self::MeanRecall => "mean of recalls",
-            Self::StrangersRejected => "strangers rejected",
-            Self::KnownRejected => "known rejected",
-        }
-    }
-
-    /// 1 if more is worse, -1 if less is.
-    pub fn sign_of_worse(self) -> f64 {
-        match self {
-            Self::MeanRecall | Self::StrangersRejected => -1.0,
-            Self::KnownRejected => 1.0,
-        }
-    }
-
-    /// Whether it is about objects of the learnt classes.
-    fn is_of_known(self) -> bool {
-        self != Self::StrangersRejected
-    }
-}
 
 /// The predicted classes of objects at every step, by one method that saw them from one end.
 #[derive(Debug)]
@@ -128,7 +82,7 @@ impl<'a> ObjectDraws<'a> {
     }
 
     fn drawn(&self, metric: PartialMetric) -> &Drawn<'a> {
-        if metric.is_of_known() { &self.known } else { &self.strangers }
+        if metric == PartialMetric::StrangersRejected { &self.strangers } else { &self.known }
     }
 
     /// For each class that the metric is a mean over: numerator and denominator for every object, in their order.
@@ -160,7 +114,7 @@ impl<'a> Drawn<'a> {
             let object = objects.entry(&row.object).or_insert_with(|| (row.true_class, BTreeMap::new()));
             object.1.insert(row.step, row.predicted);
         }
-        let blocks = BlockCount::of_dataset(objects.len() as u64, BlockKind::Tracks);
+        let blocks = BlockCount::of_dataset(objects.len() as u64, BlockKind::Objects);
         Self { resamples: Resamples::draw(data, blocks), objects }
     }
 }

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::numbers::blocks::Interval;
-use crate::partial_study::object_draws::{ObjectDraws, PartialMetric};
+use crate::partial_study::object_draws::ObjectDraws;
 use crate::rows::partial_row::{PartialRow, Predicted};
+use crate::vocabulary::metric::PartialMetric;
 use crate::vocabulary::partial_class::PartialClass;
 
 /// The objects of one class at one step.

@@ -5,7 +5,7 @@ use crate::reproduction::sensitivity::{Sensitivity, SetRate, quantiles};
 use crate::tables::studies::ablation_table::AblationTable;
 use crate::tables::studies::robustness_table::ConditionScores;
 use crate::tables::verdict::comparison::Comparison;
-use crate::vocabulary::metric::Metric;
+use crate::vocabulary::metric::{Metric, PartialMetric};
 use crate::vocabulary::task::Task;
 
 const F_RATE: &str = "F-rate, % (bars: 95 % interval)";
@@ -43,9 +43,15 @@ pub fn robustness_plot(conditions: &[ConditionScores]) -> String {
     study_plot("F-rate under each condition (simulated)", F_RATE, &parts)
 }
 
-/// The differences of F-rates, or of recalls where that is undefined.
+/// The differences of F-rates, or of recalls where that is undefined; of partly seen objects those of the mean recall.
 pub fn comparison_plot(comparison: &Comparison) -> String {
-    let parts = [(Metric::FRate, "F-rate"), (Metric::Recall, "recall")].map(|(metric, name)| {
+    let mean_recall = Metric::Partial(PartialMetric::MeanRecall);
+    let drawn = if comparison.differences.iter().any(|it| it.difference.metric == mean_recall) {
+        vec![(mean_recall, "mean of recalls")]
+    } else {
+        vec![(Metric::FRate, "F-rate"), (Metric::Recall, "recall")]
+    };
+    let parts = drawn.into_iter().map(|(metric, name)| {
         let of_metric = comparison.differences.iter().filter(|it| it.difference.metric == metric);
         let rows = of_metric.map(|it| {
             let name = format!("{}, {}, {}", it.task, it.detector, it.slice);
@@ -53,6 +59,7 @@ pub fn comparison_plot(comparison: &Comparison) -> String {
         });
         (format!("After minus before, {name}"), rows.collect())
     });
+    let parts: Vec<_> = parts.collect();
     study_plot(&comparison.title, "difference, percentage points (bars: 95 % interval)", &parts)
 }
 

@@ -1,57 +1,25 @@
 //! What shards say of themselves, as far as all of one run, or of one study, have to say the same.
 
-use serde::Serialize;
-
-use crate::files::archive::pretty_json;
 use crate::run_folder::detector_changes::detector_changes;
-use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, GitState, Manifest};
-use crate::run_folder::partial_manifest::PartialManifest;
-use crate::run_folder::shard_record::ShardRecord;
+use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
+use crate::run_folder::partial_entry::{PartialEntry, PartialSet};
 
-/// A manifest of what may be made in parts.
-pub trait MadeInShards: Serialize {
-    /// The content of `manifest.json`.
-    fn to_json(&self) -> String {
-        pretty_json(self)
+impl Manifest {
+    /// Ids of the data sets, and how many scans or objects of each are shared out.
+    pub fn selected(&self) -> Vec<(&str, u64)> {
+        let of_objects = self.sets().map(|it| {
+            let n_objects = it.judged.objects.values().sum::<usize>();
+            (it.judged.id.as_str(), n_objects as u64)
+        });
+        self.datasets.iter().map(|it| (it.id.as_str(), it.n_scans)).chain(of_objects).collect()
     }
 
-    /// Which part it is; `None` of a whole.
-    fn shard(&self) -> Option<&ShardRecord>;
-
-    /// Version of the rules of judging; `None` where there are none.
-    fn scoring_version(&self) -> Option<u32>;
-
-    /// Version and source of the program.
-    fn program(&self) -> (&str, Option<&GitState>);
-
-    /// Ids of the data sets, and how many scans or objects of each are shared out.
-    fn selected(&self) -> Vec<(&str, u64)>;
+    fn sets(&self) -> impl Iterator<Item = &PartialSet> {
+        self.partial.iter().flat_map(|it| &it.sets)
+    }
 
     /// How the data differ from those of `other`, in words; `None` if they do not.
-    fn different_data(&self, other: &Self) -> Option<String>;
-
-    /// How parameters, detectors and methods differ from those of `other`, in words; `None` if they do not.
-    fn different_parameters(&self, other: &Self) -> Option<String>;
-}
-
-impl MadeInShards for Manifest {
-    fn shard(&self) -> Option<&ShardRecord> {
-        self.shard.as_ref()
-    }
-
-    fn scoring_version(&self) -> Option<u32> {
-        Some(self.scoring_version)
-    }
-
-    fn program(&self) -> (&str, Option<&GitState>) {
-        (&self.scanbench_version, self.git.as_ref())
-    }
-
-    fn selected(&self) -> Vec<(&str, u64)> {
-        self.datasets.iter().map(|it| (it.id.as_str(), it.n_scans)).collect()
-    }
-
-    fn different_data(&self, other: &Self) -> Option<String> {
+    pub(super) fn different_data(&self, other: &Self) -> Option<String> {
         if let Some(what) = different_names(self, other) {
             return Some(what);
         }
@@ -60,7 +28,7 @@ impl MadeInShards for Manifest {
         }
         let entries = self.datasets.iter().zip(&other.datasets);
         let of_entries = entries.zip(checksums_of_selected(self).zip(checksums_of_selected(other)));
-        of_entries.into_iter().find_map(|((ours, theirs), (our_scans, their_scans))| {
+        let of_scans = of_entries.into_iter().find_map(|((ours, theirs), (our_scans, their_scans))| {
             let id = &ours.id;
             if ours.checksum != theirs.checksum {
                 return Some(format!("the checksums of {id:?} differ"));
@@ -69,10 +37,12 @@ impl MadeInShards for Manifest {
                 return Some(format!("other scans of {id:?} were selected"));
             }
             (common(ours) != common(theirs)).then(|| format!("{id:?} was opened in another way"))
-        })
+        });
+        of_scans.or_else(|| different_objects(self, other))
     }
 
-    fn different_parameters(&self, other: &Self) -> Option<String> {
+    /// How parameters, detectors and methods differ from those of `other`, in words; `None` if they do not.
+    pub(super) fn different_parameters(&self, other: &Self) -> Option<String> {
         let differing = parameters(self).into_iter().zip(parameters(other));
         if let Some(((what, ours), (_, theirs))) = { differing }.find(|(ours, theirs)| ours != theirs) {
             return Some(format!("{what}: {ours} and {theirs}"));
@@ -92,64 +62,48 @@ impl MadeInShards for Manifest {
         if self.experiment != other.experiment {
             return Some("those of the experiment".to_owned());
         }
-        (self.config != other.config).then(|| "those of the configuration".to_owned())
+        if self.config != other.config {
+            return Some("those of the configuration".to_owned());
+        }
+        different_judging(self.partial.as_ref()?, other.partial.as_ref()?)
     }
 }
 
-impl MadeInShards for PartialManifest {
-    fn shard(&self) -> Option<&ShardRecord> {
-        self.shard.as_ref()
-    }
-
-    fn scoring_version(&self) -> Option<u32> {
-        None
-    }
-
-    fn program(&self) -> (&str, Option<&GitState>) {
-        (&self.scanbench_version, self.git.as_ref())
-    }
-
-    fn selected(&self) -> Vec<(&str, u64)> {
-        let n_objects = |it: &std::collections::BTreeMap<String, usize>| it.values().sum::<usize>() as u64;
-        self.sets.iter().map(|it| (it.judged.id.as_str(), n_objects(&it.judged.objects))).collect()
-    }
-
-    fn different_data(&self, other: &Self) -> Option<String> {
-        if let Some(what) = different_names(self, other) {
-            return Some(what);
+/// How the judged objects and those that were learned from differ.
+fn different_objects(ours: &Manifest, theirs: &Manifest) -> Option<String> {
+    let sets = ours.sets().zip(theirs.sets());
+    let mut of_sets = sets.zip(checksums_of_selected(ours).zip(checksums_of_selected(theirs)));
+    of_sets.find_map(|((ours, theirs), (our_objects, their_objects))| {
+        let id = &ours.judged.id;
+        if ours.judged != theirs.judged || our_objects != their_objects {
+            return Some(format!("other objects of {id:?} were selected"));
         }
-        let sets = self.sets.iter().zip(&other.sets);
-        let of_sets = sets.zip(checksums_of_selected(self).zip(checksums_of_selected(other)));
-        of_sets.into_iter().find_map(|((ours, theirs), (our_objects, their_objects))| {
-            let id = &ours.judged.id;
-            if ours.judged != theirs.judged || our_objects != their_objects {
-                return Some(format!("other objects of {id:?} were selected"));
-            }
-            let is_same = ours.learned_from == theirs.learned_from && ours.halves == theirs.halves;
-            (!is_same).then(|| format!("{id:?} is judged by what was learned from other objects"))
-        })
-    }
-
-    fn different_parameters(&self, other: &Self) -> Option<String> {
-        let models = |it: &Self| it.sets.iter().map(|it| it.model.clone()).collect::<Vec<_>>();
-        if models(self) != models(other) {
-            return Some("the model".to_owned());
-        }
-        if self.peers != other.peers {
-            return Some("--peer-results".to_owned());
-        }
-        (self.settings != other.settings).then(|| "--others, --drives, --ablation or --trained-on".to_owned())
-    }
+        let is_same = ours.learned_from == theirs.learned_from && ours.halves == theirs.halves;
+        (!is_same).then(|| format!("{id:?} is judged by what was learned from other objects"))
+    })
 }
 
-fn different_names<M: MadeInShards>(ours: &M, theirs: &M) -> Option<String> {
-    let ids = |it: &M| it.selected().iter().map(|(id, _)| (*id).to_owned()).collect::<Vec<_>>().join(", ");
+/// How the model and what was asked for differ.
+fn different_judging(ours: &PartialEntry, theirs: &PartialEntry) -> Option<String> {
+    let models = |it: &PartialEntry| it.sets.iter().map(|it| it.model.clone()).collect::<Vec<_>>();
+    if models(ours) != models(theirs) {
+        return Some("the model".to_owned());
+    }
+    if ours.peers != theirs.peers {
+        return Some("--peer-results".to_owned());
+    }
+    (ours.settings != theirs.settings).then(|| "--others, --drives, --ablation or --trained-on".to_owned())
+}
+
+fn different_names(ours: &Manifest, theirs: &Manifest) -> Option<String> {
+    let ids =
+        |it: &Manifest| it.selected().iter().map(|(id, _)| (*id).to_owned()).collect::<Vec<_>>().join(", ");
     (ids(ours) != ids(theirs)).then(|| format!("{} and {}", ids(ours), ids(theirs)))
 }
 
 /// Of each data set, that of what was selected.
-fn checksums_of_selected<M: MadeInShards>(manifest: &M) -> impl Iterator<Item = &str> {
-    manifest.shard().into_iter().flat_map(|it| &it.parts).map(|it| it.selected.as_str())
+fn checksums_of_selected(manifest: &Manifest) -> impl Iterator<Item = &str> {
+    manifest.shard.iter().flat_map(|it| &it.parts).map(|it| it.selected.as_str())
 }
 
 /// What all shards say of a data set, wherever it lies.

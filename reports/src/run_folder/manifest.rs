@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::files::archive::{ArchiveError, pretty_json, read_json};
 use crate::numbers::pools::{Pool, pools};
 use crate::numbers::tally::{Processors, Tally};
+use crate::run_folder::partial_entry::PartialEntry;
 use crate::run_folder::seen_labels::SeenLabels;
 use crate::run_folder::shard_record::{ShardRecord, processors_of};
 use crate::run_folder::sweep_entry::SweepEntry;
@@ -16,8 +18,7 @@ use crate::vocabulary::origin::Origin;
 use crate::vocabulary::protocol::Protocol;
 
 /// Everything that decides the numbers of a run.
-#[cfg_attr(test, derive(Default))]
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
@@ -32,7 +33,7 @@ pub struct Manifest {
     /// The command line, the program's name first.
     pub argv: Vec<String>,
     /// The configuration after files, defaults and command line were put together.
-    pub config: serde_json::Value,
+    pub config: Value,
     /// The seeds of everything random, by what they are for.
     pub seeds: BTreeMap<String, u64>,
     /// Detections of the first scan, for each detector, that were thrown away before anything was timed.
@@ -61,10 +62,14 @@ pub struct Manifest {
     pub machine: Machine,
     /// What an experiment put up, as it describes it; `None` for a run over data sets that were named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub experiment: Option<serde_json::Value>,
+    pub experiment: Option<Value>,
     /// What was swept; `None` for all but sweeps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<SweepEntry>,
+    /// What objects were judged of which a part was seen; `None` for all but `partial`, which has no data sets of scans and
+    /// no detectors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub partial: Option<PartialEntry>,
     /// Which part of a run it is; `None` of a whole one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shard: Option<ShardRecord>,
@@ -74,8 +79,7 @@ pub struct Manifest {
 }
 
 /// Which annotations of any data set do not count, whatever the detector.
-#[cfg_attr(test, derive(Default))]
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct IgnoreRule {
@@ -214,7 +218,7 @@ pub struct Simulation {
     pub sensor_height_m: Option<f32>,
     /// What was set about the street instead of drawn; `None` if nothing was.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub conditions: Option<serde_json::Value>,
+    pub conditions: Option<Value>,
     /// How far to either side of forward the labels reach, in degrees; `None` for all around.
     pub labeled_to_either_side_deg: Option<f32>,
 }
@@ -301,8 +305,7 @@ pub struct GitState {
 }
 
 /// A computer.
-#[cfg_attr(test, derive(Default))]
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
@@ -322,6 +325,11 @@ impl Manifest {
     /// The data sets whose numbers are put together.
     pub fn pools(&self) -> Vec<Pool> {
         pools(self.datasets.iter().map(|it| (it.id.as_str(), it.origin())))
+    }
+
+    /// What is judged one by one, for people.
+    pub fn unit(&self) -> &'static str {
+        if self.partial.is_some() { "partial cloud" } else { "scan" }
     }
 
     /// Whether all its scans were timed on processors of one kind. Times of others are never put together.
@@ -356,14 +364,40 @@ impl Manifest {
     /// [`ArchiveError`] if the file cannot be read, has another schema, misses a field that cannot be null, or has
     /// an unknown one.
     pub fn read(path: &Path) -> Result<Self, ArchiveError> {
-        read_json(path)
+        read_json(path).or_else(|error| read_json(path).ok().and_then(Self::of_old_partial).ok_or(error))
+    }
+
+    /// What `partial` wrote before its results had the manifest of all others.
+    fn of_old_partial(mut old: serde_json::Map<String, Value>) -> Option<Self> {
+        let of_partial = ["sets", "peers", "settings"].into_iter();
+        let of_partial = of_partial.filter_map(|it| Some((it.to_owned(), old.remove(it)?)));
+        let partial = Value::Object(of_partial.collect());
+        let mut manifest = serde_json::to_value(Self { n_repeats: once(), ..Self::default() }).ok()?;
+        manifest.as_object_mut()?.extend(old);
+        manifest["partial"] = partial;
+        serde_json::from_value(manifest).ok()
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::files::archive::SCHEMA;
+    use crate::run_folder::partial_entry::tests::entry;
+
+    /// Of a result of `scanbench partial`.
+    pub(crate) fn partial_manifest() -> Manifest {
+        Manifest {
+            schema: SCHEMA,
+            scanbench_version: "0.1.0".to_owned(),
+            created: "2026-01-01T00:00:00Z".to_owned(),
+            argv: ["scanbench", "partial", "it's <here>"].map(str::to_owned).to_vec(),
+            n_repeats: 1,
+            rustc_version: "rustc".to_owned(),
+            partial: Some(entry()),
+            ..Manifest::default()
+        }
+    }
 
     fn manifest() -> Manifest {
         Manifest {
@@ -488,5 +522,22 @@ mod tests {
     fn a_manifest_of_another_schema_is_refused() {
         let error = read_back(&Manifest { schema: SCHEMA + 1, ..manifest() }).unwrap_err();
         assert!(matches!(error, ArchiveError::Schema { found: 2, expected: 1, .. }), "{error}");
+    }
+
+    #[test]
+    fn a_result_of_partial_is_read_in_both_layouts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("manifest.json");
+        assert_eq!(read_back(&partial_manifest()).unwrap(), partial_manifest());
+        let sets = serde_json::to_value(entry().sets).unwrap();
+        let old = serde_json::json!({
+            "schema": 1, "scanbench_version": "0.1.0", "created": "2026-01-01T00:00:00Z",
+            "argv": ["scanbench", "partial", "it's <here>"], "sets": sets, "peers": {}, "git": null,
+            "rustc_version": "rustc",
+        });
+        std::fs::write(&path, old.to_string()).unwrap();
+        assert_eq!(Manifest::read(&path).unwrap(), partial_manifest());
+        std::fs::write(&path, r#"{"schema": 1}"#).unwrap();
+        assert!(Manifest::read(&path).is_err());
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod shard_record;
 pub mod sweep_entry;
+pub mod partial_entry;
 pub mod seen_labels;
 pub mod manifest;
 pub mod command_line;
@@ -10,8 +11,6 @@ pub mod run_target;
 mod finished_folder;
 pub mod run_directory;
 pub mod run_archive;
-pub mod partial_manifest;
 pub mod detector_changes;
 pub mod made_in_shards;
 pub mod shard_check;
-pub mod partial_archive;

@@ -10,11 +10,12 @@ use crate::numbers::run_report::RunReport;
 use crate::numbers::tally::Tally;
 use crate::protocols::protocol_tally::ProtocolTally;
 use crate::rows::match_row::MatchRow;
+use crate::rows::partial_row::PartialRow;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
-    KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES, PROTOCOL_LABELS_CSV, REPORT_JSON,
-    REPRODUCTION_JSON, SCANS_CSV,
+    KITTI_OBJECT_CSV, MATCHES_CSV, PARTIAL_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES, PROTOCOL_LABELS_CSV,
+    REPORT_JSON, REPRODUCTION_JSON, SCANS_CSV,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::vocabulary::claim_verdict::ClaimVerdict;
@@ -30,6 +31,8 @@ pub struct RunArchive {
     pub scans: Vec<ScanRow>,
     /// One row for every pair, and for every annotation and detection that is in none.
     pub matches: Vec<MatchRow>,
+    /// What was classified by which part of it, of a result of `partial`, which has nothing of all this but its manifest.
+    pub objects: Vec<PartialRow>,
     /// What came of it under protocols of others.
     pub protocols: ProtocolTally,
     /// What came of the claims of the papers, of a run by `reproduce`.
@@ -70,15 +73,34 @@ impl RunArchive {
     ///
     /// [`ArchiveError`] if a file is missing or damaged.
     pub fn read(directory: &Path) -> Result<Self, ArchiveError> {
+        let manifest = Manifest::read(&directory.join(MANIFEST_JSON))?;
+        if manifest.partial.is_some() {
+            return Ok(Self::of_partial(manifest, read_rows(&directory.join(PARTIAL_CSV))?));
+        }
         Ok(Self {
-            manifest: Manifest::read(&directory.join(MANIFEST_JSON))?,
+            manifest,
             report: RunReport::read(&directory.join(REPORT_JSON))?,
             scans: read_rows(&directory.join(SCANS_CSV))?,
             matches: read_rows(&directory.join(MATCHES_CSV))?,
+            objects: Vec::new(),
             protocols: Self::protocol_tally(directory)?,
             claims: claims(&directory.join(REPRODUCTION_JSON))?,
             more_files: more_files(directory),
         })
+    }
+
+    /// A result of `partial` with these rows.
+    pub(crate) fn of_partial(manifest: Manifest, objects: Vec<PartialRow>) -> Self {
+        Self {
+            manifest,
+            report: RunReport::default(),
+            scans: Vec::new(),
+            matches: Vec::new(),
+            objects,
+            protocols: ProtocolTally::default(),
+            claims: Vec::new(),
+            more_files: Vec::new(),
+        }
     }
 
     fn protocol_tally(directory: &Path) -> Result<ProtocolTally, ArchiveError> {

@@ -2,18 +2,18 @@
 
 use std::collections::BTreeSet;
 
-use crate::run_folder::made_in_shards::MadeInShards;
+use crate::run_folder::manifest::Manifest;
 use crate::run_folder::shard_record::ShardRecord;
 use crate::vocabulary::shard::Shard;
 use crate::vocabulary::study::Study;
 
 /// A directory that should be a shard, and its manifest.
 #[derive(Debug, Clone)]
-pub struct NamedShard<M> {
+pub struct NamedShard {
     /// The directory, as it was named.
     pub name: String,
     /// Its manifest.
-    pub manifest: M,
+    pub manifest: Manifest,
 }
 
 /// Why shards do not make a run: the first thing that differs, with the directories that it differs in.
@@ -45,11 +45,11 @@ fn in_words(numbers: &[u32]) -> String {
 /// # Errors
 ///
 /// [`ShardMismatch`] with the first that differs.
-pub fn check_shards<M: MadeInShards>(shards: &[NamedShard<M>]) -> Result<Vec<usize>, ShardMismatch> {
+pub fn check_shards(shards: &[NamedShard]) -> Result<Vec<usize>, ShardMismatch> {
     let mut records: Vec<(usize, Shard, &ShardRecord)> = Vec::new();
     for (idx, NamedShard { name, manifest }) in shards.iter().enumerate() {
         let no_shard = || ShardMismatch(format!("{name} is no shard, but a whole run"));
-        let record = manifest.shard().ok_or_else(no_shard)?;
+        let record = manifest.shard.as_ref().ok_or_else(no_shard)?;
         let bad_number = |problem| ShardMismatch(format!("{name}: {problem}"));
         records.push((idx, record.shard().map_err(bad_number)?, record));
     }
@@ -67,19 +67,19 @@ pub fn check_shards<M: MadeInShards>(shards: &[NamedShard<M>]) -> Result<Vec<usi
 }
 
 /// What keeps two shards from being of one run, if anything does.
-fn not_of_same_run<M: MadeInShards>(first: &NamedShard<M>, other: &NamedShard<M>) -> Option<String> {
+fn not_of_same_run(first: &NamedShard, other: &NamedShard) -> Option<String> {
     let (ours, theirs) = (&first.manifest, &other.manifest);
     let (first, other) = (&first.name, &other.name);
-    let [study, other_study] = [ours, theirs].map(|it| it.shard().map_or(Study::Run, |it| it.study));
+    let [study, other_study] = [ours, theirs].map(|it| it.shard.as_ref().map_or(Study::Run, |it| it.study));
     if study != other_study {
         let [study, other_study] = [study, other_study].map(Study::name);
         return Some(format!("{first} is a shard of `{study}`, {other} one of `{other_study}`"));
     }
-    let versions = ours.scoring_version().zip(theirs.scoring_version());
-    if let Some((version, other_version)) = versions.filter(|(version, other)| version != other) {
+    let [version, other_version] = [ours, theirs].map(|it| it.scoring_version);
+    if version != other_version {
         return Some(format!("{first} has scoring version {version}, {other} has {other_version}"));
     }
-    let program = |it: &M| it.shard().map(|it| it.program.clone());
+    let program = |it: &Manifest| it.shard.as_ref().map(|it| it.program.clone());
     if program(ours) != program(theirs) {
         let versions = [ours, theirs].map(program_in_words).join(" and ");
         return Some(format!("{first} and {other} were made by different programs: {versions}"));
@@ -91,19 +91,20 @@ fn not_of_same_run<M: MadeInShards>(first: &NamedShard<M>, other: &NamedShard<M>
     Some(format!("{first} and {other} have different parameters: {what}"))
 }
 
-fn program_in_words<M: MadeInShards>(manifest: &M) -> String {
-    let (version, git) = manifest.program();
-    let commit = git.map_or_else(String::new, |it| {
+fn program_in_words(manifest: &Manifest) -> String {
+    let commit = manifest.git.as_ref().map_or_else(String::new, |it| {
         let changed = if it.dirty { " with changes" } else { "" };
         format!(", commit {}{changed}", it.commit)
     });
-    let checksum = manifest.shard().map_or_else(String::new, |it| it.program.chars().take(12).collect());
+    let checksum =
+        manifest.shard.as_ref().map_or_else(String::new, |it| it.program.chars().take(12).collect());
+    let version = &manifest.scanbench_version;
     format!("version {version}{commit}, SHA-256 {checksum}…")
 }
 
 /// Sorts `records` by their numbers, each of which has to be there once.
-fn check_numbers<M>(
-    shards: &[NamedShard<M>],
+fn check_numbers(
+    shards: &[NamedShard],
     records: &mut [(usize, Shard, &ShardRecord)],
 ) -> Result<(), ShardMismatch> {
     let name = |idx: usize| &shards[idx].name;
@@ -126,10 +127,7 @@ fn check_numbers<M>(
 }
 
 /// Every scan that was selected has to be in one of `records`.
-fn check_scans<M: MadeInShards>(
-    shards: &[NamedShard<M>],
-    records: &[(usize, Shard, &ShardRecord)],
-) -> Result<(), ShardMismatch> {
+fn check_scans(shards: &[NamedShard], records: &[(usize, Shard, &ShardRecord)]) -> Result<(), ShardMismatch> {
     let datasets = shards.first().map_or_else(Vec::new, |it| it.manifest.selected());
     for (dataset_idx, (id, n_selected)) in datasets.into_iter().enumerate() {
         let gap = |index, n_scans| {
@@ -160,13 +158,13 @@ fn check_scans<M: MadeInShards>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run_folder::manifest::{ForeignEntry, Manifest};
+    use crate::run_folder::manifest::ForeignEntry;
     use crate::run_folder::shard_record::{ShardPart, WorkMeasure};
     use crate::tables::sample;
     use proptest::prelude::*;
 
     /// Shard `index` of `count` of three data sets of twenty scans each, with these indices of all sixty.
-    fn shard(index: u32, count: u32, scans: std::ops::Range<u64>) -> NamedShard<Manifest> {
+    fn shard(index: u32, count: u32, scans: std::ops::Range<u64>) -> NamedShard {
         let part = |dataset_idx: u64| {
             let within = |index: u64| index.clamp(20 * dataset_idx, 20 * dataset_idx + 20) - 20 * dataset_idx;
             ShardPart {
@@ -194,7 +192,7 @@ mod tests {
     }
 
     #[track_caller]
-    fn check_refused(shards: &[NamedShard<Manifest>], words: &str) {
+    fn check_refused(shards: &[NamedShard], words: &str) {
         let error = check_shards(shards).unwrap_err().to_string();
         assert_eq!(error, words);
     }
@@ -279,7 +277,7 @@ mod tests {
             cuts.extend([0, 60]);
             cuts.sort_unstable();
             let count = cuts.len() as u32 - 1;
-            let mut shards: Vec<NamedShard<Manifest>> =
+            let mut shards: Vec<NamedShard> =
                 (1..).zip(cuts.windows(2)).map(|(index, ends)| shard(index, count, ends[0]..ends[1])).collect();
             prop_assert!(check_shards(&shards).is_ok());
             shards.remove(left_out % shards.len());

@@ -148,6 +148,7 @@ pub(crate) fn about_interval_of(n_resamples: usize, kind: BlockKind) -> String {
             "{of} of single scans, because when they were taken is not known: they may be neighbours."
         ),
         BlockKind::Tracks => format!("{of} of objects, each with all its scans: {same_drives}."),
+        BlockKind::Objects => format!("{of} of objects, each with all its steps."),
         BlockKind::Both => format!(
             "{of}; each drive is one block or, in data sets with fewer than {FEWEST_DRIVES} drives, each second of driving: \
              {same_drives}."

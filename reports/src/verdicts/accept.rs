@@ -9,10 +9,12 @@ use crate::files::csv_rows::to_csv_bytes;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::files::whole_file::write_whole;
 use crate::numbers::run_report::Subject;
+use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::rows::match_outcome::MatchOutcome;
+use crate::rows::partial_row::PartialRow;
 use crate::run_folder::manifest::GitState;
 use crate::run_folder::run_archive::RunArchive;
-use crate::run_folder::run_directory::{MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV};
+use crate::run_folder::run_directory::{MATCHES_CSV, PARTIAL_CSV, REPORT_JSON, RunDirectory, SCANS_CSV};
 use crate::run_folder::run_target::{ExistingTarget, LatestPointer, MANIFEST_JSON, RunDirectoryError};
 use crate::verdicts::comparability::{NotComparable, check_comparable};
 use crate::vocabulary::metric::Metric;
@@ -27,6 +29,9 @@ pub const TOLERANCES_TOML: &str = "tolerances.toml";
 
 const SCORES_HEAD: &str = "# Accepted scores\n\nF-rates in % of the accepted run, before → after, and why. Written by \
     `scanbench baseline accept`.\n\n";
+
+const SCORES_HEAD_OF_OBJECTS: &str = "# Accepted scores\n\nMeans of recalls in % of the accepted result at its middle and \
+    last step, before → after, and why. Written by `scanbench baseline accept`.\n\n";
 
 /// How a run becomes the accepted one.
 #[derive(Debug, Clone, Copy)]
@@ -93,24 +98,31 @@ pub fn run_of_baseline(directory: &Path) -> PathBuf {
 pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) -> Result<String, AcceptError> {
     refuse_uncommitted(run.manifest.git.as_ref())?;
     let target = directory.join(ACCEPTED_RUN);
-    let before = predecessor("run", &target, RunArchive::read, |before| check_comparable(before, run));
+    let before = predecessor(&target, |before| check_comparable(before, run));
     let line = line_after(before, acceptance.succession, |before| {
         let git = run.manifest.git.as_ref();
-        history_line(acceptance, git, &scores(before, run))
+        let objects = scores_of_objects(before.map_or(&[], |it| &it.objects[..]), &run.objects);
+        history_line(acceptance, git, &(scores(before, run) + &objects))
     })?;
-    let history = history_with(&directory.join(SCORES_MD), SCORES_HEAD, &line)?;
+    let is_partial = run.manifest.partial.is_some();
+    let head = if is_partial { SCORES_HEAD_OF_OBJECTS } else { SCORES_HEAD };
+    let history = history_with(&directory.join(SCORES_MD), head, &line)?;
 
     let written = RunDirectory::create(&target, ExistingTarget::Replace, LatestPointer::Leave)?;
     let mut manifest = run.manifest.clone();
     forget_program_path(&mut manifest.argv);
     written.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
-    written.write_file(REPORT_JSON, run.report.to_json().as_bytes())?;
     let csv = |bytes: Result<Vec<u8>, csv::Error>| {
         bytes.map_err(|source| ArchiveError::Csv { path: target.clone(), source })
     };
-    written.write_file(SCANS_CSV, &csv(to_csv_bytes(&run.scans))?)?;
-    let counting: Vec<_> = run.matches.iter().filter(|it| counts(&it.outcome)).cloned().collect();
-    written.write_file(MATCHES_CSV, &csv(to_csv_bytes(&counting))?)?;
+    if is_partial {
+        written.write_file(PARTIAL_CSV, &csv(to_csv_bytes(&run.objects))?)?;
+    } else {
+        written.write_file(REPORT_JSON, run.report.to_json().as_bytes())?;
+        written.write_file(SCANS_CSV, &csv(to_csv_bytes(&run.scans))?)?;
+        let counting: Vec<_> = run.matches.iter().filter(|it| counts(&it.outcome)).cloned().collect();
+        written.write_file(MATCHES_CSV, &csv(to_csv_bytes(&counting))?)?;
+    }
     for path in &run.more_files {
         let read = std::fs::read(path);
         let content = read.map_err(|source| ArchiveError::Read { path: path.clone(), source })?;
@@ -134,7 +146,7 @@ pub fn refuse_uncommitted(git: Option<&GitState>) -> Result<(), AcceptError> {
 }
 
 /// Where the program happened to lie is none of a baseline's business.
-pub(super) fn forget_program_path(argv: &mut [String]) {
+fn forget_program_path(argv: &mut [String]) {
     if let Some(program) = argv.first_mut() {
         "scanbench".clone_into(program);
     }
@@ -145,10 +157,10 @@ pub(super) fn forget_program_path(argv: &mut [String]) {
 /// # Errors
 ///
 /// [`AcceptError::NoSuccessor`] if it is none and should be.
-pub(super) fn line_after<B>(
-    before: Option<Result<B, String>>,
+fn line_after(
+    before: Option<Result<RunArchive, String>>,
     succession: Succession,
-    line: impl Fn(Option<&B>) -> String,
+    line: impl Fn(Option<&RunArchive>) -> String,
 ) -> Result<String, AcceptError> {
     match before {
         None => Ok(line(None)),
@@ -160,21 +172,19 @@ pub(super) fn line_after<B>(
     }
 }
 
-/// What was accepted in `target`, if anything was: a `noun` that `check` lets another follow, or why none can.
-pub(super) fn predecessor<A>(
-    noun: &str,
+/// What was accepted in `target`, if anything was: a run that `check` lets another follow, or why none can.
+fn predecessor(
     target: &Path,
-    read: impl FnOnce(&Path) -> Result<A, ArchiveError>,
-    check: impl FnOnce(&A) -> Result<(), NotComparable>,
-) -> Option<Result<A, String>> {
+    check: impl FnOnce(&RunArchive) -> Result<(), NotComparable>,
+) -> Option<Result<RunArchive, String>> {
     if !target.exists() {
         return None;
     }
-    let unread = |error| format!("cannot read the accepted {noun} {}: {error}", target.display());
-    Some(read(target).map_err(unread).and_then(|before| match check(&before) {
+    let unread = |error| format!("cannot read the accepted run {}: {error}", target.display());
+    Some(RunArchive::read(target).map_err(unread).and_then(|before| match check(&before) {
         Ok(()) => Ok(before),
         Err(NotComparable { reasons }) => {
-            Err(format!("the {noun} cannot be compared with the accepted one: {}", reasons.join(", ")))
+            Err(format!("the run cannot be compared with the accepted one: {}", reasons.join(", ")))
         }
     }))
 }
@@ -189,7 +199,7 @@ fn counts(outcome: &MatchOutcome) -> bool {
 /// # Errors
 ///
 /// [`AcceptError::History`] if it cannot be read.
-pub(super) fn history_with(path: &Path, head: &str, line: &str) -> Result<String, AcceptError> {
+fn history_with(path: &Path, head: &str, line: &str) -> Result<String, AcceptError> {
     let mut history = match std::fs::read_to_string(path) {
         Ok(history) => history,
         Err(error) if error.kind() == io::ErrorKind::NotFound => head.to_owned(),
@@ -204,7 +214,7 @@ pub(super) fn history_with(path: &Path, head: &str, line: &str) -> Result<String
 }
 
 /// A line of a history: when, what commit, which scores, and why.
-pub(super) fn history_line(acceptance: Acceptance<'_>, git: Option<&GitState>, scores: &str) -> String {
+fn history_line(acceptance: Acceptance<'_>, git: Option<&GitState>, scores: &str) -> String {
     let commit = git.map_or_else(String::new, |it| {
         let short: String = it.commit.chars().take(7).collect();
         format!(", {short}")
@@ -243,4 +253,67 @@ fn percent(run: &RunArchive, task: Task, detector: &str) -> Option<String> {
     });
     let of_pools: Vec<String> = of_pools.collect();
     (!of_pools.is_empty()).then(|| of_pools.join(" and "))
+}
+
+/// Of every curve of partly seen objects the numbers at its middle and last step, and what they were before.
+fn scores_of_objects(before: &[PartialRow], rows: &[PartialRow]) -> String {
+    let before = PartialCurve::all(before);
+    let of_curve = |curve: &PartialCurve| {
+        let PartialCurve { data, direction, method, trained_on, .. } = curve;
+        let is_same = |it: &&PartialCurve| {
+            (&it.data, &it.direction, &it.method, &it.trained_on) == (data, direction, method, trained_on)
+        };
+        let earlier = before.iter().find(is_same);
+        let of_step = |step: &PartialStep| {
+            let now = percent_at(step)?;
+            let old = earlier.and_then(|it| percent_at(it.steps.iter().find(|it| it.step == step.step)?));
+            let old = old.filter(|it| *it != now).map_or_else(String::new, |it| format!("{it} → "));
+            Some(format!("{old}{now}"))
+        };
+        let steps = [curve.steps.len().div_ceil(2), curve.steps.len()];
+        let steps = steps.into_iter().filter_map(|it| of_step(curve.steps.get(it.checked_sub(1)?)?));
+        let steps: Vec<String> = steps.collect();
+        format!("; {data} from {direction}: {method} trained on {trained_on} {}", steps.join(", "))
+    };
+    PartialCurve::all(rows).iter().map(of_curve).collect()
+}
+
+fn percent_at(step: &PartialStep) -> Option<String> {
+    step.mean_recall.map(|it| fixed_decimals(100.0 * it, 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run_folder::manifest::tests::partial_manifest;
+    use crate::verdicts::partial_differences::tests::rows;
+
+    fn accepted(run: &RunArchive, folder: &Path, succession: Succession) -> Result<String, AcceptError> {
+        accept(run, folder, Acceptance { date: "2026-01-01", why: "better\ntrees.", succession })
+    }
+
+    #[test]
+    fn partly_seen_objects_are_read_back_and_have_a_history() {
+        let folder = tempfile::tempdir().unwrap();
+        let result = |n_right| RunArchive::of_partial(partial_manifest(), rows(n_right));
+        let first = accepted(&result(40), folder.path(), Succession::Comparable).unwrap();
+        // One step is the middle one and the last one.
+        assert!(first.starts_with("- 2026-01-01; street from "), "{first}");
+        assert!(first.contains(" 100.0, 100.0. better trees."), "{first}");
+        let later = accepted(&result(30), folder.path(), Succession::Comparable).unwrap();
+        assert!(later.contains("100.0 → 75.0, 100.0 → 75.0. better trees."), "{later}");
+        let kept = RunArchive::read(&folder.path().join(ACCEPTED_RUN)).unwrap();
+        assert_eq!((kept.objects, &*kept.manifest.argv[0]), (rows(30), "scanbench"));
+        let history = std::fs::read_to_string(folder.path().join(SCORES_MD)).unwrap();
+        assert!(history.starts_with("# Accepted scores"), "{history}");
+        assert!(history.ends_with(&format!("{first}\n{later}\n")), "{history}");
+        let mut other = result(40);
+        other.manifest.partial.as_mut().unwrap().sets[0].judged.id = "another".to_owned();
+        let error = accepted(&other, folder.path(), Succession::Comparable).unwrap_err().to_string();
+        assert!(error.contains("judged are not the same; to accept it all the same"), "{error}");
+        let line = accepted(&other, folder.path(), Succession::Anew).unwrap();
+        assert!(line.contains("New baseline: the run cannot be compared"), "{line}");
+        other.manifest.git = Some(GitState { commit: "abc".to_owned(), dirty: true });
+        assert!(matches!(accepted(&other, folder.path(), Succession::Anew), Err(AcceptError::Dirty(_))));
+    }
 }

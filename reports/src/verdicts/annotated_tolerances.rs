@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::verdicts::built_in_tolerances::Sizes;
+use crate::run_folder::run_archive::RunArchive;
+use crate::verdicts::built_in_tolerances::{OF_OBJECTS, Sizes};
 use crate::verdicts::tolerances::{Rule, Tolerances};
 use crate::vocabulary::metric::SPEED_REFERENCE;
 use crate::vocabulary::slice::Slice;
@@ -47,6 +48,14 @@ impl Tolerances {
         }
         text
     }
+}
+
+/// The built-in tolerances for `baseline` as a file for people to change.
+pub fn built_in_file(baseline: &RunArchive) -> String {
+    if baseline.manifest.partial.is_some() {
+        return OF_OBJECTS.to_owned();
+    }
+    Tolerances::built_in(baseline).annotated()
 }
 
 fn meaning(rule: &Rule, sizes: &Sizes) -> String {

@@ -2,10 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::rows::partial_row::PartialRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::run_folder::detector_changes::detector_changes;
 use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
 use crate::run_folder::run_archive::RunArchive;
+use crate::verdicts::partial_differences::{CurveName, check_same_parts, rows_of_curves};
 use crate::vocabulary::task::Task;
 
 /// Two runs cannot be compared.
@@ -25,10 +27,15 @@ pub struct NotComparable {
 ///
 /// [`NotComparable`] with everything that differs.
 pub fn check_comparable(baseline: &RunArchive, run: &RunArchive) -> Result<(), NotComparable> {
+    if baseline.manifest.partial.is_some() != run.manifest.partial.is_some() {
+        let reason = "one is a result of `partial`, and the other is not";
+        return Err(NotComparable { reasons: vec![reason.to_owned()] });
+    }
     let mut reasons = rules(&baseline.manifest, &run.manifest);
     reasons.extend(datasets(&baseline.manifest, &run.manifest));
     if reasons.is_empty() {
         reasons.extend(scans(baseline, run));
+        reasons.extend(partial_clouds(baseline, run));
     }
     if reasons.is_empty() { Ok(()) } else { Err(NotComparable { reasons }) }
 }
@@ -53,6 +60,13 @@ fn rules(baseline: &Manifest, run: &Manifest) -> Vec<String> {
 }
 
 fn datasets(baseline: &Manifest, run: &Manifest) -> Vec<String> {
+    let objects = |it: &Manifest| {
+        let sets = it.partial.iter().flat_map(|it| &it.sets);
+        sets.map(|it| (it.judged.id.clone(), it.judged.simulation.clone())).collect::<Vec<_>>()
+    };
+    if objects(baseline) != objects(run) {
+        return vec!["the objects that are judged are not the same".to_owned()];
+    }
     let ids = |it: &Manifest| it.datasets.iter().map(|it| it.id.clone()).collect::<Vec<_>>();
     let (before, now) = (ids(baseline), ids(run));
     if before != now {
@@ -114,6 +128,22 @@ fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
         return vec![reason];
     }
     missing_detectors(baseline, run)
+}
+
+/// Curves of `baseline` of which `run` has not all the same parts of objects.
+fn partial_clouds(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
+    let (before, now) = (rows_of_curves(&baseline.objects), rows_of_curves(&run.objects));
+    if baseline.manifest.partial.is_some() && before.is_empty() {
+        return vec!["the earlier one has no rows".to_owned()];
+    }
+    let difference = |(name, rows): (&CurveName, &Vec<&PartialRow>)| {
+        let named = format!("{}, {}", name.detector(), name.on());
+        match now.get(name) {
+            None => Some(format!("only the earlier one has {named}")),
+            Some(theirs) => check_same_parts(rows, theirs).err().map(|it| format!("{named}: {it}")),
+        }
+    };
+    before.iter().filter_map(difference).collect()
 }
 
 /// The first scan of which points or labels are not what they were, and how many there are.
@@ -203,7 +233,8 @@ pub fn configuration_changes(baseline: &RunArchive, run: &RunArchive) -> Vec<Str
 pub fn detectors_only_in(run: &RunArchive, other: &RunArchive) -> Vec<String> {
     let names = |it: &RunArchive| {
         let is_evaluated = |row: &&ScanRow| matches!(row.outcome, ScanOutcome::Evaluated(_));
-        it.scans.iter().filter(is_evaluated).map(|row| row.detector.clone()).collect::<BTreeSet<_>>()
+        let of_scans = it.scans.iter().filter(is_evaluated).map(|row| row.detector.clone());
+        of_scans.chain(it.objects.iter().map(|row| CurveName::of(row).detector())).collect::<BTreeSet<_>>()
     };
     names(run).difference(&names(other)).cloned().collect()
 }

@@ -6,10 +6,12 @@ use std::collections::BTreeMap;
 
 use crate::rows::match_outcome::{AnnotationFacts, DetectionFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
+use crate::rows::partial_row::{PartialRow, Predicted};
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use crate::run_folder::run_archive::RunArchive;
+use crate::verdicts::partial_differences::CurveName;
 use crate::vocabulary::reason::MissReason;
-use crate::vocabulary::task::Task;
+use crate::vocabulary::study::Study;
 
 /// A scan on which results of a detector changed.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,10 +31,28 @@ pub struct ScanSubject {
     pub sequence: String,
     /// Number of the scan within the drive.
     pub scan: u32,
-    /// The task.
-    pub task: Task,
+    /// Name of the task.
+    pub task: String,
     /// Name of the detector.
     pub detector: String,
+}
+
+impl ScanSubject {
+    /// Of a row of partly seen objects: the object is the drive, and its step is the scan.
+    fn of_object(row: &PartialRow) -> Self {
+        let curve = CurveName::of(row);
+        let (sequence, task) = (row.object.clone(), Study::Partial.name().to_owned());
+        Self { dataset: curve.on(), sequence, scan: row.step, task, detector: curve.detector() }
+    }
+
+    /// For people.
+    pub fn in_words(&self) -> String {
+        let Self { dataset, sequence, scan, task, detector } = self;
+        if task == Study::Partial.name() {
+            return format!("{sequence} at step {scan}, {dataset}, {detector}");
+        }
+        format!("{dataset} {sequence}/{scan:06}, {detector}, {task}")
+    }
 }
 
 /// All scans on which results of a detector differ between `baseline` and `run`, which is of the same scans.
@@ -44,7 +64,21 @@ pub fn drift(baseline: &RunArchive, run: &RunArchive) -> Vec<ScanDrift> {
         let changes = changes(&before, now.get(&subject)?);
         (!changes.is_empty()).then_some(ScanDrift { subject, changes })
     });
-    drifts.collect()
+    drifts.chain(changed_classes(baseline, run)).collect()
+}
+
+/// Partly seen objects whose predicted class differs.
+fn changed_classes(baseline: &RunArchive, run: &RunArchive) -> Vec<ScanDrift> {
+    let predicted = |it: &RunArchive| -> BTreeMap<ScanSubject, Predicted> {
+        it.objects.iter().map(|row| (ScanSubject::of_object(row), row.predicted)).collect()
+    };
+    let now = predicted(run);
+    let drift = |(subject, before): (ScanSubject, Predicted)| {
+        let after = *now.get(&subject).filter(|it| **it != before)?;
+        let changes = vec![format!("{}, and now {}", before.name(), after.name())];
+        Some(ScanDrift { subject, changes })
+    };
+    predicted(baseline).into_iter().filter_map(drift).collect()
 }
 
 /// What became of the objects of a scan.
@@ -84,12 +118,12 @@ fn scans_of(archive: &RunArchive) -> BTreeMap<ScanSubject, ScanObjects<'_>> {
 
 fn subject_of_scan(row: &ScanRow) -> ScanSubject {
     let ScanRow { dataset, sequence, scan, detector, task, .. } = row.clone();
-    ScanSubject { dataset, sequence, scan, task, detector }
+    ScanSubject { dataset, sequence, scan, task: task.name().to_owned(), detector }
 }
 
 fn subject_of_match(row: &MatchRow) -> ScanSubject {
     let [dataset, sequence, detector] = [&row.dataset, &row.sequence, &row.detector].map(String::clone);
-    ScanSubject { dataset, sequence, scan: row.scan, task: row.task, detector }
+    ScanSubject { dataset, sequence, scan: row.scan, task: row.task.name().to_owned(), detector }
 }
 
 impl<'a> ScanObjects<'a> {

@@ -75,6 +75,7 @@ impl LeastLosses {
             Self::NoneIsSure(blocks) => {
                 vec![format!("No loss will be sure: {} to show one.", blocks.shortfall().unwrap_or_default())]
             }
+            Self::Above(losses) if losses.is_empty() => Vec::new(),
             Self::Above(losses) => {
                 let head = "These scans cannot show a loss smaller than about this; `least` in a verdict is the same for a change:";
                 let line = |it: &LeastLoss| {

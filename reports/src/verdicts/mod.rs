@@ -2,9 +2,10 @@
 //!
 //! Nothing here looks at a detector's parameters: that they differ is what a comparison is for.
 
-pub mod comparability;
 pub mod paired_difference;
 pub mod protocol_differences;
+pub mod partial_differences;
+pub mod comparability;
 pub mod standing;
 pub mod times_doubt;
 pub mod reason_gains;
@@ -20,9 +21,7 @@ pub mod least_loss;
 pub mod finding;
 pub mod gated_metrics;
 mod gated_protocols;
+mod gated_objects;
 pub mod verdict;
 pub mod accept;
 pub mod fitness_verdict;
-pub mod partial_difference;
-pub mod partial_verdict;
-pub mod accept_partial;

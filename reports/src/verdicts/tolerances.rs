@@ -106,6 +106,12 @@ impl Rule {
         Self { line: None, metrics, parts, tasks: None, detectors: None, absolute: 0.0, relative }
     }
 
+    /// About a metric of all parts, which may become worse by this much in its unit.
+    pub(super) fn of_all_parts(metric: &str, absolute: f64) -> Self {
+        let (metrics, parts) = (vec![metric.to_owned()], vec!["*".to_owned()]);
+        Self { line: None, metrics, parts, tasks: None, detectors: None, absolute, relative: 0.0 }
+    }
+
     /// How much worse `metric` may become from `before`. Times are compared by the share by which they become longer.
     pub fn tolerance(&self, metric: &Metric, before: f64) -> f64 {
         if metric.is_time() { self.relative } else { self.absolute.max(self.relative * before.abs()) }

@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 use crate::verdicts::rule_problems::{RulePosition, RuleProblem, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
 use crate::verdicts::tolerances::{DriftRule, Origin, Rule, Tolerances};
-use crate::vocabulary::metric::{Direction, Metric, SPEED_REFERENCE};
+use crate::vocabulary::metric::{Direction, Metric, PartialMetric, SPEED_REFERENCE};
 use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::task::Task;
 
@@ -48,21 +48,28 @@ impl Tolerances {
     pub fn read(path: &Path) -> Result<Self, TolerancesError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| TolerancesError::Read { path: path.to_path_buf(), source })?;
-        let table = DeTable::parse(&text)
-            .map_err(|problem| TolerancesError::Toml { path: path.to_path_buf(), problem: problem.into() })?;
-        let mut top = Section::new(&text, RuleTable::Top, 0, Some(table.get_ref()));
+        Self::parse(&text, Origin::File(path.to_path_buf()))
+            .map_err(|problem| TolerancesError::Toml { path: path.to_path_buf(), problem: problem.into() })
+    }
+
+    /// The tolerances that `text` has.
+    pub(super) fn parse(text: &str, origin: Origin) -> Result<Self, toml::de::Error> {
+        let table = DeTable::parse(text)?;
+        let mut top = Section::new(text, RuleTable::Top, 0, Some(table.get_ref()));
         let drift = drift_rule(&mut top);
-        let quality = top.require("quality");
-        let quality = top.rules("quality", quality, RuleTable::Quality, quality_rule);
+        let of_all_steps = top.sizes_of_all_steps();
+        let quality = if of_all_steps.is_empty() { top.require("quality") } else { top.take("quality") };
+        let mut quality = top.rules("quality", quality, RuleTable::Quality, quality_rule);
+        quality.extend(of_all_steps);
         let protocols = top.take("protocol");
         let protocols = top.rules("protocol", protocols, RuleTable::Protocol, protocol_rule);
         let protocols = protocols.into_iter().flatten().collect();
         let speed = top.take("speed").and_then(|it| {
             top.expect("a table", it, it.get_ref().as_table())?;
-            Some(speed_rule(Section::of_value(&text, RuleTable::Speed, it), &mut top.problems))
+            Some(speed_rule(Section::of_value(text, RuleTable::Speed, it), &mut top.problems))
         });
         let problems = top.finish(&TOP_FIELDS);
-        Ok(Self { origin: Origin::File(path.to_path_buf()), quality, protocols, speed, drift, problems })
+        Ok(Self { origin, quality, protocols, speed, drift, problems })
     }
 }
 
@@ -171,6 +178,22 @@ impl<'a> Section<'a> {
             rule(Section::of_value(self.text, position(rule_idx), table), &mut self.problems)
         });
         rules.collect()
+    }
+
+    /// Of partly seen objects: how much each number may be worse at any step, if anything is said of that.
+    fn sizes_of_all_steps(&mut self) -> Vec<Rule> {
+        let metrics = PartialMetric::ALL.map(|it| Metric::Partial(it).id());
+        if !metrics.iter().any(|it| self.fields.contains_key(it.as_str())) {
+            return Vec::new();
+        }
+        let rule = |id: String| {
+            let problem = |size| {
+                let is_share = (0.0..=1.0).contains(&size);
+                (!is_share).then(|| format!("{id} = {size} is not within 0 to 1"))
+            };
+            Rule::of_all_parts(&id, self.size(&id, problem))
+        };
+        metrics.map(rule).to_vec()
     }
 
     fn take(&mut self, name: &str) -> Option<&'a Spanned<DeValue<'a>>> {

@@ -58,6 +58,8 @@ pub enum Metric {
     ReferenceTime,
     /// Time of detection over that of the reference, of the shortest of all repetitions: geometric mean over scans.
     TimeRatio,
+    /// How well objects are classified of which a part has been seen.
+    Partial(PartialMetric),
     /// Median time of the stage of this name.
     StageP50(String),
     /// A number under a protocol of others.
@@ -73,6 +75,22 @@ pub struct ProtocolMetricName {
     pub unit: &'static str,
     /// Which way is better.
     pub direction: Direction,
+}
+
+/// A number of partly seen objects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum PartialMetric {
+    /// The mean of the recalls of the learnt classes.
+    MeanRecall,
+    /// The share of objects of no learnt class that are classified as none of these.
+    StrangersRejected,
+    /// The share of objects of the learnt classes that are classified as none of these.
+    KnownRejected,
+}
+
+impl PartialMetric {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::MeanRecall, Self::StrangersRejected, Self::KnownRejected];
 }
 
 /// What two boxes are compared by.
@@ -134,7 +152,7 @@ pub const SPEED_REFERENCE: &str = "grid-write";
 type Declared = (Metric, &'static str, &'static str, Direction);
 
 /// The metrics without a name in their id, in the order of a report.
-static METRICS: [Declared; 35] = {
+static METRICS: [Declared; 38] = {
     use Direction::{HigherIsBetter, LowerIsBetter, Neither};
     [
         (Metric::No, "no", "count", Neither),
@@ -172,6 +190,9 @@ static METRICS: [Declared; 35] = {
         (Metric::FailedScans, "failed_scans", "count", LowerIsBetter),
         (Metric::ReferenceTime, "reference_ms", "ms", Neither),
         (Metric::TimeRatio, "time_over_reference", "times", LowerIsBetter),
+        (Metric::Partial(PartialMetric::MeanRecall), "mean_recall", "ratio", HigherIsBetter),
+        (Metric::Partial(PartialMetric::StrangersRejected), "strangers_rejected", "ratio", HigherIsBetter),
+        (Metric::Partial(PartialMetric::KnownRejected), "known_rejected", "ratio", LowerIsBetter),
     ]
 };
 

@@ -1,6 +1,8 @@
 //! `scanbench compare`.
 
-use reports::run_folder::partial_archive::PartialArchive;
+use std::collections::BTreeSet;
+
+use reports::rows::partial_row::PartialRow;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format;
 use reports::tables::formats::markdown::Markdown;
@@ -12,7 +14,6 @@ use crate::cli::{CompareArgs, OutputArgs};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::paper_files::{write_figure, write_table};
-use crate::commands::partial_verdicts::compare_partial;
 use crate::commands::provenance::comparison_facts;
 use crate::commands::run_directory::claim_named;
 use crate::commands::standard_streams::{print_bytes, print_diagnostic, terminal};
@@ -23,13 +24,14 @@ use reports::run_folder::run_target::MANIFEST_JSON;
 
 /// Prints what lies between two runs, or two detectors of one run, and writes it where that is asked for.
 pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
-    if PartialArchive::is_partial(&arguments.run) {
-        return compare_partial(arguments);
-    }
     let output = OutputArgs { output: arguments.output.clone(), overwrite: arguments.overwrite };
     let directory = claim_named(&output)?;
     let slices = if arguments.slices { ComparedSlices::Each } else { ComparedSlices::All };
     let run = open_run(&arguments.run)?;
+    if run.manifest.partial.is_some() && arguments.slices {
+        let problem = "--slices is for runs of detectors; every step of partial clouds is compared anyway";
+        return Err(Usage(problem.to_owned()).into());
+    }
     let comparison = match (&arguments.other, arguments.detectors.as_deref()) {
         (Some(other), _) => compare_runs(&run, &open_run(other)?, slices)?,
         (None, Some([first, second])) => of_detectors(&run, first, second, slices)?,
@@ -56,15 +58,14 @@ fn of_detectors(
     second: &str,
     slices: ComparedSlices,
 ) -> Result<Comparison, Failure> {
-    for name in [first, second] {
-        let known: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
-        if !known.contains(&name) {
-            return Err(Usage(format!(
-                "the run has no detector {name:?}; its detectors are {}",
-                known.join(", ")
-            ))
-            .into());
-        }
+    let (what, known) = if run.manifest.partial.is_some() {
+        ("method", run.objects.iter().map(PartialRow::method).collect::<BTreeSet<_>>().into_iter().collect())
+    } else {
+        ("detector", run.manifest.detectors.iter().map(|it| it.name.as_str()).collect::<Vec<_>>())
+    };
+    if let Some(unknown) = [first, second].into_iter().find(|it| !known.contains(it)) {
+        let known = known.join(", ");
+        return Err(Usage(format!("the run has no {what} {unknown:?}; its {what}s are {known}")).into());
     }
-    Ok(compare_detectors(run, first, second, slices))
+    Ok(compare_detectors(run, first, second, slices)?)
 }

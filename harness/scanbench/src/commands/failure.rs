@@ -85,14 +85,6 @@ pub struct WorseThanAccepted {
     pub n_worse: usize,
 }
 
-/// A result of partial clouds and something else cannot be compared.
-#[derive(Debug, thiserror::Error)]
-#[error("{directory} is no result of `scanbench partial`, and only two of a kind can be compared")]
-pub struct NotOfOneKind {
-    /// The other directory.
-    pub directory: String,
-}
-
 /// What was asked for makes no sense.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]

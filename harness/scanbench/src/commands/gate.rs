@@ -4,7 +4,6 @@ use std::path::Path;
 
 use reports::files::whole_file::write_whole;
 use reports::run_folder::command_line::shell_word;
-use reports::run_folder::partial_archive::PartialArchive;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::lists::{SERVICE_FORMATS, VERDICT_FORMATS};
@@ -19,16 +18,12 @@ use reports::verdicts::verdict::{Verdict, judge};
 use crate::cli::GateArgs;
 use crate::commands::failure::{Failure, GateClosed, Usage};
 use crate::commands::open_run::open_run;
-use crate::commands::partial_verdicts::gate_partial;
 use crate::commands::standard_streams::{print_bytes, terminal};
 use crate::commands::step_summary::append_to_step_summary;
 
 /// Judges a run by an accepted one, and prints and writes the verdict.
 pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
-    if PartialArchive::is_partial(&arguments.run) {
-        return gate_partial(arguments);
-    }
     let baseline = open_baseline(directory)?;
     let mut tolerances = tolerances(directory, arguments.tolerances.as_deref(), &baseline)?;
     if let Some(is_allowed) = arguments.allow_drift {
@@ -101,7 +96,8 @@ fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> Resul
     for format in VERDICT_FORMATS {
         write_whole(&directory.join(format.file_name("gate")), format.text(verdict).as_bytes())?;
     }
-    for format in SERVICE_FORMATS {
+    // These are of numbers that a run has beside its rows.
+    for format in SERVICE_FORMATS.iter().filter(|_| run.manifest.partial.is_none()) {
         write_whole(&directory.join(format.file_name("gate")), format.text(&run.report).as_bytes())?;
     }
     Ok(())

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use reports::run_folder::command_line::{command_again, shell_word};
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::partial_manifest::PartialManifest;
 
 /// Its name beside the baseline.
 pub const GATE_WORKFLOW: &str = "scanbench.yml";
@@ -13,20 +12,12 @@ const TEMPLATE: &str = include_str!("gate_workflow.yml");
 
 /// A workflow for GitHub that makes the run of `manifest` again and holds it to the baseline in `folder`.
 pub fn gate_workflow(manifest: &Manifest, folder: &Path) -> String {
-    workflow(&manifest.argv, &data(manifest), folder)
-}
-
-/// The same for a result of `scanbench partial`.
-pub fn partial_gate_workflow(manifest: &PartialManifest, folder: &Path) -> String {
-    workflow(&manifest.argv, &recorded_objects(manifest), folder)
-}
-
-fn workflow(argv: &[String], data: &str, folder: &Path) -> String {
+    let data = data(manifest) + &recorded_objects(manifest);
     let folder = folder.display().to_string();
     let baseline = shell_word(folder.trim_end_matches('/'));
-    let run = command_again(argv, "runs/gate");
+    let run = command_again(&manifest.argv, "runs/gate");
     // One after the other, because a name that is put in may be the next mark.
-    let marks = [("      # DATA\n", data), ("RUN", &run), ("BASELINE", &baseline)];
+    let marks = [("      # DATA\n", data.as_str()), ("RUN", &run), ("BASELINE", &baseline)];
     let mut written = String::new();
     let end = marks.iter().fold(TEMPLATE, |rest, (mark, word)| {
         let (before, after) = rest.split_once(mark).expect("the template has the marks in this order");
@@ -38,8 +29,9 @@ fn workflow(argv: &[String], data: &str, folder: &Path) -> String {
 }
 
 /// What has to be fetched before objects are judged; nothing if all of them are simulated on the way.
-fn recorded_objects(manifest: &PartialManifest) -> String {
-    let sets = manifest.sets.iter().flat_map(|it| [Some(&it.judged), it.learned_from.as_ref()]).flatten();
+fn recorded_objects(manifest: &Manifest) -> String {
+    let sets = manifest.partial.iter().flat_map(|it| &it.sets);
+    let sets = sets.flat_map(|it| [Some(&it.judged), it.learned_from.as_ref()]).flatten();
     let mut recorded: Vec<&str> = sets.filter(|it| !it.simulated).map(|it| it.id.as_str()).collect();
     recorded.dedup();
     let line = |id: &&str| {

@@ -2,11 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use reports::files::archive::ArchiveError;
-use reports::run_folder::made_in_shards::MadeInShards;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::partial_archive::PartialArchive;
-use reports::run_folder::partial_manifest::PartialManifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{ClaimedTarget, MANIFEST_JSON};
 use reports::run_folder::shard_check::{NamedShard, check_shards};
@@ -32,16 +28,12 @@ use crate::commands::sweep::whole_sweep::WholeSweep;
 pub fn merge(arguments: &MergeArgs) -> Result<(), Failure> {
     let folders = folders(&arguments.shards);
     let output = &arguments.output;
-    if folders.iter().all(|it| PartialArchive::is_partial(it)) {
-        let merged = put_together::<WholePartial>(&open_shards(&folders, PartialManifest::read)?, output)?;
-        return print_partial(merged.whole, &merged.directory.finish()?);
-    }
-    if let Some(partial) = folders.iter().find(|it| PartialArchive::is_partial(it)) {
-        let words = format!("{} is of `partial`, and others are not", partial.display());
-        return Err(Failure::NotComparable(words.into()));
-    }
-    let shards = open_shards(&folders, Manifest::read)?;
+    let shards = open_shards(&folders)?;
     match study_of(&shards) {
+        Study::Partial => {
+            let merged = put_together::<WholePartial>(&shards, output)?;
+            print_partial(merged.whole, &merged.directory.finish()?)
+        }
         Study::Sweep => {
             let merged = put_together::<WholeSweep>(&shards, output)?;
             print_sweep(merged.whole, &merged.directory.finish()?)
@@ -58,17 +50,17 @@ struct Merged<Whole> {
 }
 
 /// The study that the first of `shards` is of.
-fn study_of<M: MadeInShards>(shards: &[NamedShard<M>]) -> Study {
-    shards.first().and_then(|it| Some(it.manifest.shard()?.study)).unwrap_or(Study::Run)
+fn study_of(shards: &[NamedShard]) -> Study {
+    shards.first().and_then(|it| Some(it.manifest.shard.as_ref()?.study)).unwrap_or(Study::Run)
 }
 
 fn put_together<Whole: WholeResult>(
-    shards: &[NamedShard<Whole::Manifest>],
+    shards: &[NamedShard],
     output: &OutputArgs,
 ) -> Result<Merged<Whole>, Failure> {
     let order = check_shards(shards)?;
     let directories = ShardDirectory::in_order(shards, &order);
-    let manifests: Vec<&Whole::Manifest> = order.iter().map(|&idx| &shards[idx].manifest).collect();
+    let manifests: Vec<&Manifest> = order.iter().map(|&idx| &shards[idx].manifest).collect();
     let study = study_of(shards);
     let directory = RunDirectory::begin(claim(study, manifests[0], output)?)?;
     let whole = Whole::write(study, &directories, &manifests, &directory, Pieces::Shards)?;
@@ -92,7 +84,7 @@ fn merge_run(Merged { study, directory, whole }: Merged<WholeRun>) -> Result<(),
 }
 
 /// Takes the directory of the whole.
-fn claim<M: MadeInShards>(study: Study, manifest: &M, output: &OutputArgs) -> Result<ClaimedTarget, Failure> {
+fn claim(study: Study, manifest: &Manifest, output: &OutputArgs) -> Result<ClaimedTarget, Failure> {
     let ids: Vec<&str> = manifest.selected().iter().map(|(id, _)| *id).collect();
     WorkOutput::claim(study, None, output)?.target(&ids.join("+"))
 }
@@ -113,17 +105,11 @@ fn is_called_as_a_shard(path: &Path) -> bool {
     path.is_dir() && path.file_name().is_some_and(|it| it.to_string_lossy().starts_with("shard-"))
 }
 
-fn open_shards<M>(
-    folders: &[PathBuf],
-    read: fn(&Path) -> Result<M, ArchiveError>,
-) -> Result<Vec<NamedShard<M>>, Failure> {
-    folders.iter().map(|it| open_shard(it, read)).collect()
+fn open_shards(folders: &[PathBuf]) -> Result<Vec<NamedShard>, Failure> {
+    folders.iter().map(|it| open_shard(it)).collect()
 }
 
-fn open_shard<M>(
-    directory: &Path,
-    read: fn(&Path) -> Result<M, ArchiveError>,
-) -> Result<NamedShard<M>, Failure> {
+fn open_shard(directory: &Path) -> Result<NamedShard, Failure> {
     let name = directory.display().to_string();
     if directory.extension().is_some_and(|it| it == "unfinished") {
         let words = format!("{name} is an unfinished shard: give its command again, and merge it then");
@@ -132,6 +118,6 @@ fn open_shard<M>(
     if !directory.is_dir() {
         return Err(Usage(format!("there is no shard {name}")).into());
     }
-    let manifest = read(&directory.join(MANIFEST_JSON));
+    let manifest = Manifest::read(&directory.join(MANIFEST_JSON));
     Ok(NamedShard { name, manifest: manifest.map_err(|error| Failure::damaged_run(directory, error))? })
 }

@@ -50,7 +50,6 @@ pub mod fit_density;
 pub mod train;
 pub mod open_run;
 pub mod step_summary;
-pub mod partial_verdicts;
 pub mod compare;
 pub mod report;
 pub mod reproduce;

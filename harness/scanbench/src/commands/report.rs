@@ -4,8 +4,7 @@ use evaluation::partial::methods::OURS;
 use reports::pages::partial_page::PartialPage;
 use reports::pages::run_page::RunPage;
 use reports::pages::sweep_page::SweepPage;
-use reports::run_folder::partial_archive::PartialArchive;
-use reports::run_folder::run_directory::REPORT_HTML;
+use reports::run_folder::run_directory::{PARTIAL_CSV, REPORT_HTML};
 
 use crate::cli::ReportArgs;
 use crate::commands::failure::{Failure, Usage};
@@ -24,7 +23,7 @@ pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
     refuse_shard(directory)?;
     if SweepPage::is_sweep(directory) {
         SweepPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
-    } else if PartialArchive::is_partial(directory) {
+    } else if directory.join(PARTIAL_CSV).is_file() {
         let page = PartialPage::of(directory, OURS);
         page.map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
     } else {

@@ -72,6 +72,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
         machine: machine(),
         experiment: None,
         sweep: None,
+        partial: None,
         shard: None,
         shards: Vec::new(),
         protocols: settings.protocols.to_vec(),

@@ -21,6 +21,10 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
         .into());
     }
     let run = open_run(path)?;
+    if run.manifest.partial.is_some() {
+        let problem = "is a result of `partial`, which has no scans: open its partial.rrd";
+        return Err(Usage(format!("{} {problem}", path.display())).into());
+    }
     let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
     let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
     if !names.contains(&detector) {

@@ -41,7 +41,7 @@ fn the_shipped_model_classifies_objects_and_the_same_comes_out_again() {
     workplace.succeed("report out");
     assert_eq!(workplace.read("out/report.html"), page);
     let manifest = workplace.json("out/manifest.json");
-    let set = &manifest["sets"][0];
+    let set = &manifest["partial"]["sets"][0];
     assert_eq!((&set["judged"]["simulated"], &set["model"]["name"]), (&true.into(), &"shipped".into()));
 }
 
@@ -57,7 +57,7 @@ fn methods_are_trained_where_objects_are_named_for_it() {
     assert_eq!(found.len(), 4 * 4 * 10 * 2 * 5 * 2);
     assert!(!workplace.path("out/partial.rrd").exists());
     let manifest = workplace.json("out/manifest.json");
-    let set = &manifest["sets"][0];
+    let set = &manifest["partial"]["sets"][0];
     assert_eq!((&set["judged"]["simulated"], &set["halves"]), (&true.into(), &false.into()));
     assert_ne!(set["judged"]["simulation"], set["learned_from"]["simulation"], "no object is in both");
     workplace
@@ -172,7 +172,7 @@ fn results_are_compared_and_gated_object_by_object() {
     changed(&|it| it.contains("tree-0003,below,9"), "other");
     workplace.end_with("gate other --baseline before", 101, &[]).check_stdout(&["tree-0003 at step 9"]);
     workplace.succeed("gate other --baseline before --allow-drift");
-    workplace.succeed("compare before worse -o comparison").check_stdout(&["Predictions changed"]);
+    workplace.succeed("compare before worse -o comparison").check_stdout(&["Results changed"]);
     workplace.check_file("comparison/comparison.csv", &["mean_recall"]);
     workplace.succeed("partial objects-vlp-16 --per-class 9 --no-rrd -o fewer");
     for verb in ["gate fewer --baseline before", "compare before fewer"] {

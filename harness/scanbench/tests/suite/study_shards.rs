@@ -255,7 +255,7 @@ fn shards_that_do_not_make_a_result_of_objects_are_refused() {
     for (command, more, words) in [
         ("partial objects-vlp-16", "--per-class 5", "are of different data: other objects"),
         (partial, "--others", options),
-        (run, "", "is of `partial`, and others are not"),
+        (run, "", "of `partial`"),
     ] {
         check_stands_not_in(&workplace, command, more, words);
     }

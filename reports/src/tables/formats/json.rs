@@ -11,7 +11,6 @@ use crate::verdicts::paired_difference::PairedDifference;
 use crate::verdicts::verdict::Verdict;
 use crate::vocabulary::claim_verdict::ClaimVerdict;
 use crate::vocabulary::metric::SPEED_REFERENCE;
-use crate::vocabulary::task::Task;
 
 #[derive(Serialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
@@ -97,7 +96,7 @@ struct DriftRecord<'a> {
     sequence: &'a str,
     scan: u32,
     detector: &'a str,
-    task: Task,
+    task: &'a str,
     changes: &'a [String],
 }
 
@@ -135,7 +134,7 @@ impl Format<Verdict> for Json {
                     sequence: &it.subject.sequence,
                     scan: it.subject.scan,
                     detector: &it.subject.detector,
-                    task: it.subject.task,
+                    task: &it.subject.task,
                     changes: &it.changes,
                 })
                 .collect(),

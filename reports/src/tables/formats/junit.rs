@@ -4,7 +4,7 @@
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use crate::tables::formats::format::Format;
-use crate::tables::verdict::summary::{doubt, scan_name};
+use crate::tables::verdict::summary::doubt;
 use crate::tables::verdict::wording::{
     difference_text, interval_text, metric_text, tolerance_text, value_text,
 };
@@ -48,7 +48,11 @@ impl Format<Verdict> for JUnit {
 fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
     let class = "scanbench.drift";
     if verdict.drift.is_empty() {
-        return vec![case(class, "no result of a scan changed", TestCaseStatus::success())];
+        return vec![case(
+            class,
+            &format!("no result of a {} changed", verdict.unit),
+            TestCaseStatus::success(),
+        )];
     }
     let of_scan = verdict.drift.iter().map(|drift| {
         let message = format!("results of {} objects changed", drift.changes.len());
@@ -56,7 +60,7 @@ fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
             DriftRule::Fail => failed("drift", &message, &drift.changes.join("\n")),
             DriftRule::Warn => skipped(&format!("allowed: {message}")),
         };
-        case(class, &scan_name(drift), status)
+        case(class, &drift.subject.in_words(), status)
     });
     of_scan.collect()
 }
@@ -110,7 +114,7 @@ fn of_speed(speed: &GatedMetric, doubt: Option<&str>) -> TestCase {
 }
 
 /// `doubt` is why nothing is sure about these scans, if nothing is.
-pub(super) fn status(finding: Finding, message: &str, doubt: Option<&str>) -> TestCaseStatus {
+fn status(finding: Finding, message: &str, doubt: Option<&str>) -> TestCaseStatus {
     match finding {
         Finding::Pass => TestCaseStatus::success(),
         Finding::Inconclusive => skipped(&match doubt {
@@ -127,19 +131,19 @@ pub(super) fn status(finding: Finding, message: &str, doubt: Option<&str>) -> Te
 }
 
 /// `JUnit` knows no warning: a skipped test is what servers show without failing.
-pub(super) fn skipped(message: &str) -> TestCaseStatus {
+fn skipped(message: &str) -> TestCaseStatus {
     let mut status = TestCaseStatus::skipped();
     status.set_message(message);
     status
 }
 
-pub(super) fn failed(kind: &str, message: &str, details: &str) -> TestCaseStatus {
+fn failed(kind: &str, message: &str, details: &str) -> TestCaseStatus {
     let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
     status.set_type(kind).set_message(message).set_description(details);
     status
 }
 
-pub(super) fn case(class: &str, name: &str, status: TestCaseStatus) -> TestCase {
+fn case(class: &str, name: &str, status: TestCaseStatus) -> TestCase {
     let mut case = TestCase::new(name, status);
     case.set_classname(class);
     case

@@ -8,6 +8,5 @@ pub mod markdown;
 pub mod latex;
 pub mod json;
 pub mod junit;
-pub mod partial_junit;
 pub mod services;
 pub mod lists;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::partial_study::partial_curves::{ClassAtStep, PartialCurve};
 use crate::rows::partial_row::Predicted;
-use crate::run_folder::partial_manifest::{PartialManifest, PartialSet};
+use crate::run_folder::partial_entry::{PartialEntry, PartialSet};
 use crate::vocabulary::partial_class::PartialClass;
 
 /// Changes of the mean of recalls up to this are none.
@@ -39,9 +39,9 @@ pub(crate) fn judged_objects(curves: &[PartialCurve], data: &str) -> BTreeMap<Pa
 }
 
 /// The most frequent mistake of `method` when all is seen, which objects took no part, and which nobody could know.
-pub fn partial_findings(manifest: &PartialManifest, curves: &[PartialCurve], method: &str) -> Vec<String> {
+pub fn partial_findings(partial: &PartialEntry, curves: &[PartialCurve], method: &str) -> Vec<String> {
     let confusions = curves.iter().filter(|it| it.method == method).filter_map(confusion);
-    confusions.chain(manifest.sets.iter().flat_map(|it| about_objects(it, curves))).collect()
+    confusions.chain(partial.sets.iter().flat_map(|it| about_objects(it, curves))).collect()
 }
 
 fn confusion(curve: &PartialCurve) -> Option<String> {
@@ -128,7 +128,7 @@ mod tests {
     use crate::partial_study::partial_curves::tests::rows;
     use crate::rows::partial_row::PartialRow;
     use crate::rows::partial_row::tests::row;
-    use crate::run_folder::partial_manifest::tests::manifest;
+    use crate::run_folder::partial_entry::tests::entry;
 
     /// Ten trees, of which so many are right at each step.
     fn curves(n_right: &[usize]) -> Vec<PartialCurve> {
@@ -152,22 +152,22 @@ mod tests {
 
     #[test]
     fn the_confusion_that_matters_is_a_sentence() {
-        let found = partial_findings(&manifest(), &PartialCurve::all(&rows()), "graphs");
+        let found = partial_findings(&entry(), &PartialCurve::all(&rows()), "graphs");
         let said = "street from below (parts), when all is seen, the most frequent mistake: 1 of 1 poles are classified as trees.";
         assert_eq!(found, [said]);
-        let found = partial_findings(&manifest(), &curves(&[1, 10]), "graphs");
+        let found = partial_findings(&entry(), &curves(&[1, 10]), "graphs");
         assert_eq!(found[0], "street from below (parts), when all is seen, every object is right.");
         assert_eq!(found[1], "Not judged: the 1 poles of street.");
     }
 
     #[test]
     fn objects_that_take_no_part_are_said() {
-        let mut manifest = manifest();
-        manifest.sets[0].judged.objects.insert("other".to_owned(), 50);
-        let mut learned_from = manifest.sets[0].judged.clone();
+        let mut entry = entry();
+        entry.sets[0].judged.objects.insert("other".to_owned(), 50);
+        let mut learned_from = entry.sets[0].judged.clone();
         learned_from.objects.remove("pole");
-        (manifest.sets[0].learned_from, manifest.sets[0].halves) = (Some(learned_from), true);
-        let found = partial_findings(&manifest, &PartialCurve::all(&rows()), "esf");
+        (entry.sets[0].learned_from, entry.sets[0].halves) = (Some(learned_from), true);
+        let found = partial_findings(&entry, &PartialCurve::all(&rows()), "esf");
         assert_eq!(
             found,
             [

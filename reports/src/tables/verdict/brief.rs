@@ -2,7 +2,7 @@
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::tables::sheet::{Sheet, Tabular};
-use crate::tables::verdict::summary::{about_judging, headline, scan_name};
+use crate::tables::verdict::summary::{about_judging, headline};
 use crate::tables::verdict::wording::{
     change_in_words, difference_text, interval_text, tolerance_text, value_text,
 };
@@ -52,7 +52,7 @@ impl Tabular for Brief<'_> {
         lead.push(format!(
             "Judged: {run} against {baseline}, {} on {} of {}.",
             verdict.detectors.join(", "),
-            counted(verdict.n_scans, "scan"),
+            counted(verdict.n_scans, verdict.unit),
             verdict.dataset_in_words()
         ));
         lead.extend(about_judging(verdict));
@@ -80,7 +80,7 @@ impl Brief<'_> {
         // The first of those that have as many.
         let most = self.verdict.drift.iter().rev().max_by_key(|it| it.changes.len())?;
         let n_objects = counted(most.changes.len(), "object");
-        Some(format!("Most results changed on {}: {n_objects}.", scan_name(most)))
+        Some(format!("Most results changed on {}: {n_objects}.", most.subject.in_words()))
     }
 }
 

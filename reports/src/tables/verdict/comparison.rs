@@ -22,10 +22,14 @@ use crate::verdicts::comparability::{
 use crate::verdicts::drift::drift;
 use crate::verdicts::gated_metrics::{about, judged};
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
+use crate::verdicts::partial_differences::{
+    PartialDifference, differences_of_methods, differences_of_results,
+};
 use crate::verdicts::protocol_differences::{
     ProtocolPair, ProtocolSide, common_protocols, pairs as pairs_of,
 };
 use crate::vocabulary::slice::Slice;
+use crate::vocabulary::study::Study;
 
 /// What was compared with what, and the result.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +38,8 @@ pub struct Comparison {
     pub title: String,
     /// Task by task, detector by detector, slice by slice.
     pub differences: Vec<NamedDifference>,
+    /// What is judged one by one, for people.
+    pub unit: &'static str,
     /// Number of scans on which results of a detector changed; `None` where two detectors are compared, of which that is
     /// expected.
     pub n_changed_scans: Option<usize>,
@@ -81,9 +87,12 @@ pub fn compare_runs(
     let tallies = [before.tally(), after.tally()];
     let [tally, tally_after] = &tallies;
     let pairs: Vec<_> = tally.detectors().iter().map(|it| (it.clone(), [it.as_str(); 2])).collect();
+    let mut differences = differences([(before, tally), (after, tally_after)], &pairs, slices);
+    differences.extend(named(differences_of_results(&before.objects, &after.objects)));
     Ok(Comparison {
-        title: format!("Two runs over the same scans, {}", together(tally)),
-        differences: differences([(before, tally), (after, tally_after)], &pairs, slices),
+        title: format!("Two runs over the same {}s, {}", after.manifest.unit(), about_data(after, tally)),
+        differences,
+        unit: after.manifest.unit(),
         n_changed_scans: Some(drift(before, after).len()),
         configuration_changes: configuration_changes(before, after),
         new_detectors: detectors_only_in(after, before),
@@ -91,19 +100,40 @@ pub fn compare_runs(
     })
 }
 
-/// Compares detector `second` of `run` with detector `first`, over all data sets of one origin together.
-pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: ComparedSlices) -> Comparison {
+/// Compares detector `second` of `run` with detector `first`, over all data sets of one origin together; or two methods.
+///
+/// # Errors
+///
+/// [`NotComparable`] if methods did not see the same parts of objects.
+pub fn compare_detectors(
+    run: &RunArchive,
+    first: &str,
+    second: &str,
+    slices: ComparedSlices,
+) -> Result<Comparison, NotComparable> {
     let tally = run.tally();
     let pair = (format!("{second} − {first}"), [first, second]);
-    let together = together(&tally);
-    Comparison {
-        title: format!("A: {first}, B: {second}, on the same scans of one run, {together}"),
-        differences: differences([(run, &tally); 2], &[pair], slices),
+    let mut differences = differences([(run, &tally); 2], &[pair], slices);
+    let of_methods = differences_of_methods(&run.objects, first, second);
+    differences.extend(named(of_methods.map_err(|reason| NotComparable { reasons: vec![reason] })?));
+    let (unit, about_data) = (run.manifest.unit(), about_data(run, &tally));
+    Ok(Comparison {
+        title: format!("A: {first}, B: {second}, on the same {unit}s of one run, {about_data}"),
+        differences,
+        unit,
         n_changed_scans: None,
         configuration_changes: Vec::new(),
         new_detectors: Vec::new(),
         other_results: Vec::new(),
-    }
+    })
+}
+
+/// Those of partly seen objects.
+fn named(differences: Vec<PartialDifference>) -> impl Iterator<Item = NamedDifference> {
+    differences.into_iter().map(|it| {
+        let PartialDifference { on, detector, slice, difference, .. } = it;
+        NamedDifference { task: about(Study::Partial.name(), Some(&on)), detector, slice, difference }
+    })
 }
 
 /// The differences between two sides, of each pair of detectors with its name.
@@ -148,8 +178,16 @@ fn differences(
     differences
 }
 
-fn together(tally: &Tally) -> &'static str {
-    if judged(tally).len() > 1 { "recorded and simulated data sets apart" } else { "all data sets together" }
+fn about_data(run: &RunArchive, tally: &Tally) -> String {
+    if let Some(partial) = &run.manifest.partial {
+        return partial.title().trim_end_matches('.').to_owned();
+    }
+    let together = if judged(tally).len() > 1 {
+        "recorded and simulated data sets apart"
+    } else {
+        "all data sets together"
+    };
+    together.to_owned()
 }
 
 /// Numbers of single classes are shown where slices are.
@@ -183,8 +221,8 @@ impl Comparison {
 
     fn sentences(&self) -> Vec<String> {
         let about_scans = self.n_changed_scans.map(|n| match n {
-            0 => "No result of a scan changed.".to_owned(),
-            n => format!("Results changed {n} times (counted per scan, detector and task)."),
+            0 => format!("No result of a {} changed.", self.unit),
+            n => format!("Results changed {n} times (counted per {}, detector and task).", self.unit),
         });
         let kind = self.differences.iter().find_map(|it| it.difference.interval).map(|it| it.blocks.kind);
         let about_numbers = match kind {

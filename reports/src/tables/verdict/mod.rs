@@ -5,4 +5,3 @@ pub(crate) mod tolerated;
 pub mod comparison;
 pub mod summary;
 pub mod brief;
-pub mod partial_comparison;

@@ -9,7 +9,6 @@ use crate::tables::verdict::wording::{
     metric_text, tolerance_text, value_text,
 };
 use crate::verdicts::changed_claims::ChangedClaim;
-use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, about};
 use crate::verdicts::tolerances::{DriftRule, Origin};
@@ -54,7 +53,7 @@ fn sheet(verdict: &Verdict, of_metrics: Vec<Part>) -> Sheet {
     let of_speeds = (!verdict.speeds.is_empty()).then(|| speed_grid(verdict));
     let of_speeds = of_speeds.map(|grid| Part { title: None, grid });
     let parts = of_metrics.into_iter().chain(of_speeds).collect();
-    let changes = verdict.drift.iter().map(|it| (scan_name(it), it.changes.clone()));
+    let changes = verdict.drift.iter().map(|it| (it.subject.in_words(), it.changes.clone()));
     let listing = Listing { entries: changes.collect(), in_full: "gate.json lists all" };
     Sheet {
         lead: first_lines(verdict),
@@ -137,8 +136,8 @@ pub(crate) fn headline(verdict: &Verdict) -> String {
 
 fn changed_scans(verdict: &Verdict) -> String {
     match verdict.n_changed_scans() {
-        1 => "1 scan".to_owned(),
-        n => format!("{n} scans"),
+        1 => format!("1 {}", verdict.unit),
+        n => format!("{n} {}s", verdict.unit),
     }
 }
 
@@ -163,18 +162,11 @@ fn about_doubtful_blocks(verdict: &Verdict) -> String {
         "These scans may be neighbours, because their times are not known: nothing can be shown to be worse."
             .to_owned()
     } else {
-        format!("Only {} of scans: too few to show that anything is worse.", blocks(verdict))
+        format!("Only {}: too few to show that anything is worse.", verdict.blocks.counted())
     };
     match verdict.tolerances.drift {
         DriftRule::Fail => format!("{why} Only changed results can fail."),
         DriftRule::Warn => why,
-    }
-}
-
-fn blocks(verdict: &Verdict) -> String {
-    match verdict.blocks.n_blocks {
-        1 => "1 block".to_owned(),
-        n => format!("{n} blocks"),
     }
 }
 
@@ -183,16 +175,8 @@ pub(crate) fn doubt(verdict: &Verdict) -> Option<String> {
     if verdict.blocks.may_be_neighbours() {
         return Some("scans may be neighbours".to_owned());
     }
-    verdict.blocks.are_too_few().then(|| blocks(verdict))
-}
-
-/// Which scan, detector and task a drift is about.
-pub(crate) fn scan_name(drift: &ScanDrift) -> String {
-    let subject = &drift.subject;
-    format!(
-        "{} {}/{:06}, {}, {}",
-        subject.dataset, subject.sequence, subject.scan, subject.detector, subject.task
-    )
+    let counted = verdict.blocks.counted();
+    verdict.blocks.are_too_few().then(|| counted.trim_end_matches(" of scans").to_owned())
 }
 
 /// A finding, with why it is none.

@@ -33,6 +33,9 @@ fn sizes(tolerances: &Tolerances) -> Vec<String> {
 
 /// What kind of number a metric of a rule is.
 fn kind(rule: &Rule, metric: &Metric) -> String {
+    if matches!(metric, Metric::Partial(_)) {
+        return metric.id();
+    }
     if !rule.parts.contains(&Slice::All.name()) {
         return format!("{} of slices", metric.id());
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::numbers::blocks::{BlockCount, Interval};
+use crate::numbers::tally::Tally;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
 use crate::verdicts::changed_claims::{ChangedClaim, changed_claims};
@@ -12,7 +13,9 @@ use crate::verdicts::comparability::{
 use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, Sides};
+use crate::verdicts::gated_objects::gated_objects;
 use crate::verdicts::gated_protocols::gated_protocols;
+use crate::verdicts::partial_differences::CurveName;
 use crate::verdicts::rule_problems::RuleProblems;
 use crate::verdicts::tolerances::{DriftRule, Tolerances};
 use crate::vocabulary::extent::OVERALL;
@@ -30,6 +33,8 @@ pub struct Verdict {
     pub detectors: Vec<String>,
     /// Number of scans.
     pub n_scans: usize,
+    /// What these are called: partial clouds of objects stand for scans in results of `partial`.
+    pub unit: &'static str,
     /// The blocks of scans that intervals were drawn from.
     pub blocks: BlockCount,
     /// Everything that is gated, task by task, detector by detector, slice by slice.
@@ -228,10 +233,14 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
     let (before, after) = (baseline.tally(), run.tally());
     let draws = before.draw();
     let sides = Sides { before: &before, after: &after, draws: &draws };
-    let blocks = draws.iter().map(Draw::blocks).reduce(BlockCount::with);
+    let (metrics, blocks) = if baseline.manifest.partial.is_some() {
+        gated_objects([baseline, run], tolerances)?
+    } else {
+        let mut metrics = sides.gated_metrics(tolerances)?;
+        metrics.extend(gated_protocols(&before, [&baseline.protocols, &run.protocols], tolerances)?);
+        (metrics, draws.iter().map(Draw::blocks).reduce(BlockCount::with))
+    };
     let nothing_run = || NotComparable { reasons: vec!["the baseline has no scans".to_owned()] };
-    let mut metrics = sides.gated_metrics(tolerances)?;
-    metrics.extend(gated_protocols(&before, [&baseline.protocols, &run.protocols], tolerances)?);
     let rule = tolerances.speed.as_ref();
     // Ratios of times are those of a processor.
     let [old, new] = [baseline, run].map(|it| &it.manifest.machine.cpu_model);
@@ -239,13 +248,12 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
     let speed_not_compared =
         speed_not_compared.map(|_| format!("the processor changed from {old:?} to {new:?}"));
     let speeds = rule.filter(|_| old == new).map_or_else(Vec::new, |it| sides.gated_speeds(it));
+    let (detectors, n_scans) = judged(baseline, &before);
     Ok(Verdict {
-        dataset: match &before.pools()[..] {
-            [only] => only.extent.name().to_owned(),
-            _ => OVERALL.to_owned(),
-        },
-        detectors: before.detectors().to_vec(),
-        n_scans: n_scans(baseline),
+        dataset: dataset(baseline, &before),
+        detectors,
+        n_scans,
+        unit: baseline.manifest.unit(),
         blocks: blocks.ok_or_else(nothing_run)?,
         metrics,
         speeds,
@@ -258,10 +266,29 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
     })
 }
 
-/// Number of scans of `run`, whatever looked at them.
-fn n_scans(run: &RunArchive) -> usize {
-    let scans = run.scans.iter().map(|it| (&it.dataset, &it.sequence, it.scan));
-    scans.collect::<BTreeSet<_>>().len()
+/// What the numbers of `run` are about.
+fn dataset(run: &RunArchive, tally: &Tally) -> String {
+    match (&run.manifest.partial, &tally.pools()[..]) {
+        (Some(_), _) => run.manifest.selected().into_iter().map(|it| it.0).collect::<Vec<_>>().join(", "),
+        (None, [only]) => only.extent.name().to_owned(),
+        (None, _) => OVERALL.to_owned(),
+    }
+}
+
+/// The detectors of `run`, and its number of scans, whatever looked at them.
+fn judged(run: &RunArchive, tally: &Tally) -> (Vec<String>, usize) {
+    let mut scans: BTreeSet<(String, &str, u32)> = BTreeSet::new();
+    scans.extend(run.scans.iter().map(|it| (it.dataset.clone(), it.sequence.as_str(), it.scan)));
+    let mut detectors = tally.detectors().to_vec();
+    for row in &run.objects {
+        let curve = CurveName::of(row);
+        scans.insert((curve.on(), row.object.as_str(), row.step));
+        let detector = curve.detector();
+        if !detectors.contains(&detector) {
+            detectors.push(detector);
+        }
+    }
+    (detectors, scans.len())
 }
 
 #[cfg(test)]

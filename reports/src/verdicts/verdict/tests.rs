@@ -27,6 +27,7 @@ use crate::vocabulary::task::Task;
 mod built_in;
 mod comparable;
 mod in_brief;
+mod partial;
 mod rules;
 
 /// A run of the detectors `kd-tree`, which finds 5 of 10 cars in every scan in 100 ms, and `pca`.
@@ -70,6 +71,7 @@ impl SampleScans<'_> {
             report: RunReport::new(1, Vec::new()).unwrap(),
             scans: rows.collect(),
             matches: matches.collect(),
+            objects: Vec::new(),
         }
     }
 

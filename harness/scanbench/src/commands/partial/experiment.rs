@@ -7,7 +7,7 @@ use evaluation::partial::object_parts::PartsSeen;
 use reports::files::causes::with_causes;
 use reports::partial_study::peer_rows::{PeerError, read_peer_rows};
 use reports::rows::partial_row::PartialRow;
-use reports::run_folder::partial_manifest::SHIPPED;
+use reports::run_folder::partial_entry::SHIPPED;
 use reports::vocabulary::partial_class::PartialClass;
 use scans::object_cloud::class_of_folder::class_of_folder;
 

@@ -8,8 +8,9 @@ use reports::files::archive::SCHEMA;
 use reports::partial_study::partial_curves::PartialCurve;
 use reports::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
 use reports::rows::partial_row::PartialRow;
-use reports::run_folder::partial_manifest::{
-    ModelEntry, ObjectSetEntry, PartialManifest, PartialSet, PartialSettings, SHIPPED,
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::partial_entry::{
+    ModelEntry, ObjectSetEntry, PartialEntry, PartialSet, PartialSettings, SHIPPED,
 };
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::MANIFEST_JSON;
@@ -24,15 +25,12 @@ use crate::cli::PartialArgs;
 use crate::commands::failure::Failure;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::partial::sets::{Compared, Known, trained_on};
-use crate::commands::provenance::{command_line, git_state, rfc3339_utc, rustc_version};
+use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
+use crate::commands::recorder::rerun_version;
 use crate::commands::standard_streams::terminal;
 
 /// How the result came about.
-pub fn manifest(
-    arguments: &PartialArgs,
-    sets: &[Compared],
-    started: Timestamp,
-) -> Result<PartialManifest, Failure> {
+pub fn manifest(arguments: &PartialArgs, sets: &[Compared], started: Timestamp) -> Result<Manifest, Failure> {
     let of_set = |it: &Compared| PartialSet {
         judged: entry(&*it.judged),
         learned_from: match &it.known {
@@ -55,23 +53,25 @@ pub fn manifest(
             .map_err(|error| Failure::usage(format!("cannot read {}", peer.file.display()), error))?;
         peers.insert(peer.name.clone(), sha256(&content));
     }
-    Ok(PartialManifest {
+    let settings = PartialSettings {
+        others: arguments.others,
+        drives: arguments.drives,
+        ablation: arguments.ablation,
+        trained_on: trained_on(arguments).iter().map(|it| it.name().to_owned()).collect(),
+    };
+    let sets = sets.iter().map(of_set).collect();
+    Ok(Manifest {
         schema: SCHEMA,
         scanbench_version: env!("CARGO_PKG_VERSION").to_owned(),
         created: rfc3339_utc(started),
         argv: command_line(),
-        sets: sets.iter().map(of_set).collect(),
-        peers,
+        n_repeats: 1,
         git: git_state(),
         rustc_version: rustc_version(),
-        settings: Some(PartialSettings {
-            others: arguments.others,
-            drives: arguments.drives,
-            ablation: arguments.ablation,
-            trained_on: trained_on(arguments).iter().map(|it| it.name().to_owned()).collect(),
-        }),
-        shard: None,
-        shards: Vec::new(),
+        rerun_version: rerun_version(),
+        machine: machine(),
+        partial: Some(PartialEntry { sets, peers, settings: Some(settings) }),
+        ..Manifest::default()
     })
 }
 
@@ -89,13 +89,13 @@ fn entry(set: &dyn ObjectCloudSet) -> ObjectSetEntry {
 /// Writes tables and figures of `rows` into `directory`, and returns the table as it is printed.
 pub fn write_files(
     directory: &RunDirectory,
-    manifest: &PartialManifest,
+    manifest: &Manifest,
     rows: &[PartialRow],
 ) -> Result<String, Failure> {
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
-    let title = &manifest.title();
-    let curves = PartialCurve::all(rows);
-    let found = partial_findings(manifest, &curves, OURS);
+    let partial = manifest.partial.clone().unwrap_or_default();
+    let (title, curves) = (&partial.title(), PartialCurve::all(rows));
+    let found = partial_findings(&partial, &curves, OURS);
     let table = PartialTable { title, curves: &curves, method: OURS, found: &found };
     write_table(directory, "partial", &table)?;
     write_figure(directory, "accuracy", &partial_accuracy_plot(&curves, title).svg())?;

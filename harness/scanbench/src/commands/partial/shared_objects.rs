@@ -13,7 +13,8 @@ use reports::files::csv_rows::{csv_head, each_row_of, to_csv_lines};
 use reports::numbers::blocks::DriveSecond;
 use reports::numbers::shard_cut::{ScanToCut, scans_of_shard};
 use reports::rows::partial_row::PartialRow;
-use reports::run_folder::partial_manifest::PartialManifest;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::partial_entry::PartialEntry;
 use reports::run_folder::run_directory::{PARTIAL_CSV, PARTIAL_RRD, RunDirectory};
 use reports::run_folder::shard_record::{ShardPart, ShardRecord, WorkMeasure};
 use reports::vocabulary::shard::Shard;
@@ -41,7 +42,7 @@ use crate::commands::shards::work_output::WorkOutput;
 pub struct SharedObjects<'a> {
     arguments: &'a PartialArgs,
     sets: Vec<Compared>,
-    manifest: PartialManifest,
+    manifest: Manifest,
     // Of each set, the objects that are to be judged, as a range of indices among all.
     ranges: Vec<Range<usize>>,
     // Pairs of a method and an object that are judged, of each set.
@@ -132,8 +133,8 @@ impl SharedWork for SharedObjects<'_> {
         ShareOfWork { cut_by: WorkMeasure::Objects, parts: parts(&self.sets, &self.ranges) }
     }
 
-    fn manifest(&self, shard: Option<ShardRecord>) -> PartialManifest {
-        PartialManifest { shard, ..self.manifest.clone() }
+    fn manifest(&self, shard: Option<ShardRecord>) -> Manifest {
+        Manifest { shard, ..self.manifest.clone() }
     }
 
     fn rules(&self) -> Value {
@@ -173,7 +174,7 @@ impl SharedWork for SharedObjects<'_> {
         journal: &Journal,
         folder: &Path,
         mut record: ShardRecord,
-    ) -> Result<PartialManifest, Failure> {
+    ) -> Result<Manifest, Failure> {
         let mut done: Vec<ObjectEntry> = Vec::new();
         journal.each_entry(|it| done.push(it))?;
         done.sort();
@@ -188,12 +189,7 @@ impl SharedWork for SharedObjects<'_> {
         Ok(SharedWork::manifest(self, Some(record)))
     }
 
-    fn carry_over(
-        &self,
-        _: &Remains,
-        manifest: &PartialManifest,
-        directory: &RunDirectory,
-    ) -> Result<(), Failure> {
+    fn carry_over(&self, _: &Remains, manifest: &Manifest, directory: &RunDirectory) -> Result<(), Failure> {
         let mut growths = Vec::new();
         for (set, model) in self.sets.iter().zip(&self.models) {
             if let Some(model) = model {
@@ -203,7 +199,8 @@ impl SharedWork for SharedObjects<'_> {
         if growths.is_empty() {
             return Ok(());
         }
-        record_growths(&directory.path_of(PARTIAL_RRD), &manifest.title(), &growths)
+        let title = manifest.partial.as_ref().map(PartialEntry::title).unwrap_or_default();
+        record_growths(&directory.path_of(PARTIAL_RRD), &title, &growths)
     }
 }
 

@@ -1,13 +1,10 @@
 //! What all objects of `scanbench partial` come to, of the rows of shards.
 
-use std::path::Path;
-
 use evaluation::partial::methods::OURS;
 use reports::files::csv_rows::{each_row_of, read_rows, to_csv_bytes};
 use reports::pages::partial_page::PartialPage;
 use reports::rows::partial_row::PartialRow;
-use reports::run_folder::command_line::command_of_whole_run;
-use reports::run_folder::partial_manifest::PartialManifest;
+use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{PARTIAL_CSV, RunDirectory};
 use reports::vocabulary::study::Study;
 
@@ -15,7 +12,7 @@ use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::partial::files::write_files;
 use crate::commands::shards::executor::WholeResult;
 use crate::commands::shards::shard_directory::ShardDirectory;
-use crate::commands::shards::whole_manifest::Pieces;
+use crate::commands::shards::whole_manifest::{Pieces, merged_manifest};
 
 /// A result of which all files are written.
 pub struct WholePartial {
@@ -24,16 +21,17 @@ pub struct WholePartial {
 }
 
 impl WholeResult for WholePartial {
-    type Manifest = PartialManifest;
-
     fn write(
         _: Study,
         shards: &[ShardDirectory<'_>],
-        manifests: &[&PartialManifest],
+        manifests: &[&Manifest],
         directory: &RunDirectory,
         pieces: Pieces,
     ) -> Result<Self, Failure> {
-        let manifest = whole_manifest(manifests, directory.target(), pieces);
+        let mut manifest = merged_manifest(manifests, directory.target(), pieces);
+        if pieces == Pieces::One {
+            manifest.shards.clear();
+        }
         let mut rows: Vec<PartialRow> = Vec::new();
         for shard in shards {
             let mut file = shard.open(PARTIAL_CSV)?;
@@ -68,14 +66,4 @@ fn in_order_of_whole(rows: Vec<PartialRow>) -> Vec<PartialRow> {
         }
     }
     groups.into_iter().flatten().collect()
-}
-
-fn whole_manifest(shards: &[&PartialManifest], target: &Path, pieces: Pieces) -> PartialManifest {
-    let mut whole = PartialManifest { shard: None, ..shards[0].clone() };
-    if pieces == Pieces::Shards {
-        whole.created = shards.iter().map(|it| it.created.clone()).min().unwrap_or_default();
-        whole.argv = command_of_whole_run(&whole.argv, &target.display().to_string());
-        whole.shards = shards.iter().filter_map(|it| it.shard.clone()).collect();
-    }
-    whole
 }

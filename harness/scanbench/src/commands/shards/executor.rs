@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use evaluation::journal::Journal;
-use reports::run_folder::made_in_shards::MadeInShards;
+use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::run_folder::shard_record::ShardRecord;
@@ -25,21 +25,15 @@ use crate::commands::standard_streams::{Verbosity, is_said, print_diagnostic, pr
 
 /// What all shards come to, with its files.
 pub trait WholeResult: Sized {
-    /// How it came about, and each of its shards.
-    type Manifest: MadeInShards;
-
     /// Makes that of `shards`, whose manifests are `manifests`, both in order, in `directory`.
     fn write(
         study: Study,
         shards: &[ShardDirectory<'_>],
-        manifests: &[&Self::Manifest],
+        manifests: &[&Manifest],
         directory: &RunDirectory,
         pieces: Pieces,
     ) -> Result<Self, Failure>;
 }
-
-/// How a result says that it comes about.
-pub type ManifestOf<W> = <<W as SharedWork>::Whole as WholeResult>::Manifest;
 
 /// What is done part by part, with a line in the journal for each, and put together of shards.
 pub trait SharedWork {
@@ -52,7 +46,7 @@ pub trait SharedWork {
     fn take_share(&mut self, shard: Shard) -> ShareOfWork;
 
     /// How it comes about; with `shard`, of a shard.
-    fn manifest(&self, shard: Option<ShardRecord>) -> ManifestOf<Self>;
+    fn manifest(&self, shard: Option<ShardRecord>) -> Manifest;
 
     /// What decides the result beside all that the manifest says.
     fn rules(&self) -> Value {
@@ -90,13 +84,13 @@ pub trait SharedWork {
         journal: &Journal,
         folder: &Path,
         record: ShardRecord,
-    ) -> Result<ManifestOf<Self>, Failure>;
+    ) -> Result<Manifest, Failure>;
 
     /// Has `directory` take what else lies beside the journal and belongs to the result.
     fn carry_over(
         &self,
         _: &Remains,
-        _manifest: &ManifestOf<Self>,
+        _manifest: &Manifest,
         _directory: &RunDirectory,
     ) -> Result<(), Failure> {
         Ok(())
@@ -191,7 +185,7 @@ fn put_in_one_piece<W: SharedWork>(
 ) -> Result<W::Whole, Failure> {
     let manifest = work.write_files(&remains.journal, &remains.folder, record)?;
     work.carry_over(remains, &manifest, directory)?;
-    let record = manifest.shard().expect("its files were just written into it");
+    let record = manifest.shard.as_ref().expect("its files were just written into it");
     let shards = [ShardDirectory { folder: remains.folder.clone(), record }];
     W::Whole::write(study, &shards, &[&manifest], directory, Pieces::One)
 }

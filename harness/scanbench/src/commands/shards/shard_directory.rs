@@ -5,7 +5,6 @@ use std::io::{self, BufRead as _, BufReader, Read};
 use std::path::PathBuf;
 
 use reports::files::archive::ArchiveError;
-use reports::run_folder::made_in_shards::MadeInShards;
 use reports::run_folder::run_directory::WORST_POINTS_JSON;
 use reports::run_folder::shard_check::NamedShard;
 use reports::run_folder::shard_record::{ShardFile, ShardRecord};
@@ -26,10 +25,10 @@ pub struct ShardDirectory<'a> {
 
 impl<'a> ShardDirectory<'a> {
     /// The shards at the paths that are their names, in this order of their indices.
-    pub fn in_order<M: MadeInShards>(shards: &'a [NamedShard<M>], order: &[usize]) -> Vec<Self> {
+    pub fn in_order(shards: &'a [NamedShard], order: &[usize]) -> Vec<Self> {
         let directory = |idx: &usize| {
             let NamedShard { name, manifest } = &shards[*idx];
-            Some(Self { folder: PathBuf::from(name), record: manifest.shard()? })
+            Some(Self { folder: PathBuf::from(name), record: manifest.shard.as_ref()? })
         };
         order.iter().filter_map(directory).collect()
     }

@@ -35,11 +35,13 @@ pub fn identity_of(manifest: &impl Serialize, rules: Value) -> JournalIdentity {
     let mut value = serde_json::to_value(manifest).expect("a manifest has text keys only");
     let identity = value.as_object_mut().expect("a manifest is an object");
     // What other programs found is read when all is done.
-    for passing in ["created", "argv", "machine", "peers"] {
+    for passing in ["created", "argv", "machine"] {
         identity.remove(passing);
     }
-    if let Some(shard) = identity.get_mut("shard").and_then(Value::as_object_mut) {
-        shard.remove("created");
+    for (part, passing) in [("shard", "created"), ("partial", "peers")] {
+        if let Some(part) = identity.get_mut(part).and_then(Value::as_object_mut) {
+            part.remove(passing);
+        }
     }
     leave_out_idle_detectors(identity);
     identity.insert("rules".to_owned(), rules);

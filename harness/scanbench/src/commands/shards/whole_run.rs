@@ -36,8 +36,6 @@ pub struct WholeRun {
 }
 
 impl WholeResult for WholeRun {
-    type Manifest = Manifest;
-
     /// Puts the rows of `shards` one after the other, and writes these and all numbers that are made of them.
     fn write(
         study: Study,

@@ -31,8 +31,6 @@ pub struct WholeSweep {
 }
 
 impl WholeResult for WholeSweep {
-    type Manifest = Manifest;
-
     fn write(
         _: Study,
         shards: &[ShardDirectory<'_>],
