@@ -144,7 +144,9 @@ fn check(folder: &str) {
 
 #[test]
 fn modules_use_only_what_is_declared_above_them() {
-    FLOORS.iter().for_each(|(folder, _)| check(folder));
+    for (folder, _) in FLOORS {
+        check(folder);
+    }
 }
 
 #[test]
