@@ -80,7 +80,7 @@ mod tests {
 
     /// The numbers of points of scans 2 and 0 of a street, and how many scans were counted.
     fn seen(n_threads: usize, interrupted: bool) -> (Result<Vec<(usize, usize)>, ScanPassError>, usize) {
-        let options = OpenOptions::default();
+        let options = OpenOptions { sensor: Some("vlp-16".to_owned()), ..OpenOptions::default() };
         let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
         let n_seen = AtomicUsize::new(0);
         let on_scan = || {

@@ -300,19 +300,21 @@ mod tests {
             found.sort_by_key(|it| (it.method_idx, it.object_idx));
             found.into_iter().flat_map(|it| it.rows).collect::<Vec<_>>()
         };
-        let on_threads = |n_threads: usize| {
+        let on_threads = |n_threads: usize, answer: &(dyn Fn() -> Vec<AnsweredObject> + Sync)| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-            rows_of(pool.install(|| answered(&|_, _| false)))
+            pool.install(answer)
         };
-        let rows = on_threads(2);
+        let rows = rows_of(on_threads(2, &|| answered(&|_, _| false)));
         assert_eq!(rows.len(), 20 * experiment.n_answered_objects());
         assert_eq!(rows.len(), 4 * 6 * 20 * methods.len());
-        assert_eq!(rows, on_threads(1));
-        // Gone on with in the middle.
+        // On one thread, and gone on with in the middle.
         let half = |method_idx: usize, object_idx: usize| method_idx == 1 || object_idx.is_multiple_of(3);
-        let mut found = answered(&half);
-        found.extend(answered(&|method_idx, object_idx| !half(method_idx, object_idx)));
-        assert_eq!(rows, rows_of(found));
+        let gone_on_with = || {
+            let mut found = answered(&half);
+            found.extend(answered(&|method_idx, object_idx| !half(method_idx, object_idx)));
+            found
+        };
+        assert_eq!(rows, rows_of(on_threads(1, &gone_on_with)));
         assert!(answered(&|_, _| true).is_empty());
         for curve in PartialCurve::all(&rows) {
             let recall = curve.steps.last().and_then(|it| it.mean_recall).unwrap();

@@ -241,10 +241,12 @@ mod tests {
         let pairs = StagedPairs::new("hdl-64e-s2", SensorModel::hdl_64e_s2(), 1, 1);
         let mut detectors: Vec<_> = entrants.map(|it| it.begin(pairs.description())).collect();
         let tally = RefCell::new(PairTally::new(pairs.stagings(), config.matching));
+        let is_beside = |it: &usize| pairs.scan_ids()[*it].sequence.contains("-beside-");
+        let beside: Vec<usize> = (0..pairs.scan_ids().len()).filter(is_beside).collect();
         let side_by_side = SideBySide {
             dataset: &pairs,
-            scan_indices: &(0..pairs.scan_ids().len()).collect::<Vec<_>>(),
-            part: 0..pairs.scan_ids().len(),
+            scan_indices: &beside,
+            part: 0..beside.len(),
             n_before: 0,
             matching: config.matching,
             n_warmup: 0,

@@ -312,3 +312,6 @@ fn manual(folder: &Path) -> Result<(), Failure> {
         std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
     written.map_err(|source| ArchiveError::Write { path: folder.to_path_buf(), source }.into())
 }
+
+#[cfg(test)]
+mod help_tests;

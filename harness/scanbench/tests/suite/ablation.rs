@@ -1,6 +1,7 @@
 //! `scanbench ablation`: what each part of the method is worth, as one table of a run.
 
 use crate::program::Workplace;
+use crate::shard_folders::{check_same_but_times, check_same_table, check_study};
 
 /// The rows of `ablation.csv`, each as its cells.
 fn rows(workplace: &Workplace, folder: &str) -> Vec<Vec<String>> {
@@ -15,15 +16,18 @@ fn cells(workplace: &Workplace, path: &str) -> Vec<Vec<String>> {
 #[test]
 fn every_variant_has_a_row_for_each_data_set_and_for_all_simulated_ones() {
     let workplace = Workplace::with_drive(2);
-    let streets = ["street", "street-narrow", "street-main-road", "--simulated-scans", "2"];
-    let ended = workplace.succeed(&("ablation", &streets, "--sensor vlp-16 -o out"));
+    let command = "ablation street street-narrow street-main-road --simulated-scans 2 --sensor vlp-16";
+    let ended = check_study(&workplace, command, &[2], |workplace, whole, merged| {
+        check_same_but_times(workplace, whole, merged);
+        check_same_table(workplace, whole, merged, "ablation.csv");
+    });
     assert!(
-        ended.stderr.ends_with("--seed 9001\nAblation: out\nPage: out/report.html\n"),
+        ended.stderr.ends_with("--seed 9001\nAblation: in-one\nPage: in-one/report.html\n"),
         "{}",
         ended.stderr
     );
 
-    let rows = rows(&workplace, "out");
+    let rows = rows(&workplace, "in-one");
     let (head, rows) = rows.split_first().expect("a head");
     let column = |name: &str| head.iter().position(|it| it == name).expect("a column");
     let (dataset, origin, variant) = (column("dataset"), column("origin"), column("variant"));
@@ -50,13 +54,13 @@ fn every_variant_has_a_row_for_each_data_set_and_for_all_simulated_ones() {
         assert_eq!(row[column("f_rate")].is_empty(), expected != "simulated", "{row:?}");
         assert!(!row[column("recall")].is_empty() && !row[column("latency_p50_ms")].is_empty(), "{row:?}");
     }
-    for text in [&ended.stdout, &workplace.read("out/ablation.md")] {
+    for text in [&ended.stdout, &workplace.read("in-one/ablation.md")] {
         assert!(text.contains("street-narrow (simulated)") || text.contains("street-narrow (*simulated*)"));
         // A table that is folded names its lines again.
         assert_eq!(text.matches("without terrain").count() % 4, 0, "{text}");
         assert!(text.contains("without terrain"), "{text}");
     }
-    let manifest = workplace.read("out/manifest.json");
+    let manifest = workplace.read("in-one/manifest.json");
     // Whole, and with two rounds and one, there is nothing missing.
     assert_eq!(manifest.matches("\"name\": \"without ").count(), papers - 3, "{manifest}");
 }

@@ -1,17 +1,19 @@
 //! Boxes of two fits around the same clusters.
 
 use crate::program::Workplace;
+use crate::shard_folders::{check_same_bytes, check_study};
 
-const BOXES: &str = "boxes street-narrow --simulated-scans 3 -o boxes";
+const BOXES: &str = "boxes street-narrow --simulated-scans 3";
+
 #[test]
 fn every_pair_has_all_boxes_and_every_number_its_denominators() {
     let workplace = Workplace::new();
-    let ended = workplace.succeed(&BOXES);
+    let ended = check_study(&workplace, BOXES, &[], check_same_bytes);
     assert!(
         ended.stdout.starts_with("Box errors of matched vehicles: street-narrow (simulated)\n"),
         "{ended:#?}"
     );
-    let boxes = workplace.read("boxes/boxes.csv");
+    let boxes = workplace.read("in-one/boxes.csv");
     let rows: Vec<Vec<&str>> = boxes.lines().skip(1).map(|it| it.split(',').collect()).collect();
     assert!(rows.len() > 20, "{boxes}");
     let fits = ["hull box", "PCA box", "closeness box", "outline box", "reported box"];
@@ -21,16 +23,16 @@ fn every_pair_has_all_boxes_and_every_number_its_denominators() {
         assert!(same.iter().map(|it| it[8]).eq(fits));
         assert_eq!(same[0][1], "true");
     }
-    let errors = workplace.read("boxes/box_errors.csv");
+    let errors = workplace.read("in-one/box_errors.csv");
     let all = errors.lines().find(|it| it.contains(",all,,centre,m,hull box,")).expect("a row");
     assert_eq!(all.split(',').nth(7), Some((rows.len() / 5).to_string().as_str()), "{errors}");
     let of_ranges = errors.lines().filter(|it| it.contains(",range,") && it.contains(",yaw,deg,PCA box,"));
     let n_in_ranges: usize =
         of_ranges.map(|it| it.split(',').nth(7).expect("a column").parse::<usize>().expect("a count")).sum();
     assert_eq!(n_in_ranges, rows.len() / 5);
-    workplace.check_file("boxes/boxes_simulated.svg", &["matched vehicles, simulated: median errors"]);
+    workplace.check_file("in-one/boxes_simulated.svg", &["matched vehicles, simulated: median errors"]);
     // All points of the vehicles of a class lie somewhere, once in each frame.
-    let points = workplace.read("boxes/box_points.csv");
+    let points = workplace.read("in-one/box_points.csv");
     for frame in ["annotated box", "hull box", "reported box"] {
         let of_frame = points.lines().filter(|it| it.contains(&format!(",car,{frame},")));
         let shares =
@@ -38,7 +40,7 @@ fn every_pair_has_all_boxes_and_every_number_its_denominators() {
         let sum: f64 = shares.sum();
         assert!((sum - 1.0).abs() < 1e-2, "{frame}: {sum}");
     }
-    let manifest = workplace.json("boxes/manifest.json");
+    let manifest = workplace.json("in-one/manifest.json");
     assert_eq!(manifest["detectors"][0]["name"], "hierarchical");
 }
 

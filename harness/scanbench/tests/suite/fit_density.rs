@@ -20,12 +20,12 @@ fn curve(workplace: &Workplace, name: &str) -> toml::Table {
 }
 
 #[test]
-fn a_curve_says_what_it_was_learned_from() {
+fn a_curve_says_what_it_was_learned_from_and_figures_hold_every_ring() {
     let (workplace, _drawn) = drive();
-    let ended = workplace.succeed("fit-density street --scans 0..2");
+    let ended = workplace.succeed("fit-density street --scans 0..2 --figures figures");
     assert!(ended.stdout.starts_with("Sensor hdl-64e-s2, 2 scans\nDensest ring: "), "{ended:#?}");
-    assert_eq!(ended.stderr, "Density curve: density.toml\n");
-    assert_eq!(workplace.top_names(), ["density.toml", "street"]);
+    assert!(ended.stderr.starts_with("Density curve: density.toml\n"), "{ended:#?}");
+    assert_eq!(workplace.top_names(), ["density.toml", "figures", "street"]);
     let curve = curve(&workplace, "density.toml");
     assert_eq!(curve["command"].as_str(), Some("scanbench fit-density street --scans 0..2"));
     assert_eq!(curve["datasets"].as_array(), Some(&vec!["street".into()]));
@@ -35,6 +35,13 @@ fn a_curve_says_what_it_was_learned_from() {
     let rings = curve["ring_points_per_m2"].as_array().expect("an array");
     assert_eq!((rings.len(), rings[60].as_float()), (79, Some(0.0)));
     assert!(rings[30].as_float().is_some_and(|it| it > 0.1 && it < 8.0), "{rings:?}");
+    for statistic in ["ring_density", "weight"] {
+        let rows = workplace.column("figures/density.csv", "statistic");
+        assert_eq!(rows.iter().filter(|it| *it == statistic).count(), 79, "{statistic}");
+        let figure = format!("figures/{statistic}.svg");
+        workplace.check_file(&figure, &["range (m)", "measured, street, 2 scans"]);
+    }
+    workplace.check_file("figures/ring_density.svg", &["(points/m²)"]);
 }
 
 #[test]
@@ -73,20 +80,6 @@ fn a_run_takes_the_file() {
 }
 
 #[test]
-fn figures_hold_every_ring_and_the_units() {
-    let (workplace, _drawn) = drive();
-    workplace.succeed("fit-density street --figures figures");
-    let table = workplace.read("figures/density.csv");
-    for statistic in ["ring_density", "weight"] {
-        let n_rows = table.lines().filter(|line| line.starts_with(&format!("{statistic},"))).count();
-        assert_eq!(n_rows, 79, "{statistic}");
-        workplace
-            .check_file(&format!("figures/{statistic}.svg"), &["range (m)", "measured, street, 3 scans"]);
-    }
-    workplace.check_file("figures/ring_density.svg", &["(points/m²)"]);
-}
-
-#[test]
 fn a_simulated_curve_names_its_sensor_and_seed() {
     let workplace = Workplace::new();
     workplace.succeed("fit-density street-narrow --seed 7 --scans 0 --sensor vlp-16 -o one.toml");
@@ -99,13 +92,8 @@ fn what_cannot_be_fitted_leaves_nothing() {
     let other =
         "street = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\nsensor = \"vlp-16\"\n";
     workplace.write("catalogue.toml", &format!("[simulated.other]\n{other}"));
-    for (arguments, part) in [
-        ("nowhere", "nowhere"),
-        ("street other --catalogue catalogue.toml", "of several sensors (hdl-64e-s2, vlp-16)"),
-        ("street -o missing/density.toml", "missing/density.toml"),
-    ] {
-        workplace.refuse(&("fit-density", arguments), 2, &[part]);
-    }
+    let several = "fit-density street other --catalogue catalogue.toml";
+    workplace.refuse(several, 2, &["of several sensors (hdl-64e-s2, vlp-16)"]);
     drawn.change("training/velodyne/0000/000001.bin", |bytes| bytes.truncate(100));
     workplace.refuse("fit-density street --figures out", 3, &["000001.bin"]);
     for scan in 0..3 {

@@ -13,7 +13,7 @@ fn files(workplace: &Workplace, folder: &str) -> Vec<(String, Vec<u8>)> {
 }
 
 #[test]
-fn a_new_folder_has_a_detector_scans_with_labels_and_a_gate_that_makes_the_scans_again() {
+fn a_new_folder_has_a_detector_scans_with_labels_and_a_gate_that_passes_an_unchanged_detector() {
     let workplace = Workplace::new();
     workplace.succeed("init a/mine").check_stdout(&["\n  cd a/mine\n"]);
     let names: Vec<String> = files(&workplace, "a/mine").into_iter().map(|it| it.0).collect();
@@ -34,12 +34,6 @@ fn a_new_folder_has_a_detector_scans_with_labels_and_a_gate_that_makes_the_scans
     workplace.succeed(&("data simulate", simulate));
     let of_workflow = files(&workplace, "data");
     assert!(of_workflow.len() > 20 && of_workflow == files(&workplace, "a/mine/data"));
-}
-
-#[test]
-fn its_gate_passes_an_unchanged_detector() {
-    let workplace = Workplace::new();
-    workplace.succeed("init .");
     for name in ["first", "again"] {
         let no_recording = if cfg!(feature = "viewer") { &["--no-rrd"][..] } else { &[] };
         workplace.succeed(&(["run", "data/street", "-d", "pca", "-o", name], no_recording));
@@ -49,7 +43,9 @@ fn its_gate_passes_an_unchanged_detector() {
         workplace.write(&manifest, &clean);
     }
     workplace.succeed(&["baseline", "accept", "first", "-b", "baseline", "--why", "the first"]);
-    workplace.succeed("gate again -b baseline -t tolerances.toml -o verdict").check_stdout(&["PASSED\n"]);
+    workplace
+        .succeed("gate again -b baseline -t a/mine/tolerances.toml -o verdict")
+        .check_stdout(&["PASSED\n"]);
 }
 
 #[test]

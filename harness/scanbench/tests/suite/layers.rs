@@ -143,48 +143,10 @@ fn check(folder: &str) {
 }
 
 #[test]
-fn modules_of_the_detector_use_only_what_is_declared_above_them() {
-    check("detector");
-}
-
-#[test]
-fn modules_of_the_baselines_use_only_what_is_declared_above_them() {
-    check("baselines");
-}
-
-#[test]
-fn modules_of_the_reports_use_only_what_is_declared_above_them() {
-    check("reports");
-}
-
-#[test]
-fn modules_of_the_scans_use_only_what_is_declared_above_them() {
-    check("harness/scans");
-}
-
-#[test]
-fn modules_of_the_simulator_use_only_what_is_declared_above_them() {
-    check("harness/simulator");
-}
-
-#[test]
-fn modules_of_the_evaluation_use_only_what_is_declared_above_them() {
-    check("harness/evaluation");
-}
-
-#[test]
-fn modules_of_the_viewer_use_only_what_is_declared_above_them() {
-    check("harness/viewer");
-}
-
-#[test]
-fn modules_of_what_fetches_use_only_what_is_declared_above_them() {
-    check("harness/remote");
-}
-
-#[test]
-fn modules_of_the_program_use_only_what_is_declared_above_them() {
-    check("harness/scanbench");
+fn modules_use_only_what_is_declared_above_them() {
+    for (folder, _) in FLOORS {
+        check(folder);
+    }
 }
 
 #[test]

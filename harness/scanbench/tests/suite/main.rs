@@ -1,6 +1,7 @@
 //! Tests of the whole: the structure of the code, and the program from outside.
 
 // What the tests of the program share.
+mod accepted;
 mod drawn_dataset;
 #[cfg(feature = "remote")]
 mod file_server;
@@ -9,6 +10,7 @@ mod program;
 mod shard_folders;
 
 mod bad_input;
+mod refusals;
 mod command_line;
 mod detect;
 #[cfg(feature = "remote")]
@@ -19,15 +21,16 @@ mod ablation;
 mod experiments;
 mod layers;
 mod run_directory;
-mod threads;
 mod seeds;
 #[cfg(target_os = "linux")]
 mod signals;
 #[cfg(target_os = "linux")]
+mod odd_detector;
+#[cfg(target_os = "linux")]
 mod foreign_detectors;
 mod results_of_others;
 mod shards;
-mod study_shards;
+mod going_on;
 mod start_up;
 mod realism;
 mod reproduce;
@@ -35,6 +38,7 @@ mod readers;
 mod protocol_labels;
 mod fit_density;
 mod gate;
+mod baseline;
 mod blocks;
 mod protocols;
 mod init;

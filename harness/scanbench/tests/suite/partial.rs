@@ -5,7 +5,8 @@ use std::path::Path;
 
 use test_data::test_data;
 
-use crate::program::{Words, Workplace};
+use crate::program::Workplace;
+use crate::shard_folders::{check_in_shards, check_same_bytes, check_study};
 
 fn rows(workplace: &Workplace, path: &str) -> Vec<Vec<String>> {
     let text = workplace.read(path);
@@ -23,19 +24,16 @@ fn check_files(workplace: &Workplace, names: &[&str]) {
 #[test]
 fn the_shipped_model_classifies_objects_and_the_same_comes_out_again() {
     let workplace = Workplace::new();
-    let arguments = "partial objects-vlp-16 --per-class 4 --others -o";
-    let ended = workplace.succeed(&(arguments, "out"));
+    let arguments = "partial objects-vlp-16 --per-class 4 --others --no-rrd";
+    let ended = check_study(&workplace, arguments, &[1, 7], check_same_bytes);
+    std::fs::rename(workplace.path("in-one"), workplace.path("out")).expect("it was made");
     let title = "Partial clouds: objects-vlp-16 (simulated), classified by the shipped model";
     assert!(ended.stdout.starts_with(title), "{ended:#?}");
     ended.check_stdout(&["claims of the paper", "None of these", "strangers"]);
     let found = rows(&workplace, "out/partial.csv");
     // Five classes of four objects, ten steps from two ends.
     assert_eq!(found.len(), 5 * 4 * 10 * 2);
-    workplace.succeed(&(arguments, "again"));
-    assert_eq!(workplace.read("out/partial.csv"), workplace.read("again/partial.csv"));
     check_files(&workplace, &["partial.md", "partial.tex", "accuracy.svg", "accuracy.pdf", "report.html"]);
-    #[cfg(feature = "viewer")]
-    check_files(&workplace, &["partial.rrd"]);
     let page = workplace.read("out/report.html");
     std::fs::remove_file(workplace.path("out/report.html")).unwrap();
     workplace.succeed("report out");
@@ -48,13 +46,13 @@ fn the_shipped_model_classifies_objects_and_the_same_comes_out_again() {
 #[test]
 fn methods_are_trained_where_objects_are_named_for_it() {
     let workplace = Workplace::new();
-    let arguments = "partial objects-vlp-16 --train objects-vlp-16 --per-class 4 --no-rrd -o out";
+    let arguments = "partial objects-vlp-16 --train objects-vlp-16 --per-class 2 --no-rrd -o out";
     let ended = workplace.succeed(arguments);
     let title = "Partial clouds: objects-vlp-16 (simulated), learned from";
     assert!(ended.stdout.starts_with(title), "{ended:#?}");
     let found = rows(&workplace, "out/partial.csv");
-    // Four classes of four objects, ten steps from two ends, five methods, trained in two ways.
-    assert_eq!(found.len(), 4 * 4 * 10 * 2 * 5 * 2);
+    // Four classes of two objects, ten steps from two ends, five methods, trained in two ways.
+    assert_eq!(found.len(), 4 * 2 * 10 * 2 * 5 * 2);
     assert!(!workplace.path("out/partial.rrd").exists());
     let manifest = workplace.json("out/manifest.json");
     let set = &manifest["partial"]["sets"][0];
@@ -67,81 +65,35 @@ fn methods_are_trained_where_objects_are_named_for_it() {
 }
 
 #[test]
+fn every_shard_learns_from_all_objects() {
+    // Of each of two sets anew.
+    let sets =
+        "partial objects-vlp-16 objects-air --train objects-vlp-16 --trained-on whole --per-class 2 --no-rrd";
+    check_in_shards(&Workplace::new(), sets, &[2], check_same_bytes);
+}
+
+#[test]
 fn drives_show_more_and_more_and_the_ablation_has_a_row_for_each_part() {
     let workplace = Workplace::new();
-    let learned = "--train objects-approach --trained-on whole --per-class 3";
+    let learned = "--train objects-approach --trained-on whole --per-class 2";
     workplace.succeed(&("partial objects-approach --drives --ablation", learned, "-o out"));
+    #[cfg(feature = "viewer")]
+    check_files(&workplace, &["partial.rrd"]);
     let found = rows(&workplace, "out/partial.csv");
     assert!(found.iter().all(|it| it[2] == "drive"), "{:?}", found[0]);
     let methods: std::collections::BTreeSet<&str> = found.iter().map(|it| it[4].as_str()).collect();
     assert!(methods.contains("without graphs") && methods.len() > 8, "{methods:?}");
 }
 
-/// Runs `arguments` in a workplace with a folder of one car, and expects these words and exit code 2.
-#[track_caller]
-fn check_refused(arguments: &(impl Words + ?Sized), words: &str) {
+#[test]
+fn a_model_is_trained_and_classifies_objects() {
     let workplace = Workplace::new();
-    workplace.write("mine/car/1.bin", &[0_u8; 64]);
-    workplace.end_with(&(arguments, "-o x"), 2, &[words]);
-    assert!(!workplace.path("x").exists());
-}
-
-#[test]
-fn options_that_say_nothing_about_the_objects_are_refused() {
-    for verb in ["partial", "data objects"] {
-        for name in ["objects-around", "mine"] {
-            for (option, words) in [
-                ("--seed 7", "--seed is for data sets, and none is given"),
-                ("--sensor vlp-16", "--sensor is for data sets"),
-                ("--sensor-height 1.7", "--sensor-height is for data sets"),
-                ("--format kitti-tracking", "--format is for data sets"),
-                ("--class boat=misc", "--class is for data sets"),
-                ("--registered", "--registered is for data sets"),
-            ] {
-                check_refused(&(verb, name, option), words);
-            }
-        }
-        check_refused(&(verb, "mine --part judging"), "--part is for simulated objects");
-        check_refused(&(verb, "mine --per-class 9"), "--per-class is for simulated objects");
-        check_refused(&(verb, "objects-nowhere"), "objects-nowhere");
-    }
-    // It would be of the objects that are learned from, which are of the training part in any case.
-    let train = "partial mine --train objects-around --part judging";
-    check_refused(train, "--part is for simulated objects");
-}
-
-#[test]
-fn what_needs_training_or_a_drive_is_refused_without() {
-    for (arguments, words) in [
-        ("partial objects-around --drives", "--drives is for objects-approach"),
-        ("partial --ablation", "--train <OBJECTS>"),
-        ("partial --trained-on whole", "--train <OBJECTS>"),
-        ("partial --model no.toml", "cannot use the model no.toml"),
-        ("partial --model mine/car/1.bin", "cannot use the model"),
-        ("partial objects-air objects-around --peer-results a=b", "of one set of objects"),
-        ("train partial streets", "unexpected argument"),
-        ("train partial --nu 0.1", "unexpected argument"),
-        ("train partial --objects mine --per-class 3", "--per-class is for"),
-    ] {
-        check_refused(arguments, words);
-    }
-}
-
-#[test]
-fn a_model_is_trained_to_the_byte_with_any_number_of_threads_and_classifies_objects() {
-    let train = "train partial --objects objects-vlp-16,objects-approach --per-class 3";
-    let [one, three] = ["1", "3"].map(|n_threads| {
-        let workplace = Workplace::new();
-        let ended = workplace.run_with(&[("RAYON_NUM_THREADS", n_threads)], &(train, "-o model"));
-        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
-        workplace
-    });
-    let model = one.read_bytes("model/partial.model");
-    assert!(model == three.read_bytes("model/partial.model"));
-    let command = format!("command = \"scanbench {train}\"");
-    assert!(String::from_utf8_lossy(&model).contains(&command));
+    let train = "train partial --objects objects-vlp-16,objects-approach --per-class 2";
+    workplace.succeed(&(train, "-o model"));
+    let model = workplace.read_bytes("model/partial.model");
+    assert!(String::from_utf8_lossy(&model).contains(&format!("command = \"scanbench {train}\"")));
     let judge = "partial objects-vlp-16 --per-class 3 --model model/partial.model --no-rrd -o out";
-    one.succeed(judge).check_stdout(&["classified by the model model/partial.model"]);
+    workplace.succeed(judge).check_stdout(&["classified by the model model/partial.model"]);
 }
 
 #[test]

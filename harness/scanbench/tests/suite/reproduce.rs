@@ -1,22 +1,17 @@
 //! `scanbench reproduce`: the claims of the papers, judged.
 
-use crate::program::Workplace;
+use crate::program::{Workplace, copy_folder};
+use crate::shard_folders::check_in_shards;
 
-const REPRODUCE: &str =
-    "reproduce all street-narrow street-main-road --simulated-scans 2 --settings 2 --per-class 3";
+const REPRODUCE: &str = "reproduce all street-narrow --simulated-scans 2 --settings 2 --per-class 2";
 /// Few beams, which are simulated quickly.
 const BEAMS: &str = "--sensor vlp-16 --seed 7 -o";
 
 #[test]
-fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
+fn claims_of_all_papers_are_judged_and_gated() {
     let workplace = Workplace::new();
     workplace.succeed(&(REPRODUCE, BEAMS, "first")).check_stdout(&["Of the claims (22) "]);
-    workplace.succeed(&(REPRODUCE, BEAMS, "second"));
-    for name in ["settings.csv", "open_values.md", "settings.svg"] {
-        let [first, second] = ["first", "second"].map(|it| workplace.read(&format!("{it}/{name}")));
-        assert!(first == second, "{name}");
-    }
-    assert_eq!(untimed(&workplace, "first"), untimed(&workplace, "second"));
+    copy_folder(&workplace.path("first"), &workplace.path("second"));
     let json = workplace.json("first/reproduction.json");
     let claims = json["claims"].as_array().unwrap();
     assert_eq!(claims.len(), 22);
@@ -52,7 +47,8 @@ fn claims_are_judged_the_same_twice_and_nothing_depends_on_times_but_times() {
     assert_eq!(of_bg["readings"][0]["reading"], "learned from whole, seen from below");
 }
 
-const VM: &str = "reproduce vm street-narrow --simulated-scans 2 --settings 0 --no-rrd";
+const VM: &str =
+    "reproduce vm street-narrow --simulated-scans 2 --settings 0 --no-rrd --sensor vlp-16 --seed 7";
 
 /// One line for each claim that is no time.
 fn untimed(workplace: &Workplace, folder: &str) -> Vec<String> {
@@ -64,14 +60,11 @@ fn untimed(workplace: &Workplace, folder: &str) -> Vec<String> {
 
 #[test]
 fn shards_of_the_run_are_judged_as_the_whole_is() {
-    let workplace = Workplace::new();
-    workplace.succeed(&(VM, BEAMS, "whole"));
-    for shard in ["1/2", "2/2"] {
-        workplace.succeed(&(VM, "--shard", shard, (BEAMS, "shards")));
-    }
-    workplace.succeed("merge shards -o merged");
-    assert_eq!(untimed(&workplace, "whole"), untimed(&workplace, "merged"));
-    assert_eq!(workplace.read("whole/matches.csv"), workplace.read("merged/matches.csv"));
+    check_in_shards(&Workplace::new(), VM, &[2], |workplace, whole, merged| {
+        assert_eq!(untimed(workplace, whole), untimed(workplace, merged));
+        let [whole, merged] = [whole, merged].map(|it| workplace.read(&format!("{it}/matches.csv")));
+        assert!(whole == merged && whole.lines().count() > 10, "{merged}");
+    });
 }
 
 #[test]
@@ -87,12 +80,23 @@ fn recorded_and_simulated_scans_are_judged_apart() {
         assert_eq!(numbers.matches(" against ").count(), 2, "{reading}");
     }
     workplace.check_file("vm/reproduction.html", &["scanbench reproduce vm street-narrow"]);
-    workplace.refuse("reproduce all --choose training-streets -o nowhere", 2, &[]);
     for idle in ["--save-rrd=a.rrd", "--no-rrd", "--rerun-every 2", "--blueprint stages"] {
         workplace.refuse(&format!("reproduce all --choose training-streets {idle}"), 2, &[]);
     }
-    let shared = "reproduce all street-narrow --shard 1/2 -o shards --save-rrd=a.rrd";
-    workplace.refuse(shared, 2, &["all shards would write the same file of --save-rrd"]);
+}
+
+#[test]
+fn settings_are_judged_the_same_twice() {
+    let workplace = Workplace::new();
+    for name in ["first", "second"] {
+        let hg = "reproduce hg street-narrow --simulated-scans 2 --settings 2 --no-rrd";
+        workplace.succeed(&(hg, BEAMS, name));
+    }
+    for name in ["settings.csv", "open_values.md", "settings.svg"] {
+        let [first, second] = ["first", "second"].map(|it| workplace.read(&format!("{it}/{name}")));
+        assert!(first == second, "{name}");
+    }
+    assert_eq!(untimed(&workplace, "first"), untimed(&workplace, "second"));
 }
 
 #[test]
@@ -103,7 +107,6 @@ fn one_paper_without_settings_and_judged_streets_choose_nothing() {
     let claims = json["claims"].as_array().unwrap();
     assert!(claims.iter().all(|it| it["claim"]["paper"] == "HG" && it["settings"].is_null()));
     assert!(!workplace.path("hg/settings.csv").exists());
-    workplace.refuse("reproduce all --choose streets --settings 2", 2, &["which is only for judging"]);
     let chosen = "reproduce all --choose=pca training-streets --scans 0..1 --simulated-scans 1 --settings 2";
     let said = workplace.succeed(&(chosen, "--sensor vlp-16")).stdout;
     assert!(

@@ -7,7 +7,9 @@ use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace};
-use crate::shard_folders::untimed_rows;
+use crate::shard_folders::{
+    check_in_shards, check_same_but_times, check_same_bytes, check_study, untimed_rows,
+};
 
 #[track_caller]
 fn check_same_numbers(workplace: &Workplace, runs: [&str; 2]) {
@@ -45,12 +47,12 @@ fn a_run_leaves_its_files_and_nothing_else() {
 fn recorded_and_simulated_data_sets_are_separated_and_published_rows_stand_beside_the_papers_method() {
     let workplace = Workplace::with_drive(3);
     let run = |detectors: &str, output: &str| {
-        let data = ["run", "street", "street-narrow", "--scans", "0..3", "--no-rrd"];
-        workplace.succeed(&(&data, ["-d", detectors, "-o", output])).stdout
+        workplace.succeed(&("run street narrow.mcap --no-rrd", ["-d", detectors, "-o", output])).stdout
     };
+    workplace.succeed("data simulate street-narrow --simulated-scans 3 --sensor vlp-16 -o narrow.mcap");
     let with_paper = run("paper,hierarchical,pca", "with");
     for task in ["objects", "vehicles"] {
-        for on in ["street (recorded)", "street-narrow (simulated)"] {
+        for on in ["street (recorded)", "narrow (simulated)"] {
             let verdict = with_paper.split(&format!("Task {task} on {on}: ")).nth(1).unwrap_or_default();
             let verdict = verdict.split("\nTask ").next().unwrap_or_default();
             let named = ["paper", "hierarchical", "pca"].iter().filter(|it| verdict.contains(**it));
@@ -99,22 +101,53 @@ fn runs_that_begin_in_the_same_second_have_names_of_their_own() {
 }
 
 #[test]
-fn what_is_there_is_replaced_only_when_asked_for() {
-    for (first, second) in [
-        ("run street -d pca -o out", "run street -d hierarchical -o out"),
-        ("fit-density street --figures out -o curve.toml", "fit-density street --figures out -o curve.toml"),
-        ("data realism street --against street -o out", "data realism street --against street -o out"),
+fn what_is_there_is_replaced_only_when_asked_for_and_threads_change_no_byte() {
+    for (command, files) in [
+        ("fit-density street --figures out -o curve.toml", &["curve.toml", "out/density.csv"][..]),
+        ("data realism street --against street -o out", &["out/realism.csv", "out/ring_density.svg"]),
+        (
+            "train paper streets --seed 7 --simulated-scans 4 --sensor vlp-16 --nu 0.3 -o out",
+            &["out/curves.csv", "out/curves.svg", "out/importance.csv", "out/objects.csv", "out/paper.model"],
+        ),
     ] {
         let workplace = Workplace::with_drive(3);
-        workplace.succeed(first);
-        let names = workplace.top_names();
-        workplace.refuse(second, 2, &["exists", "--overwrite"]);
-        workplace.succeed(&(second, "--overwrite"));
-        assert_eq!(workplace.top_names(), names, "{second}");
-        if second.starts_with("run") {
-            assert!(untimed_rows(&workplace, "out").iter().all(|row| row["detector"] == "hierarchical"));
+        let made = |n_threads: &str, more: &str| {
+            let ended = workplace.run_with(&[("RAYON_NUM_THREADS", n_threads)], &(command, more));
+            assert_eq!(ended.exit_code, Some(0), "{command}: {ended:#?}");
+            let files = files.iter().map(|it| (*it, workplace.read_bytes(it)));
+            (files.collect::<Vec<_>>(), ended.stdout)
+        };
+        let (first, said) = made("1", "");
+        let names = workplace.names();
+        workplace.refuse(command, 2, &["exists", "--overwrite"]);
+        let (second, said_again) = made("3", "--overwrite");
+        assert_eq!(workplace.names(), names, "{command}");
+        for ((name, one), (_, other)) in first.iter().zip(&second) {
+            assert!(one == other && !one.is_empty(), "{name}: {command}");
         }
+        assert_eq!(said, said_again, "{command}");
     }
+}
+
+#[test]
+fn shards_of_a_run_without_times_make_the_run_to_the_last_byte() {
+    let workplace = Workplace::with_drive(20);
+    workplace.succeed("run street -d simple-grid --detections-out found --as csv --no-rrd -q -o first");
+    // Results that were read have no times.
+    let run =
+        "run street --detections grid=found/simple-grid -d grid --protocol nuscenes,argoverse2 --no-rrd";
+    check_study(&workplace, run, &[1, 7], check_same_bytes);
+    workplace.succeed("gate merged-7 --baseline in-one");
+}
+
+#[test]
+fn detectors_of_ours_and_of_others_find_the_same_in_shards() {
+    let workplace = Workplace::new();
+    let program = env!("CARGO_BIN_EXE_scanbench");
+    let command = format!("[detector.served]\ncommand = [{program:?}, \"serve\", \"simple-grid\"]\n");
+    workplace.write("scanbench.toml", &command);
+    let run = "run street-narrow street-main-road --simulated-scans 2 --sensor vlp-16 -d simple-grid,served,pca --no-rrd";
+    check_in_shards(&workplace, run, &[3], check_same_but_times);
 }
 
 #[test]
@@ -152,8 +185,8 @@ fn a_simulated_street_hangs_on_its_seed_alone() {
     for (run, seed, jobs) in [("one", "7", "1"), ("three", "7", "3"), ("other", "8", "3")] {
         let options = format!("--seed {seed} --jobs {jobs} -o {run}");
         workplace
-            .succeed(&("run -d pca --scans 0..9:4 --sensor vlp-16 --no-rrd", &options))
-            .check_stdout(&["on 3 simulated data sets, 9 scans"]);
+            .succeed(&("run -d pca --scans 0..5:4 --sensor vlp-16 --no-rrd", &options))
+            .check_stdout(&["on 3 simulated data sets, 6 scans"]);
     }
     check_same_numbers(&workplace, ["one", "three"]);
     assert_ne!(workplace.read("one/matches.csv"), workplace.read("other/matches.csv"));

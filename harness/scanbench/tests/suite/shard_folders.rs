@@ -34,10 +34,10 @@ pub fn merge_whole(workplace: &Workplace, folder: &str, output: &str) {
     assert_eq!(merged.exit_code, Some(0), "{merged:#?}");
 }
 
-/// The shards below `shards` are refused with this exit code and these words, and nothing is left.
+/// The shards below `folder` are refused with this exit code and these words, and nothing is left.
 #[track_caller]
-pub fn check_merge_refused(workplace: &Workplace, exit_code: i32, words: &str) {
-    let merged = merge(workplace, "shards", "whole");
+pub fn check_merge_refused(workplace: &Workplace, folder: &str, exit_code: i32, words: &str) {
+    let merged = merge(workplace, folder, "whole");
     assert_eq!(merged.exit_code, Some(exit_code), "{words}: {merged:#?}");
     merged.check_stderr(&[words]);
     assert!(!workplace.path("whole").exists());
@@ -54,19 +54,64 @@ fn untimed_lines(workplace: &Workplace, path: &str) -> Vec<String> {
     text.lines().map(untimed).collect()
 }
 
-/// Makes the study `command` in `count` shards and compares it with `whole`; `table` is what only this study leaves.
+/// What compares two directories of results.
+pub type Comparison = fn(&Workplace, &str, &str);
+
+/// Makes `command` in `in-one`, where an earlier result is, on one thread, and again: in each number of shards of `counts`,
+/// or else on three threads. Each has to be the `same`.
 #[track_caller]
-pub fn check_study_in_shards(
+pub fn check_study(workplace: &Workplace, command: &str, counts: &[u32], same: Comparison) -> Ended {
+    workplace.write("in-one/manifest.json", "{}");
+    workplace.write("in-one/earlier.csv", "");
+    workplace.refuse(&(command, "-o in-one"), 2, &["\"in-one\" exists", "--overwrite"]);
+    let command = (command, "--overwrite");
+    let with_threads = |n_threads: &str, output: &str| {
+        let ended = workplace.run_with(&[("RAYON_NUM_THREADS", n_threads)], &(&command, "-o", output));
+        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+        ended
+    };
+    let whole = with_threads("1", "in-one");
+    assert!(!workplace.path("in-one/earlier.csv").exists());
+    check_shards(workplace, &command, counts, same);
+    if counts.is_empty() {
+        with_threads("3", "again");
+        same(workplace, "in-one", "again");
+    }
+    whole
+}
+
+/// Makes `command` in each number of shards of `counts`, which have to come to the `same` as what it has left in
+/// `in-one`.
+#[track_caller]
+fn check_shards(workplace: &Workplace, command: &(impl Words + ?Sized), counts: &[u32], same: Comparison) {
+    for count in counts {
+        let [shards, merged] = [format!("shards-{count}"), format!("merged-{count}")];
+        make_shards(workplace, command, *count, &shards);
+        merge_whole(workplace, &shards, &merged);
+        same(workplace, "in-one", &merged);
+        let manifest = workplace.json(&format!("{merged}/manifest.json"));
+        assert_eq!(manifest["shards"].as_array().map(Vec::len), Some(*count as usize));
+        assert!(manifest.get("shard").is_none());
+    }
+}
+
+/// Makes `command` in `in-one` and in shards, as [`check_study`] does.
+#[track_caller]
+pub fn check_in_shards(
     workplace: &Workplace,
     command: &(impl Words + ?Sized),
-    count: u32,
-    table: &str,
+    counts: &[u32],
+    same: Comparison,
 ) {
-    make_shards(workplace, command, count, "shards");
-    merge_whole(workplace, "shards", "merged");
-    check_same_but_times(workplace, "whole", "merged");
-    let [one, other] = ["whole", "merged"].map(|it| untimed_lines(workplace, &format!("{it}/{table}")));
-    assert!(one == other && one.len() > 10, "{table}: {other:#?}");
+    workplace.succeed(&(command, "-o in-one"));
+    check_shards(workplace, command, counts, same);
+}
+
+/// The table `name` of both studies is the same but for times.
+#[track_caller]
+pub fn check_same_table(workplace: &Workplace, whole: &str, merged: &str, name: &str) {
+    let [one, other] = [whole, merged].map(|it| untimed_lines(workplace, &format!("{it}/{name}")));
+    assert!(one == other && one.len() > 10, "{name}: {other:#?}");
 }
 
 /// All files of a run but its manifest.
@@ -88,7 +133,8 @@ pub fn check_same_bytes(workplace: &Workplace, whole: &str, merged: &str) {
         if name.ends_with("report.html") {
             let [one, other] =
                 [(whole, one), (merged, other)].map(|(run, page)| undated(workplace, run, page));
-            assert!(one == other, "{} of {merged} has other words", name.display());
+            let differing = one.lines().zip(other.lines()).find(|(one, other)| one != other);
+            assert!(one == other, "{} of {merged} has other words: {differing:?}", name.display());
         } else if name.ends_with("scans.csv") {
             // The reference is timed in any case.
             let [one, other] = [whole, merged].map(|it| untimed_lines(workplace, &format!("{it}/scans.csv")));

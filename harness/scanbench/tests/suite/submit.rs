@@ -113,32 +113,6 @@ fn where_slurm_takes_nothing_the_scripts_stay() {
 }
 
 #[test]
-fn a_wrong_submission_writes_nothing() {
-    let workplace = Workplace::new();
-    workplace.write("taken", "");
-    for (arguments, why) in [
-        ("slurm -o jobs -- run street -o out", "leave -o out away"),
-        ("slurm -o jobs -- run street --bad", "unexpected argument '--bad'"),
-        ("slurm -o jobs -- compare a b", "compare has no shards"),
-        ("slurm -o jobs --shards 0 -- run street", "0 is not in"),
-        ("slurm -o jobs --shards 1000001 -- run street", "1000001 is not in 1..=1000000"),
-        ("slurm -o jobs --partition a;b -- run street", "has to be of letters"),
-        ("slurm -o jobs", "required arguments were not provided"),
-        ("slurm -o taken -- run street", "cannot write"),
-        ("slurm -o / -- run street", "does not end in a name"),
-        ("slurm -o jobs -- run nope", "there is no data set \"nope\""),
-        ("slurm -o jobs -- sweep street-narrow -P nope=1:2:1", "unknown parameter nope"),
-        ("slurm -o jobs -- run street-narrow -d foo", "there is no detector \"foo\""),
-        ("slurm -o jobs -- partial nope", "there is no data set \"nope\""),
-        ("slurm -o jobs --at-once 0 -- run street", "0 is not in"),
-        ("kubernetes -o jobs -- run street", "--image <IMAGE>"),
-        ("kubernetes -o jobs --image a b --claim c -- run street", "unexpected argument 'b'"),
-    ] {
-        workplace.refuse(&("submit", arguments), 2, &[why]);
-    }
-}
-
-#[test]
 fn pods_get_the_words_of_the_run_and_the_number_of_shards() {
     let workplace = Workplace::new();
     let submit = "submit kubernetes --image a/b:1 --claim scans --shards 2 -o runs/Fleet_1 -- run";

@@ -3,9 +3,8 @@
 use std::process::Child;
 
 use crate::program::{Ended, Row, Workplace, send};
+use crate::shard_folders::{check_in_shards, check_same_bytes, check_study, files_of, merge_whole};
 
-/// Some scans of a simulated street as seen by a small sensor.
-const STREET: &str = "sweep street-narrow --simulated-scans 3 --sensor vlp-16";
 const CELLS: &str = "-P cell_size_m=0.4:0.8:0.2";
 /// What is the same whenever the sweep is.
 const SAME_FILES: [&str; 5] = [
@@ -57,7 +56,7 @@ fn a_sweep_leaves_rows_with_what_they_are_made_of() {
 #[test]
 fn a_point_is_what_run_runs() {
     let workplace = Workplace::new();
-    let data = "street-narrow --simulated-scans 2 -d hierarchical,pca -P";
+    let data = "street-narrow --simulated-scans 3 --sensor vlp-16 -d hierarchical,pca -P";
     let sizes = "hierarchical.grid.cell_size_m=0.6:0.8:0.2 --timed-scans 0 -o out";
     workplace.succeed(&("sweep", data, sizes));
     workplace.succeed(&("run", data, "hierarchical.grid.cell_size_m=0.8 -o run"));
@@ -88,7 +87,7 @@ fn a_point_is_what_run_runs() {
 }
 
 /// A sweep that takes a while, one result after the other.
-const LONG: &str = "sweep street-narrow --simulated-scans 8 --protocol nuscenes";
+const LONG: &str = "sweep street-narrow --simulated-scans 12 --sensor vlp-16 --protocol nuscenes";
 const REST: &str = "--timed-scans 1 -o out";
 
 /// Starts it, and returns once its journal has so many lines.
@@ -113,43 +112,15 @@ fn check_same_files(left: &Workplace, right: &Workplace) {
     }
 }
 
-#[test]
-fn a_sweep_that_was_killed_goes_on_and_gives_the_same_bytes() {
-    let (whole, broken) = (Workplace::new(), Workplace::new());
-    let arguments = (LONG, CELLS, REST);
-    whole.succeed(&arguments);
-    kill_long(&broken, 8);
-    assert!(!broken.path("out").exists());
-    let ended = broken.succeed(&arguments);
-    let went_on = ended.stderr.split_once("\nContinuing with ");
-    let n_done = went_on.and_then(|it| it.1.split(' ').next()?.parse::<usize>().ok());
-    assert!(n_done.is_some_and(|it| (7..24).contains(&it)), "{}", ended.stderr);
-    check_same_files(&whole, &broken);
-    assert_eq!(broken.top_names(), ["out"]);
-}
-
 #[cfg(unix)]
 #[test]
-fn ctrl_c_keeps_what_is_done_and_says_so() {
+fn a_sweep_that_was_ended_goes_on_with_itself_alone_and_any_number_of_threads_gives_the_same_bytes() {
     let (whole, broken) = (Workplace::new(), Workplace::new());
-    let arguments = (LONG, CELLS, REST);
-    let child = start_long(&broken, 5);
-    send(&child, "-INT");
-    let ended = Ended::from(child.wait_with_output().expect("it ends"));
-    assert_eq!(ended.exit_code, Some(130), "{ended:?}");
-    let kept = "What is finished of the 8 scans is kept in out.unfinished; to continue";
-    ended.check_stderr(&[kept, "error: interrupted after ", " of 24 results"]);
-    assert_eq!(broken.top_names(), ["out.unfinished"]);
-    whole.succeed(&arguments);
-    broken.succeed(&arguments).check_stderr(&["\nContinuing with "]);
-    check_same_files(&whole, &broken);
-}
-
-#[test]
-fn going_on_with_something_else_is_refused() {
-    let workplace = Workplace::new();
-    kill_long(&workplace, 3);
-    let journal = workplace.read("out.unfinished/journal");
+    let table = |parameters: &str| format!("[detector.other]\ncommand = [\"true\"]\n{parameters}\n");
+    broken.write("scanbench.toml", &table("parameters = { b = 1 }"));
+    kill_long(&broken, 5);
+    assert!(!broken.path("out").exists());
+    let journal = broken.read("out.unfinished/journal");
     for (swept, more, difference) in [
         ("-P cell_size_m=0.4:0.8:0.4", "", "sweep.points, sweep.swept"),
         (CELLS, "--seed 2", "datasets, seeds.street-narrow, shard.parts"),
@@ -160,52 +131,60 @@ fn going_on_with_something_else_is_refused() {
         (CELLS, "--criterion centre", "config.matching.criterion, matching_criterion"),
     ] {
         let says = format!("belongs to another sweep: {difference} differ;");
-        workplace.end_with(&(LONG, REST, swept, more), 2, &[&says]);
+        broken.end_with(&(LONG, REST, swept, more), 2, &[&says]);
     }
-    assert_eq!(workplace.read("out.unfinished/journal"), journal);
-    // Unless what is there is to go.
-    let other = "sweep street-narrow --simulated-scans 1 -L xi=2,3 -o out --overwrite";
-    let ended = workplace.succeed(other);
-    assert!(ended.stderr.ends_with("--seed 9001\nSweep: out\nPage: out/report.html\n"), "{}", ended.stderr);
-    assert_eq!(workplace.top_names(), ["out"]);
+    assert_eq!(broken.read("out.unfinished/journal"), journal);
+    // Another detector of the file is none of its business.
+    broken.write("scanbench.toml", &table("parameters = { b = 2, c = 3 }"));
+    let child = start_long(&broken, journal.lines().count() + 3);
+    send(&child, "-INT");
+    let ended = Ended::from(child.wait_with_output().expect("it ends"));
+    assert_eq!(ended.exit_code, Some(130), "{ended:?}");
+    let kept = "What is finished of the 12 scans is kept in out.unfinished; to continue";
+    ended.check_stderr(&["\nContinuing with ", kept, "error: interrupted after ", " of 36 results"]);
+    let ended = broken.succeed(&(LONG, CELLS, REST, "--jobs 5"));
+    let went_on = ended.stderr.split_once("\nContinuing with ");
+    let n_done = went_on.and_then(|it| it.1.split(' ').next()?.parse::<usize>().ok());
+    assert!(n_done.is_some_and(|it| (7..36).contains(&it)), "{}", ended.stderr);
+    assert_eq!(broken.top_names(), ["out", "scanbench.toml"]);
+    whole.succeed(&(LONG, CELLS, REST, "--jobs 1"));
+    check_same_files(&whole, &broken);
+}
+
+/// Two streets of a few seconds, at two points, by two detectors.
+const SHARED: &str = "sweep street-narrow street-main-road --simulated-scans 4 --sensor vlp-16 -d hierarchical,pca \
+                      -P hierarchical.grid.cell_size_m=0.6:0.8:0.2 --no-rrd -q --timed-scans";
+
+#[test]
+fn a_sweep_in_shards_is_the_sweep_in_one_piece() {
+    check_study(&Workplace::new(), &format!("{SHARED} 0"), &[1, 5], check_same_bytes);
+    // Skipped scans, a selection, values that go with others.
+    let tied =
+        "0 -P hierarchical.cluster.min_points=12/hierarchical.grid.cell_size_m --scans 0..4:2 --skip-damaged";
+    check_in_shards(&Workplace::new(), &(SHARED, tied), &[2], check_same_bytes);
 }
 
 #[test]
-fn another_detector_of_scanbench_toml_is_none_of_its_business() {
+fn scans_of_a_sweep_are_timed_in_the_shards_that_have_them() {
     let workplace = Workplace::new();
-    let table = |parameters: &str| format!("[detector.other]\ncommand = [\"true\"]\n{parameters}\n");
-    workplace.write("scanbench.toml", &table("parameters = { b = 1 }"));
-    kill_long(&workplace, 3);
-    workplace.write("scanbench.toml", &table("parameters = { b = 2, c = 3 }"));
-    workplace.run(&(LONG, CELLS, REST)).check_stderr(&["\nContinuing with "]);
-}
-
-#[test]
-fn the_number_of_threads_changes_no_byte() {
-    let (alone, together) = (Workplace::new(), Workplace::new());
-    let rest = "--timed-scans 0 --protocol nuscenes -o out --jobs";
-    alone.succeed(&(STREET, CELLS, rest, "1"));
-    together.succeed(&(STREET, CELLS, rest, "5"));
-    check_same_files(&alone, &together);
-}
-
-#[test]
-fn sweeps_that_cannot_be_are_refused_with_their_codes() {
-    let workplace = Workplace::new();
-    for (arguments, exit_code, message) in [
-        ("street-narrow", 2, "no parameter is swept"),
-        ("street-narrow -P cell_size_m=0.2:2.0", 2, "0.2:2.0 is not START:STOP:STEP"),
-        ("street-narrow -P cel_size_m=0.2:2.0:0.1", 2, "unknown parameter cel_size_m"),
-        ("street-narrow -P cell_size_m=0:2:1", 2, "cell_size_m = 0 is not within 0.05 to 10 m"),
-        ("street-narrow -d pac -L xi=2,3", 2, "there is no detector \"pac\""),
-        ("./nowhere -L xi=2,3", 3, "nowhere"),
-    ] {
-        workplace.end_with(&("sweep", arguments), exit_code, &[message]);
-    }
-    assert!(workplace.names().is_empty(), "{:?}", workplace.names());
-    workplace.write("full", "");
-    workplace.end_with("sweep street-narrow -L xi=2,3 -o full", 2, &["with --overwrite"]);
-    assert_eq!(workplace.top_names(), ["full"]);
+    check_in_shards(&workplace, &(SHARED, "2"), &[3], |workplace, whole, merged| {
+        for name in files_of(workplace, whole).union(&files_of(workplace, merged)) {
+            let file = name.display().to_string();
+            let hangs_on_times =
+                ["times.csv", "sweep.md", "sweep.tex", "report.html"].contains(&file.as_str());
+            if hangs_on_times || file.starts_with("pareto_") {
+                for folder in [whole, merged] {
+                    std::fs::remove_file(workplace.path(folder).join(name)).expect("both have it");
+                }
+            }
+        }
+        check_same_bytes(workplace, whole, merged);
+    });
+    let n_timed = |it: u32| workplace.n_lines(&format!("shards-3/shard-{it}-of-3/timed_scans.jsonl"));
+    assert_eq!((1..=3).map(n_timed).sum::<usize>(), 4);
+    merge_whole(&workplace, "shards-3", "merged");
+    // Two of each data set, and four of both, for two detectors at two points.
+    assert_eq!(workplace.column("merged/times.csv", "n_scans"), [["2"; 4], ["2"; 4], ["4"; 4]].concat());
 }
 
 #[test]

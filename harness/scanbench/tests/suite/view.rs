@@ -1,11 +1,13 @@
 //! `scanbench view`.
 
-use crate::program::Workplace;
+use crate::program::{Prepared, Workplace};
 
 fn small_run() -> Workplace {
-    let workplace = Workplace::new();
-    workplace.succeed("run street-narrow --simulated-scans 2 -d hierarchical,pca --no-rrd -o run");
-    workplace
+    static SMALL: Prepared = Prepared::new();
+    SMALL.workplace(|workplace| {
+        let run = "run street-narrow --simulated-scans 4 --sensor vlp-16 -d hierarchical,pca --no-rrd -o run";
+        workplace.succeed(run);
+    })
 }
 
 #[test]

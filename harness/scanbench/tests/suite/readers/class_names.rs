@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use mcap::WriteOptions;
 use reports::vocabulary::class::AnnotationClass;
 
-use super::mcap::{SECOND, category, foxglove_messages, write};
+use super::recordings::{SECOND, category, foxglove_messages, write};
 use super::{made, open};
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
@@ -167,22 +167,6 @@ fn configuration_catalogue_and_options_say_it_and_the_manifest_keeps_it() {
     // Where nothing is mapped, nothing is said.
     DrawnDataset::tracking(workplace.folder(), 2);
     assert_eq!(mapping("street", &[]), serde_json::Value::Null);
-}
-
-#[test]
-fn mistakes_in_the_mapping_are_usage() {
-    let workplace = Workplace::with_drive(1);
-    workplace.write("mine.toml", "[classes]\nforklift = \"mics\"\n");
-    for (arguments, parts) in [
-        (&["data", "check", "street", "--class", "forklift=mics"][..], ["\"mics\" is not a class", "misc"]),
-        (&["data", "check", "street", "--class", "forklift"], ["NAME=CLASS", "forklift"]),
-        (
-            &["run", "street", "-c", "mine.toml", "--no-rrd"],
-            ["line 2: classes.forklift", "\"mics\" is not a class"],
-        ),
-    ] {
-        workplace.refuse(arguments, 2, &parts);
-    }
 }
 
 #[test]

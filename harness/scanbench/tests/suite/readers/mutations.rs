@@ -27,7 +27,7 @@ const MAX_BYTES: u64 = 256 << 20;
 const MAX_BYTES_FOR_EACH: u64 = 100;
 
 fn seconds_for_each() -> f64 {
-    std::env::var("SCANBENCH_MUTATION_SECONDS").ok().and_then(|it| it.parse().ok()).unwrap_or(0.5)
+    std::env::var("SCANBENCH_MUTATION_SECONDS").ok().and_then(|it| it.parse().ok()).unwrap_or(0.25)
 }
 
 /// All files below `folder`, in order, with what is in them.
@@ -239,7 +239,7 @@ fn recordings_of_foxglove() {
 
 #[test]
 fn recordings_of_foxglove_in_json() {
-    use super::mcap::{SECOND, category, foxglove_messages, write};
+    use super::recordings::{SECOND, category, foxglove_messages, write};
     let workplace = Workplace::new();
     let messages: Vec<_> =
         (1..4).flat_map(|second| foxglove_messages(second * SECOND, &category("car"))).collect();
@@ -249,9 +249,9 @@ fn recordings_of_foxglove_in_json() {
 
 #[test]
 fn recordings_of_ros() {
-    for (seed, options) in super::mcap::write_options().into_iter().enumerate() {
+    for (seed, options) in super::recordings::write_options().into_iter().enumerate() {
         let workplace = Workplace::new();
-        let path = super::mcap::write_drive(&workplace, options);
+        let path = super::recordings::write_drive(&workplace, options);
         check(&format!("mcap, ROS 2, way of writing {seed}"), &path, 6 + seed as u64);
     }
 }

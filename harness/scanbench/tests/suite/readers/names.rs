@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use mcap::WriteOptions;
 use scans::dataset::Dataset;
 
-use super::mcap::{Logged, SECOND, category, cloud_at, foxglove_messages, write, write_named};
+use super::recordings::{Logged, SECOND, category, cloud_at, foxglove_messages, write, write_named};
 use super::{check_damaged, made, open, try_open};
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Workplace, copy_folder};
@@ -135,7 +135,7 @@ fn topics_and_frames_are_shown_escaped() {
     assert!(error.contains("/a\\u{1b}[31m (sensor_msgs") && !error.contains('\u{1b}'), "{error}");
     // Boxes in a frame that nothing connects with the cloud's.
     let workplace = Workplace::new();
-    let boxes = super::mcap::detections(SECOND, "map\u{1b}[31m", [5.0, 0.0, 0.0], 0.0);
+    let boxes = super::recordings::detections(SECOND, "map\u{1b}[31m", [5.0, 0.0, 0.0], 0.0);
     let boxes = ("/labels", "vision_msgs/msg/Detection3DArray", "cdr", SECOND, boxes);
     let path = write(&workplace, WriteOptions::new(), &[cloud_at(SECOND), boxes]);
     let error = open(&path).read_scan(0).expect_err("another frame").to_string();

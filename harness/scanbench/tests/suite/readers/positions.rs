@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use mcap::WriteOptions;
 
-use super::mcap::{SECOND, cloud_at};
+use super::recordings::{SECOND, cloud_at};
 use super::{check_damaged, made, open};
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
@@ -144,7 +144,7 @@ fn one_rule_holds_in_every_format() {
 #[test]
 fn regions_and_objects_of_a_recording_stay_with_their_points() {
     let workplace = Workplace::new();
-    let path = super::mcap::write(&workplace, WriteOptions::new(), &[cloud_at(SECOND)]);
+    let path = super::recordings::write(&workplace, WriteOptions::new(), &[cloud_at(SECOND)]);
     let scan = open(&path).read_scan(0).unwrap();
     assert_eq!((scan.cloud.len(), &scan.points_left_out[..]), (3, &[2][..]));
     workplace.succeed("data convert drive.mcap -o again.mcap");

@@ -45,7 +45,7 @@ fn results_of_others() {
     let (dataset, results) = (super::argoverse2::drawn(), workplace.path("tables"));
     write_echo(&*super::open(&dataset), ResultOutput::Argoverse2, &results);
     check_results("results, Argoverse2", &dataset, &results.join("echo"), 63);
-    let drive = super::mcap::write_drive(&workplace, mcap::WriteOptions::new());
+    let drive = super::recordings::write_drive(&workplace, mcap::WriteOptions::new());
     let results = workplace.path("recorded");
     std::fs::create_dir(&results).unwrap();
     std::fs::copy(&drive, results.join("a.mcap")).unwrap();

@@ -1,10 +1,11 @@
 //! Data sets in the layouts of others, made of simulated scans and of drawn packets.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use scans::annotation::LabeledScan;
 use scans::conversion::convert::sheet_of;
-use scans::dataset::Dataset;
+use scans::dataset::{Dataset, DatasetError, Listing};
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
@@ -18,14 +19,37 @@ pub use las::las_file;
 pub use nuscenes::nuscenes;
 pub use packets::{calibration_of_64, packets, pcap, pcapng, steps_of};
 
-/// Scans of a simulated street, with few beams.
+/// A simulated street, seen by few beams, whose scans are kept: most tests of readers read them several times.
+struct KeptStreet {
+    street: Box<dyn Dataset>,
+    scans: &'static [LabeledScan],
+}
+
+impl Dataset for KeptStreet {
+    fn listing(&self) -> &Listing {
+        self.street.listing()
+    }
+
+    fn inner(&self) -> Option<&dyn Dataset> {
+        Some(&*self.street)
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        Ok(self.scans[scan_idx].clone())
+    }
+}
+
+/// One to three scans of a simulated street, with few beams.
 pub fn street(n_scans: u32) -> Box<dyn Dataset> {
+    static SCANS: [OnceLock<Vec<LabeledScan>>; 4] = [const { OnceLock::new() }; 4];
     let options = OpenOptions {
         n_simulated_scans: Some(n_scans),
         sensor: Some("vlp-16".to_owned()),
         ..OpenOptions::default()
     };
-    open_dataset("street-intersection", &options, &built_in_catalogue().unwrap()).unwrap()
+    let street = open_dataset("street-intersection", &options, &built_in_catalogue().unwrap()).unwrap();
+    let scans = SCANS[n_scans as usize].get_or_init(|| scans(&*street));
+    Box::new(KeptStreet { street, scans })
 }
 
 pub fn scans(dataset: &dyn Dataset) -> Vec<LabeledScan> {
