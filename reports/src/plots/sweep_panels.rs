@@ -40,8 +40,8 @@ pub(crate) fn words<'a>(values: impl Iterator<Item = &'a str> + Clone) -> Option
     (!is_numeric).then(|| values.map(str::to_owned).collect())
 }
 
-/// Adds `curve`, with values `scale` times as large, to the one of `panels` that has the title of `panel`, or to `panel`, with
-/// a ring around its best position.
+/// Adds `curve`, with values `scale` times as large, to the one of `panels` that has the title of `panel`, or to `panel`,
+/// with a ring around its best position.
 pub(crate) fn add_curve<T: Reached>(
     panels: &mut Vec<CurvePanel>,
     panel: CurvePanel,

@@ -1,7 +1,7 @@
 //! What a sweep has counted, scan by scan, as sums from which its numbers are made.
 //!
-//! A detector at a point counts as a detector of its own. Sums of cells are kept by seconds of drives, and no scan: a sweep in
-//! one piece and its shards come to the same digits.
+//! A detector at a point counts as a detector of its own. Sums of cells are kept by seconds of drives, and no scan: a sweep
+//! in one piece and its shards come to the same digits.
 
 use std::collections::BTreeMap;
 
