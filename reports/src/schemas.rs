@@ -65,7 +65,7 @@ pub fn csv_files() -> Vec<(&'static str, &'static str, &'static [CsvField])> {
         file::<TaskRow>("run", "table_<task>.csv"),
         file::<AgreementRow>("run", "agreement.csv"),
         file::<RankedBoxRow>("run --protocol nuscenes", "protocol_boxes.csv"),
-        file::<KittiObjectRow>("run --protocol kitti-object", "protocol_boxes.csv"),
+        file::<KittiObjectRow>("run --protocol kitti-object", "protocol_kitti_object.csv"),
         file::<LabelScoreRow>("run --protocol semantic-kitti", "protocol_labels.csv"),
         file::<ProtocolRow>("run --protocol", "table_protocol_<name>.csv"),
         file::<ProcessorTimeRow>("merge", "times_of_processors.csv"),

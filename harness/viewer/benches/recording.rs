@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use evaluation::matching::assign::MatchingParams;
 use evaluation::matching::criterion::Criterion;
 use evaluation::matching::eligibility::EligibilityParams;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ChosenDetector, DEFAULT_DETECTORS, detectors_named};
-use evaluation::run::entrant::Entrant;
 use evaluation::run::scan_recorder::{RecordedScan, ScanRecorder as _};
 use evaluation::run::side_by_side::{OnDetectorFailure, SideBySide};
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
@@ -72,7 +72,7 @@ fn record(
     let config = RunConfig::load(None)?;
     let names: Vec<&'static str> = chosen.iter().map(ChosenDetector::name).collect();
     let mut detectors: Vec<_> =
-        chosen.iter().map(|it| Entrant::of(it.clone(), &config).begin(description)).collect();
+        chosen.iter().map(|it| ComparedDetector::of(it.clone(), &config).begin(description)).collect();
     let options = RunRecordingOptions {
         stream: StreamOptions {
             name: "benchmark".to_owned(),

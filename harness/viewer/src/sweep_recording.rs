@@ -3,8 +3,8 @@
 use detector::DetectorOutput;
 use evaluation::matching::assign::{MatchingParams, assign};
 use evaluation::matching::mistake::Evidence;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::detector_list::ChosenDetector;
-use evaluation::run::entrant::Entrant;
 use evaluation::run::running_detector::RunningDetector;
 use evaluation::run::side_by_side::{DetectionTimes, DetectorScan};
 use evaluation::sweep::quality_pass::SweptDataset;
@@ -82,9 +82,9 @@ pub fn record_sweep(
         stream.log_step(step, title(&scan, &values), &further(&there))?;
         let config = &plan.points[point_idx].config;
         for chosen in &plan.detectors {
-            let entrant = Entrant::of(chosen.clone(), &plan.points[point_idx].config);
-            let detector = entrant.begin(description);
-            let of_detector = there.iter().filter(|it| it.subject.detector == entrant.name);
+            let compared_detector = ComparedDetector::of(chosen.clone(), &plan.points[point_idx].config);
+            let detector = compared_detector.begin(description);
+            let of_detector = there.iter().filter(|it| it.subject.detector == compared_detector.name);
             let f_rates = of_detector.map(|it| it.counts.f_rate());
             look_again(&mut stream, &scan, description, detector, &config.matching, f_rates)?;
         }

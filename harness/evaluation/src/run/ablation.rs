@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use reports::vocabulary::task::Task;
 
+use crate::run::compared_detector::ComparedDetector;
 use crate::run::config::override_option::OverrideOption;
 use crate::run::config::{ConfigError, RunConfig, TrainedModel};
 use crate::run::detector_list::{ListedDetector, PAPER};
-use crate::run::entrant::Entrant;
 
 /// What the method is judged by: its parts are there to find objects, whatever they are.
 pub const TASK: Task = Task::Objects;
@@ -144,12 +144,12 @@ pub fn variants(
     method: ListedDetector,
     config: &RunConfig,
     models: Option<&Path>,
-) -> Result<Vec<Entrant>, AblationError> {
+) -> Result<Vec<ComparedDetector>, AblationError> {
     let variant = |name: &'static str, chosen: ListedDetector, switches: &[String]| {
         let switches = switches.iter().map(|it| it.parse().expect("the lists of switches are tested"));
         let switches: Vec<OverrideOption> = switches.collect();
         let config = config.overridden(&switches, &[])?;
-        Ok::<_, ConfigError>(Entrant { name, chosen: chosen.into(), config })
+        Ok::<_, ConfigError>(ComparedDetector { name, chosen: chosen.into(), config })
     };
     let of_parts = |off: &[&str]| off.iter().map(|it| (*it).to_owned()).collect::<Vec<_>>();
     let trained = models.map(trained_parts).transpose()?.unwrap_or_default();
@@ -190,7 +190,7 @@ mod tests {
     use super::*;
     use crate::run::detector_list::built_in_named;
 
-    fn all_variants(models: Option<&Path>) -> Result<Vec<Entrant>, AblationError> {
+    fn all_variants(models: Option<&Path>) -> Result<Vec<ComparedDetector>, AblationError> {
         let config = RunConfig::load(None).unwrap();
         let method = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
         variants(method, &config, models)
@@ -204,9 +204,9 @@ mod tests {
         for (variant, part) in variants[1..].iter().zip(&PARTS) {
             assert_eq!(variant.name, part.name);
             let (parameter, off) = part.off.split_once('=').unwrap();
-            let value = |it: &Entrant| it.config.value_of(parameter).unwrap().to_string();
+            let value = |it: &ComparedDetector| it.config.value_of(parameter).unwrap().to_string();
             assert_eq!(value(variant), off);
-            let others = |it: &Entrant| {
+            let others = |it: &ComparedDetector| {
                 PARTS
                     .iter()
                     .filter_map(|other| other.off.split_once('='))

@@ -196,9 +196,9 @@ mod tests {
     use std::num::NonZeroUsize;
     use std::sync::atomic::AtomicBool;
 
+    use crate::run::compared_detector::ComparedDetector;
     use crate::run::config::RunConfig;
     use crate::run::detector_list::detectors_named;
-    use crate::run::entrant::Entrant;
     use crate::run::side_by_side::{OnDetectorFailure, RunError, SideBySide};
     use crate::run::sink::{Sinks, run_watched};
     use reports::numbers::gap_curve::gap_curves;
@@ -236,10 +236,10 @@ mod tests {
     fn wide_gaps_are_seen_by_all_and_narrow_ones_by_the_dense_level() {
         let config = RunConfig::load(None).unwrap();
         let names = ["simple-grid", "hierarchical"].map(str::to_owned);
-        let entrants =
-            detectors_named(&names, &config).unwrap().into_iter().map(|it| Entrant::of(it, &config));
+        let compared_detectors =
+            detectors_named(&names, &config).unwrap().into_iter().map(|it| ComparedDetector::of(it, &config));
         let pairs = StagedPairs::new("hdl-64e-s2", SensorModel::hdl_64e_s2(), 1, 1);
-        let mut detectors: Vec<_> = entrants.map(|it| it.begin(pairs.description())).collect();
+        let mut detectors: Vec<_> = compared_detectors.map(|it| it.begin(pairs.description())).collect();
         let tally = RefCell::new(PairTally::new(pairs.stagings(), config.matching));
         let is_beside = |it: &usize| pairs.scan_ids()[*it].sequence.contains("-beside-");
         let beside: Vec<usize> = (0..pairs.scan_ids().len()).filter(is_beside).collect();

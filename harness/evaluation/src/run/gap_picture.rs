@@ -11,7 +11,7 @@ use simulator::object_pair::{PairKind, PairLayout};
 
 use crate::metrics::pair_separation::{PairOutcome, judge_pairs};
 use crate::process::problem::DetectorFailure;
-use crate::run::entrant::Entrant;
+use crate::run::compared_detector::ComparedDetector;
 use crate::run::gap_experiment::{StagedPairs, Staging};
 use crate::run::running_detector::RunningDetector;
 
@@ -35,8 +35,8 @@ pub struct GapPicture {
     pub plans: [Plan; 2],
 }
 
-/// The first of `n_pairs` pairs that the first of `entrants` makes one object of and the second two; `None` if there is none
-/// among those that are looked through.
+/// The first of `n_pairs` pairs of which the first of `compared_detectors` makes one object and the second two; `None` if
+/// there is none.
 ///
 /// # Errors
 ///
@@ -44,9 +44,9 @@ pub struct GapPicture {
 pub fn gap_picture(
     pairs: &StagedPairs,
     n_pairs: u32,
-    entrants: [&Entrant; 2],
+    compared_detectors: [&ComparedDetector; 2],
 ) -> Result<Option<GapPicture>, DetectorFailure> {
-    let mut detectors = entrants.map(|it| it.begin(pairs.description()));
+    let mut detectors = compared_detectors.map(|it| it.begin(pairs.description()));
     let (kind, layout) = SHOWN;
     let stagings = SHOWN_GAPS_DM
         .iter()
@@ -57,8 +57,12 @@ pub fn gap_picture(
             let detector: &mut dyn RunningDetector = detectors[detector_idx].as_mut();
             let mut output = DetectorOutput::default();
             detector.detect(&scan, 0.0, &mut output)?;
-            let outcomes = judge_pairs(&scan, &output.detections, &[[0, 1]], &entrants[0].config.matching);
-            Ok::<_, DetectorFailure>((outcomes[0], plan(entrants[0], &scan, detector.name(), &output)))
+            let outcomes =
+                judge_pairs(&scan, &output.detections, &[[0, 1]], &compared_detectors[0].config.matching);
+            Ok::<_, DetectorFailure>((
+                outcomes[0],
+                plan(compared_detectors[0], &scan, detector.name(), &output),
+            ))
         };
         let ((joined, of_joining), (separated, of_separating)) = (look(0)?, look(1)?);
         // One object for both and one for each, without fragments: they would hide the point.
@@ -73,7 +77,12 @@ pub fn gap_picture(
 }
 
 /// The detections that hold points of the first pair of `scan`.
-fn plan(entrant: &Entrant, scan: &LabeledScan, name: &str, output: &DetectorOutput) -> Plan {
+fn plan(
+    compared_detector: &ComparedDetector,
+    scan: &LabeledScan,
+    name: &str,
+    output: &DetectorOutput,
+) -> Plan {
     let of_pair = scan.annotations.iter().filter(|it| matches!(it.track, Some(0 | 1)));
     let is_of_pair =
         |point_idx: &u32| of_pair.clone().any(|it| it.point_indices.binary_search(point_idx).is_ok());
@@ -93,7 +102,7 @@ fn plan(entrant: &Entrant, scan: &LabeledScan, name: &str, output: &DetectorOutp
         let positions_m = thinned.map(|&point_idx| scan.cloud.position_m(point_idx as usize));
         positions_m.filter(is_near).map(|[x_m, y_m, _]| [f64::from(x_m), f64::from(y_m)]).collect()
     };
-    let grid = HierarchicalGrid::new(entrant.config.hierarchical.grid.clone());
+    let grid = HierarchicalGrid::new(compared_detector.config.hierarchical.grid.clone());
     let cell_size_m = grid.params().cell_size_m;
     let n_found = holding().count();
     Plan {

@@ -10,7 +10,7 @@ pub mod found_objects;
 #[cfg(target_os = "linux")]
 pub mod process_detector;
 pub mod results_detector;
-pub mod entrant;
+pub mod compared_detector;
 pub mod single_scan;
 pub mod grid_write;
 pub mod side_by_side;

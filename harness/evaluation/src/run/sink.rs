@@ -187,9 +187,9 @@ mod tests {
     use super::*;
     use crate::matching::assign::MatchingParams;
     use crate::matching::eligibility::EligibilityParams;
+    use crate::run::compared_detector::ComparedDetector;
     use crate::run::config::RunConfig;
     use crate::run::detector_list::detectors_named;
-    use crate::run::entrant::Entrant;
     use crate::run::side_by_side::OnDetectorFailure;
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
@@ -233,8 +233,8 @@ mod tests {
         let config = RunConfig::load(None).unwrap();
         let names = ["simple-grid".to_owned(), "hierarchical".to_owned()];
         let chosen = detectors_named(&names, &config).unwrap();
-        let entrants = chosen.into_iter().map(|it| Entrant::of(it, &config));
-        let mut detectors: Vec<_> = entrants.map(|it| it.begin(street.description())).collect();
+        let compared_detectors = chosen.into_iter().map(|it| ComparedDetector::of(it, &config));
+        let mut detectors: Vec<_> = compared_detectors.map(|it| it.begin(street.description())).collect();
         let side_by_side = SideBySide {
             dataset: &*street,
             scan_indices: &[3, 0, 2],

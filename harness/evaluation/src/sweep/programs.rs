@@ -6,8 +6,8 @@ use std::sync::{Mutex, PoisonError};
 use scans::dataset::DatasetDescription;
 
 use crate::process::problem::DetectorFailure;
+use crate::run::compared_detector::ComparedDetector;
 use crate::run::detector_list::ChosenDetector;
-use crate::run::entrant::Entrant;
 use crate::run::running_detector::{BegunConversation, RunningDetector};
 use crate::sweep::sweep_plan::SweepPlan;
 
@@ -29,16 +29,16 @@ impl Programs {
         plan: &SweepPlan,
         point_idx: usize,
         dataset: &DatasetDescription,
-        mut work: impl FnMut(&Entrant, &mut dyn RunningDetector) -> Result<T, DetectorFailure>,
+        mut work: impl FnMut(&ComparedDetector, &mut dyn RunningDetector) -> Result<T, DetectorFailure>,
     ) -> Result<Vec<T>, DetectorFailure> {
         let of_detector = |chosen: &ChosenDetector| {
-            let entrant = Entrant::of(chosen.clone(), &plan.points[point_idx].config);
-            let program = || (dataset.id.clone(), entrant.name);
+            let compared_detector = ComparedDetector::of(chosen.clone(), &plan.points[point_idx].config);
+            let program = || (dataset.id.clone(), compared_detector.name);
             let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
             let before = idle.get_mut(&program()).and_then(Vec::pop);
             drop(idle);
-            let mut detector = entrant.begin_with(dataset, before)?;
-            let done = work(&entrant, &mut *detector)?;
+            let mut detector = compared_detector.begin_with(dataset, before)?;
+            let done = work(&compared_detector, &mut *detector)?;
             if let Some(begun) = detector.into_conversation() {
                 let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
                 idle.entry(program()).or_default().push(begun);

@@ -164,18 +164,22 @@ impl SweepPass<'_> {
         for &point_idx in point_idxs {
             let config = self.plan.points[point_idx].config.for_scans_of(description);
             let mut official = OfficialRows::default();
-            let detectors = programs.at_point(self.plan, point_idx, description, |entrant, detector| {
-                detector.detect(&scan, time.time_s, &mut output)?;
-                if let Some(it) = &under_protocols {
-                    official.append(it.rows(entrant.name, detector, &output));
-                }
-                let count = |&task| {
-                    let annotated = &description.annotated;
-                    Counts::of(&assign(&scan, &output.detections, task, annotated, &config.matching))
-                };
-                let counts = Task::ALL.iter().map(count).collect();
-                Ok(DetectorAtPoint { counts, cells: cells.tally(&scan, &entrant.chosen, &config) })
-            })?;
+            let detectors =
+                programs.at_point(self.plan, point_idx, description, |compared_detector, detector| {
+                    detector.detect(&scan, time.time_s, &mut output)?;
+                    if let Some(it) = &under_protocols {
+                        official.append(it.rows(compared_detector.name, detector, &output));
+                    }
+                    let count = |&task| {
+                        let annotated = &description.annotated;
+                        Counts::of(&assign(&scan, &output.detections, task, annotated, &config.matching))
+                    };
+                    let counts = Task::ALL.iter().map(count).collect();
+                    Ok(DetectorAtPoint {
+                        counts,
+                        cells: cells.tally(&scan, &compared_detector.chosen, &config),
+                    })
+                })?;
             on_result(ScanAtPoint {
                 dataset_idx,
                 scan_idx,

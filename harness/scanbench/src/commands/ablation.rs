@@ -91,11 +91,11 @@ pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<Sca
     let datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
     let datasets = look_first_at_all(datasets, &mut config);
     advise_on_judged(&datasets)?;
-    let entrants = variants(listed[0], &config, arguments.models.as_deref())?;
-    refuse_unread_models(entrants.iter().map(|it| (&it.chosen, &it.config)))?;
+    let compared_detectors = variants(listed[0], &config, arguments.models.as_deref())?;
+    refuse_unread_models(compared_detectors.iter().map(|it| (&it.chosen, &it.config)))?;
     Ok(ScanStudy {
         config,
-        entrants,
+        compared_detectors,
         datasets,
         selection: arguments.data.scans.as_deref(),
         n_warmup: arguments.timing.warmup,

@@ -6,9 +6,9 @@ use std::sync::atomic::AtomicBool;
 use clap::Args;
 use evaluation::metrics::box_errors::BoxErrors;
 use evaluation::run::box_study::{BoxPair, FITS, box_error_lines, box_pairs, box_points};
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ListedDetector;
-use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::files::csv_rows::CsvRowWriter;
 use reports::numbers::box_errors::BoxErrorLine;
@@ -102,7 +102,7 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
         n_warmup: 0,
         n_repeats: NonZeroUsize::MIN,
         config: &config,
-        detectors: vec![detector_entry(&Entrant::of(detectors[0], &config))],
+        detectors: vec![detector_entry(&ComparedDetector::of(detectors[0], &config))],
         datasets: &opened,
         protocols: &[],
         started,

@@ -73,14 +73,14 @@ pub fn chosen_with_results(
     Ok((chosen, config))
 }
 
-/// Refuses directories of models that none of `entrants` reads with its parameters: they would have no effect.
+/// Refuses directories of models that none of `compared_detectors` reads with its parameters: they would have no effect.
 pub fn refuse_unread_models<'a>(
-    entrants: impl Iterator<Item = (&'a ChosenDetector, &'a RunConfig)>,
+    compared_detectors: impl Iterator<Item = (&'a ChosenDetector, &'a RunConfig)>,
 ) -> Result<(), Failure> {
-    let entrants: Vec<(&ChosenDetector, &RunConfig)> = entrants.collect();
+    let compared_detectors: Vec<(&ChosenDetector, &RunConfig)> = compared_detectors.collect();
     for model in TrainedModel::ALL {
-        let directory = entrants.iter().find_map(|(_, config)| config.directory_of(model));
-        let is_read = entrants.iter().any(|(chosen, config)| {
+        let directory = compared_detectors.iter().find_map(|(_, config)| config.directory_of(model));
+        let is_read = compared_detectors.iter().any(|(chosen, config)| {
             chosen.vehicle_model(config).is_some_and(|it| it.parameter() == model.parameter())
                 // Without the models of vehicles, boxes are by the one that comes with the program.
                 || model == TrainedModel::Boxes
@@ -88,7 +88,7 @@ pub fn refuse_unread_models<'a>(
                     && chosen.has_whole_boxes(config)
         });
         let Some(directory) = directory.filter(|_| !is_read) else { continue };
-        let reads: BTreeSet<String> = entrants
+        let reads: BTreeSet<String> = compared_detectors
             .iter()
             .map(|(chosen, config)| {
                 let read = chosen.vehicle_model(config).map_or("no model", TrainedModel::parameter);

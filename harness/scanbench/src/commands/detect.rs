@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use detector::DetectedClass;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::detector_list::DETECTORS;
-use evaluation::run::entrant::Entrant;
 use evaluation::run::single_scan::{SingleScan, detect_repeatedly};
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::latencies::Latencies;
@@ -87,7 +87,7 @@ pub fn detect(arguments: &DetectArgs) -> Result<(), Failure> {
     look_at_scan(&mut scan, stated, &mut config);
     let description = &scan.description;
     warn_of_unknown_sensor(&config, description);
-    let mut detector = Entrant::of(detectors[0].clone(), &config).begin(description);
+    let mut detector = ComparedDetector::of(detectors[0].clone(), &config).begin(description);
     let result = detect_repeatedly(&mut *detector, &scan.scan, arguments.repeat as usize, interrupted)?;
     for warning in detector.finish() {
         print_diagnostic(format_args!("warning: {warning}"));

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use clap::Args;
 use evaluation::metrics::pair_separation::SEPARATED;
-use evaluation::run::entrant::Entrant;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::gap_experiment::{GAPS_DM, PairTally, RANGES_M, StagedPairs};
 use evaluation::run::gap_picture::gap_picture;
 use reports::files::csv_rows::to_csv_bytes;
@@ -75,7 +75,9 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     let Some((made, _)) = execute_watched(&mut study, output)? else { return Ok(()) };
     let bins = tally.borrow().bins();
     write_curves(&made.directory, &bins)?;
-    if let Some((simple, hierarchical)) = study.entrant("simple-grid").zip(study.entrant("hierarchical")) {
+    if let Some((simple, hierarchical)) =
+        study.compared_detector("simple-grid").zip(study.compared_detector("hierarchical"))
+    {
         write_picture(&made.directory, &pairs, arguments.pairs, [simple, hierarchical])?;
     }
     let finished = made.finish()?.0;
@@ -116,7 +118,7 @@ fn write_picture(
     directory: &RunDirectory,
     pairs: &StagedPairs,
     n_pairs: u32,
-    joining_and_separating: [&Entrant; 2],
+    joining_and_separating: [&ComparedDetector; 2],
 ) -> Result<(), Failure> {
     let Some(picture) = gap_picture(pairs, n_pairs, joining_and_separating)? else {
         print_diagnostic(

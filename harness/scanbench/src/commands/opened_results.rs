@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use evaluation::run::entrant::Entrant;
+use evaluation::run::compared_detector::ComparedDetector;
 use reports::run_folder::manifest::DetectorEntry;
 use scans::dataset::checksum::sha256;
 use scans::dataset::folder_name::folder_name;
@@ -24,16 +24,17 @@ pub struct OpenedResults {
 }
 
 impl OpenedResults {
-    /// Opens the results of all `entrants` that left some, for all `datasets`: of each those in the folder of its name, if
-    /// there is one, or else those at the path itself.
+    /// Opens the results of all `compared_detectors` that left some, for all `datasets`: those in the folder with the name of
+    /// the data set if there is one, or else those at the path itself.
     pub fn open(
-        entrants: &[Entrant],
+        compared_detectors: &[ComparedDetector],
         datasets: &[OpenedDataset],
         missing: MissingResults,
         damage: DamagePolicy,
     ) -> Result<Self, Failure> {
         let (mut opened, mut checksums) = (BTreeMap::new(), BTreeMap::<_, String>::new());
-        for (entrant, path) in entrants.iter().filter_map(|it| Some((it, it.results()?))) {
+        for (compared_detector, path) in compared_detectors.iter().filter_map(|it| Some((it, it.results()?)))
+        {
             for it in datasets {
                 let dataset = &*it.dataset;
                 let id = &dataset.description().id;
@@ -48,12 +49,16 @@ impl OpenedResults {
                 let results = open_results(path, dataset, &request)?;
                 print_detail(format_args!(
                     "{}: results for {id} in the format of {}, {}",
-                    entrant.name,
+                    compared_detector.name,
                     results.format().name(),
                     path.display()
                 ));
-                let _ = writeln!(checksums.entry(entrant.name).or_default(), "{id} {}", results.checksum());
-                opened.insert((entrant.name, id.clone()), results);
+                let _ = writeln!(
+                    checksums.entry(compared_detector.name).or_default(),
+                    "{id} {}",
+                    results.checksum()
+                );
+                opened.insert((compared_detector.name, id.clone()), results);
             }
         }
         Ok(Self { results: RefCell::new(opened), checksums })

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::{RunConfig, TrainedModel};
 use evaluation::run::detector_list::built_in_named;
-use evaluation::run::entrant::Entrant;
 use evaluation::run::robustness::{CONDITIONS, Condition};
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
@@ -94,12 +94,12 @@ pub fn open_robustness(arguments: &RobustnessArgs, started: Timestamp) -> Result
     let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
     study.datasets = look_first_at_all(datasets, &mut study.config);
     // With what the first look has found.
-    for entrant in &mut study.entrants {
-        entrant.config = study.config.clone();
+    for compared_detector in &mut study.compared_detectors {
+        compared_detector.config = study.config.clone();
     }
     if let Some(directory) = &arguments.other_training {
-        let index = study.entrants.iter().position(|it| it.name == METHOD).map_or(0, |it| it + 1);
-        study.entrants.insert(index, with_other_training(directory, &study.config)?);
+        let index = study.compared_detectors.iter().position(|it| it.name == METHOD).map_or(0, |it| it + 1);
+        study.compared_detectors.insert(index, with_other_training(directory, &study.config)?);
     }
     let conditions = CONDITIONS.iter().map(|it| {
         let drives = it.drives(seed, n_scans);
@@ -110,12 +110,12 @@ pub fn open_robustness(arguments: &RobustnessArgs, started: Timestamp) -> Result
 }
 
 /// The method with the trees in `directory`.
-fn with_other_training(directory: &Path, config: &RunConfig) -> Result<Entrant, Failure> {
+fn with_other_training(directory: &Path, config: &RunConfig) -> Result<ComparedDetector, Failure> {
     let path = toml::Value::String(directory.display().to_string());
     let trees = format!("{}={path}", TrainedModel::Groupings.parameter()).parse();
     let config = config.overridden(&[trees.map_err(Usage)?], &[])?;
     let method = built_in_named(&[METHOD.to_owned()], &config)?[0];
-    Ok(Entrant { name: OTHER_TRAINING, chosen: method.into(), config })
+    Ok(ComparedDetector { name: OTHER_TRAINING, chosen: method.into(), config })
 }
 
 /// Writes the files that only this study has into `directory`.

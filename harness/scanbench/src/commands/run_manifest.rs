@@ -6,9 +6,9 @@ use std::num::NonZeroUsize;
 use detector::Rule;
 use evaluation::matching::criterion::Criterion;
 use evaluation::metrics::counts::SCORING_VERSION;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
-use evaluation::run::entrant::Entrant;
 use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork};
 use jiff::Timestamp;
 use reports::files::archive::SCHEMA;
@@ -81,12 +81,12 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
 
 /// What a manifest says of `detectors` with the parameters of `config`.
 pub fn detector_entries(detectors: &[ChosenDetector], config: &RunConfig) -> Vec<DetectorEntry> {
-    detectors.iter().map(|it| detector_entry(&Entrant::of(it.clone(), config))).collect()
+    detectors.iter().map(|it| detector_entry(&ComparedDetector::of(it.clone(), config))).collect()
 }
 
 /// What a manifest says of one who takes part.
-pub fn detector_entry(entrant: &Entrant) -> DetectorEntry {
-    let Entrant { name, chosen, config } = entrant;
+pub fn detector_entry(compared_detector: &ComparedDetector) -> DetectorEntry {
+    let ComparedDetector { name, chosen, config } = compared_detector;
     let listed = match chosen {
         ChosenDetector::BuiltIn(listed) => listed,
         ChosenDetector::Foreign(foreign) => return foreign_entry(name, foreign, config),

@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
-use evaluation::run::entrant::Entrant;
 use evaluation::run::gap_experiment::PairTally;
 use evaluation::run::scan_recorder::FigureView;
 use evaluation::run::sink::Sinks;
@@ -32,7 +32,7 @@ pub struct ScanStudy<'a> {
     /// Parameters of detectors and matching.
     pub config: RunConfig,
     /// Who takes part.
-    pub entrants: Vec<Entrant>,
+    pub compared_detectors: Vec<ComparedDetector>,
     /// The data sets.
     pub datasets: Vec<OpenedDataset>,
     /// Which scans of the data sets were chosen, as the command line writes it; `None` for all.
@@ -97,7 +97,7 @@ impl ScanStudy<'_> {
         let names = if arguments.detectors.is_empty() { &unnamed } else { &arguments.detectors };
         let (chosen, config) = chosen_detectors(&arguments.config, names)?;
         Ok(Self {
-            entrants: chosen.into_iter().map(|it| Entrant::of(it, &config)).collect(),
+            compared_detectors: chosen.into_iter().map(|it| ComparedDetector::of(it, &config)).collect(),
             config,
             datasets: Vec::new(),
             selection: None,
@@ -111,8 +111,8 @@ impl ScanStudy<'_> {
     }
 
     /// The one that takes part as `name`.
-    pub fn entrant(&self, name: &str) -> Option<&Entrant> {
-        self.entrants.iter().find(|it| it.name == name)
+    pub fn compared_detector(&self, name: &str) -> Option<&ComparedDetector> {
+        self.compared_detectors.iter().find(|it| it.name == name)
     }
 }
 
@@ -131,7 +131,7 @@ impl WatchedStudy for ScanStudy<'_> {
             n_warmup: self.n_warmup,
             n_repeats: NonZeroUsize::MIN,
             config: &self.config,
-            detectors: self.entrants.iter().map(detector_entry).collect(),
+            detectors: self.compared_detectors.iter().map(detector_entry).collect(),
             datasets: &self.datasets,
             protocols: &[],
             started: self.started,
@@ -144,12 +144,12 @@ impl WatchedStudy for ScanStudy<'_> {
     }
 
     fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a> {
-        WatchedRun::of_study(&self.entrants, &self.datasets, self.n_warmup, self.n_jobs, progress)
+        WatchedRun::of_study(&self.compared_detectors, &self.datasets, self.n_warmup, self.n_jobs, progress)
     }
 
     fn begin_recording(&self, name: &str, file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
         let Some((stream, figures)) = &self.recorded else { return Ok(None) };
-        begin_recording(stream, figures, &self.entrants, &self.datasets, name, file)
+        begin_recording(stream, figures, &self.compared_detectors, &self.datasets, name, file)
     }
 
     fn sinks<'a>(&'a self, _: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {

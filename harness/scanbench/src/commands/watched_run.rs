@@ -2,7 +2,7 @@
 
 use std::num::NonZeroUsize;
 
-use evaluation::run::entrant::Entrant;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::running_detector::RunningDetector;
 use evaluation::run::side_by_side::{OnDetectorFailure, SideBySide};
 use evaluation::run::sink::{RunSink, Sinks, run_watched};
@@ -19,7 +19,7 @@ use crate::commands::standard_streams::print_diagnostic;
 /// Who runs on what, and how.
 pub struct WatchedRun<'a> {
     /// Who takes part; all are judged in the same way.
-    pub entrants: &'a [Entrant],
+    pub compared_detectors: &'a [ComparedDetector],
     /// What those found that do not run here.
     pub results: Option<&'a OpenedResults>,
     /// The data sets.
@@ -39,16 +39,16 @@ pub struct WatchedRun<'a> {
 }
 
 impl<'a> WatchedRun<'a> {
-    /// That of a study: `entrants` that run here look once at each scan, and nothing may fail.
+    /// That of a study: `compared_detectors` that run here look once at each scan, and nothing may fail.
     pub fn of_study(
-        entrants: &'a [Entrant],
+        compared_detectors: &'a [ComparedDetector],
         datasets: &'a [OpenedDataset],
         n_warmup: u16,
         n_jobs: usize,
         progress: &'a RunProgress,
     ) -> Self {
         Self {
-            entrants,
+            compared_detectors,
             results: None,
             datasets,
             damage: DamagePolicy::Refuse,
@@ -93,10 +93,10 @@ impl<'a> WatchedRun<'a> {
             return Ok(());
         }
         let description = opened.dataset.description();
-        let Some(first) = self.entrants.first() else { return Ok(()) };
+        let Some(first) = self.compared_detectors.first() else { return Ok(()) };
         warn_of_unknown_sensor(&first.config, description);
         let mut detectors: Vec<_> = self
-            .entrants
+            .compared_detectors
             .iter()
             .map(|it| match self.results.and_then(|results| results.take(it.name, &description.id)) {
                 Some(results) => it.begin_with_results(description, results),

@@ -5,9 +5,9 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use clap::Parser as _;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
-use evaluation::run::entrant::Entrant;
 use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
 use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
@@ -167,8 +167,9 @@ impl RunAgain {
             let config = self.config.for_scans_of(description);
             let n_warmup = if begun.contains_key(&dataset_idx) { 0 } else { self.arguments.timing.warmup };
             let detectors = begun.entry(dataset_idx).or_insert_with(|| {
-                let entrants = self.detectors.iter().map(|it| Entrant::of(it.clone(), &self.config));
-                let built = entrants.map(|it| it.begin(description));
+                let compared_detectors =
+                    self.detectors.iter().map(|it| ComparedDetector::of(it.clone(), &self.config));
+                let built = compared_detectors.map(|it| it.begin(description));
                 built.collect::<Vec<_>>()
             });
             let side_by_side = SideBySide {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use evaluation::run::entrant::Entrant;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::scan_recorder::{FigureView, RecordingEnding, Served};
 use reports::vocabulary::task::Task;
 
@@ -51,12 +51,12 @@ pub struct RecordingPlan<'a> {
     pub figures: &'static [FigureView],
 }
 
-/// Begins the recording `file` of what `entrants` do on `datasets`, which is called `name`, and returns it with every how
-/// many scans are in it; `None` if none is wanted.
+/// Begins the recording `file` of what `compared_detectors` do on `datasets`, which is called `name`. Returns it, and that one
+/// scan in how many is recorded; `None` if none is wanted.
 pub fn begin_recording(
     arguments: &StreamArgs,
     figures: &'static [FigureView],
-    entrants: &[Entrant],
+    compared_detectors: &[ComparedDetector],
     datasets: &[OpenedDataset],
     name: &str,
     file: PathBuf,
@@ -64,7 +64,7 @@ pub fn begin_recording(
     // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
     let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
     let shown_task = if datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
-    let detectors: Vec<&str> = entrants.iter().map(|it| it.name).collect();
+    let detectors: Vec<&str> = compared_detectors.iter().map(|it| it.name).collect();
     let n_scans = datasets.iter().map(|it| it.part.len()).sum();
     let recorder = begin(&RecordingPlan {
         arguments,

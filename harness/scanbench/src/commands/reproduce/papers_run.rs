@@ -4,9 +4,9 @@ use std::path::Path;
 
 use clap::Parser as _;
 use detector::stage;
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
-use evaluation::run::entrant::Entrant;
 use evaluation::run::scan_recorder::FigureView;
 use reports::files::archive::{ArchiveError, SCHEMA};
 use reports::files::csv_rows::csv_of_cells;
@@ -84,7 +84,7 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     let n_scans: usize = datasets.iter().map(|it| it.part.len()).sum();
     stream.rerun_every.get_or_insert(n_scans.div_ceil(MOST_RECORDED).max(1) as u32);
     let mut study = ScanStudy {
-        entrants: entrants(&config)?,
+        compared_detectors: compared_detectors(&config)?,
         config,
         datasets,
         selection: arguments.data.scans.as_deref(),
@@ -183,18 +183,22 @@ fn papers(name: PaperName) -> &'static [Paper] {
     }
 }
 
-fn entrants(config: &RunConfig) -> Result<Vec<Entrant>, Failure> {
+fn compared_detectors(config: &RunConfig) -> Result<Vec<ComparedDetector>, Failure> {
     let method = built_in_named(&[METHOD.to_owned()], config)?[0];
-    let mut entrants = vec![Entrant::of(method, config)];
+    let mut compared_detectors = vec![ComparedDetector::of(method, config)];
     for (name, switches) in VARIANTS {
         let options: Vec<_> =
             switches.split_whitespace().map(|it| it.parse().expect("the list is tested")).collect();
-        entrants.push(Entrant { name, chosen: method.into(), config: config.overridden(&options, &[])? });
+        compared_detectors.push(ComparedDetector {
+            name,
+            chosen: method.into(),
+            config: config.overridden(&options, &[])?,
+        });
     }
     for rival in built_in_named(&RIVALS.map(str::to_owned), config)? {
-        entrants.push(Entrant::of(rival, config));
+        compared_detectors.push(ComparedDetector::of(rival, config));
     }
-    Ok(entrants)
+    Ok(compared_detectors)
 }
 
 /// The titles of the tables, task by task.

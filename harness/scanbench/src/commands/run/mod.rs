@@ -74,8 +74,8 @@ impl WatchedStudy for RunStudy<'_> {
     }
 
     fn begin_recording(&self, name: &str, file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
-        let OpenedRun { entrants, datasets, .. } = &self.opened;
-        begin_recording(&self.arguments.stream, &[], entrants, datasets, name, file)
+        let OpenedRun { compared_detectors, datasets, .. } = &self.opened;
+        begin_recording(&self.arguments.stream, &[], compared_detectors, datasets, name, file)
     }
 
     fn sinks<'a>(&'a self, folder: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {

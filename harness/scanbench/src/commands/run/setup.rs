@@ -1,8 +1,8 @@
 //! What a run takes, whole or in parts: detectors, parameters, data sets, results of others, a recording.
 
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
-use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
 
@@ -44,10 +44,11 @@ impl ChosenRun {
             it.stated.transform |= has_results;
         }
         let datasets = look_first_at_all(datasets, &mut config);
-        let entrants: Vec<Entrant> = chosen.into_iter().map(|it| Entrant::of(it, &config)).collect();
+        let compared_detectors: Vec<ComparedDetector> =
+            chosen.into_iter().map(|it| ComparedDetector::of(it, &config)).collect();
         let missing = arguments.foreign.missing_detections.rule();
-        let results = OpenedResults::open(&entrants, &datasets, missing, damage)?;
-        Ok(OpenedRun { config, datasets, entrants, results })
+        let results = OpenedResults::open(&compared_detectors, &datasets, missing, damage)?;
+        Ok(OpenedRun { config, datasets, compared_detectors, results })
     }
 }
 
@@ -58,7 +59,7 @@ pub struct OpenedRun {
     /// The data sets.
     pub datasets: Vec<OpenedDataset>,
     /// Who takes part.
-    pub entrants: Vec<Entrant>,
+    pub compared_detectors: Vec<ComparedDetector>,
     /// What those found that do not run here.
     pub results: OpenedResults,
 }
@@ -72,7 +73,7 @@ impl OpenedRun {
             n_repeats: arguments.repeats,
             config: &self.config,
             detectors: self
-                .entrants
+                .compared_detectors
                 .iter()
                 .map(|it| self.results.with_checksum(detector_entry(it)))
                 .collect(),
@@ -90,7 +91,13 @@ impl OpenedRun {
             damage: arguments.damage.policy(),
             n_repeats: arguments.repeats,
             on_failure: arguments.on_detector_failure.rule(),
-            ..WatchedRun::of_study(&self.entrants, &self.datasets, timing.warmup, timing.n_jobs(), progress)
+            ..WatchedRun::of_study(
+                &self.compared_detectors,
+                &self.datasets,
+                timing.warmup,
+                timing.n_jobs(),
+                progress,
+            )
         }
     }
 }

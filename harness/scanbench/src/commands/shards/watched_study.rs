@@ -103,8 +103,8 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
 
     fn rules(&self) -> Value {
         let progress = RunProgress::new();
-        let entrants = self.study.watched(&progress).entrants;
-        let models = entrants.iter().filter_map(|it| it.config.vehicle_models.as_ref());
+        let compared_detectors = self.study.watched(&progress).compared_detectors;
+        let models = compared_detectors.iter().filter_map(|it| it.config.vehicle_models.as_ref());
         json!({
             "of_study": self.study.rules(),
             // Beyond the names of their directories.

@@ -6,9 +6,9 @@ use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::progress_over_results;
 use crate::commands::run_manifest::detector_entry;
 use crate::commands::standard_streams::{print_diagnostic, terminal};
+use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
-use evaluation::run::entrant::Entrant;
 use evaluation::sweep::drawn_sweep::DrawnSweep;
 use evaluation::sweep::sweep_tally::SweepTally;
 use reports::files::archive::ArchiveError;
@@ -126,7 +126,7 @@ fn changes_of_shipped(manifest: &Manifest) -> Result<Vec<String>, Failure> {
     let mut changes = Vec::new();
     for entry in manifest.detectors.iter().filter(|it| it.foreign.is_none()) {
         for listed in built_in_named(std::slice::from_ref(&entry.name), &shipped)? {
-            let as_shipped = detector_entry(&Entrant::of(listed, &shipped));
+            let as_shipped = detector_entry(&ComparedDetector::of(listed, &shipped));
             changes.extend(detector_changes(&as_shipped, entry).iter().map(|it| shortened(it)));
         }
     }

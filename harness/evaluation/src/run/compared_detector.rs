@@ -1,4 +1,4 @@
-//! Who takes part in a run.
+//! A detector that takes part in a comparison.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ use crate::process::problem::DetectorFailure;
 
 /// A detector with its parameters, under the name that it has in tables and files.
 #[derive(Debug, Clone)]
-pub struct Entrant {
+pub struct ComparedDetector {
     /// The name.
     pub name: &'static str,
     /// The detector.
@@ -28,7 +28,7 @@ pub struct Entrant {
     pub config: RunConfig,
 }
 
-impl Entrant {
+impl ComparedDetector {
     /// `chosen` under its own name.
     pub fn of(chosen: impl Into<ChosenDetector>, config: &RunConfig) -> Self {
         let chosen = chosen.into();
