@@ -180,7 +180,7 @@ kd-tree-same-walls, simple-grid and detectors of your own. Writes manifest.json,
 const PAPER_EXAMPLES: &str = "\
 Examples:
   scanbench train paper training-streets --scans 0..300:6 -o model
-  scanbench train paper training-streets --scans 0..300:6 --nu 0.1,0.2,0.4 --gamma 0.1078,0.2156 -o model
+  scanbench train paper training-streets --nu 0.1,0.2,0.4 --gamma 0.1078,0.2156 -o model
   scanbench run -d paper -P vehicle_model.paper_directory=model";
 
 const PCA_EXAMPLES: &str = "\
