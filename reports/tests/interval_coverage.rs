@@ -7,9 +7,9 @@ use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Binomial, Poisson, StandardNormal};
 use reports::numbers::blocks::{BlockCount, BlockKind};
-use reports::numbers::sums::{FalseObjects, Sums, Term};
+use reports::numbers::sums::{FalseObjects, Sums};
 use reports::uncertainty::bootstrap::{Distribution, Resamples};
-use reports::vocabulary::metric::Metric;
+use reports::vocabulary::metric::{Metric, Term};
 
 /// What two detectors find on drives of a kind. Drives differ in how hard they are and in how much there is to find: hard
 /// ones have more annotations, a smaller share of them is found, and more is false. Values are such that drives vary as the
@@ -84,7 +84,7 @@ fn normal(rng: &mut impl Rng) -> f64 {
 const NUMBERS: [&str; 3] = ["F-rate", "recall", "difference"];
 
 fn numbers([first, second]: &[Sums; 2]) -> [Option<f64>; 3] {
-    let value = |sums: &Sums, metric| sums.value(&metric, FalseObjects::Known);
+    let value = |sums: &Sums, metric: Metric| sums.value(metric.formula(), FalseObjects::Known);
     let difference = value(first, Metric::FRate).zip(value(second, Metric::FRate)).map(|(a, b)| a - b);
     [value(first, Metric::FRate), value(first, Metric::Recall), difference]
 }
