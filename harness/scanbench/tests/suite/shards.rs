@@ -60,7 +60,7 @@ fn shards_of_other_data_parameters_or_studies_are_refused_each_in_its_own_words(
     for (folder, other, words) in [
         ("sweep", SECOND, "shard-1-of-2 is a shard of `sweep`, "),
         ("ablation", SECOND, "shard-1-of-2 is a shard of `ablation`, "),
-        ("partial", SECOND, "is of `partial`, and others are not"),
+        ("partial", SECOND, "shard-1-of-2 is a shard of `partial`, "),
     ] {
         check_stands_not_in(&workplace, folder, other, words);
     }
