@@ -73,7 +73,7 @@ fn drawn(panel: &CurvePanel) -> Panel {
     };
     let mut marks = vec![Mark::line(panel.thread.iter().copied(), BLACK, 1)];
     marks.extend(series_marks(&panel.series, Points::Marked { apart: 0.004 * (x[1] - x[0]) }, y));
-    marks.extend(panel.notes.iter().flat_map(|it| note_marks(it, y)));
+    marks.extend(panel.notes.iter().flat_map(|it| note_marks(it, x, y)));
     let x_axis = match &panel.x_words {
         None => Axis::linear(&panel.x_title, x, 12),
         Some(words) => {
@@ -85,7 +85,7 @@ fn drawn(panel: &CurvePanel) -> Panel {
     Chart { caption, frame, ..Chart::new(x_axis, Axis::linear(&panel.y_title, y, 6), marks) }.into()
 }
 
-fn note_marks(note: &Note, y: [f64; 2]) -> Vec<Mark> {
+fn note_marks(note: &Note, [left, right]: [f64; 2], y: [f64; 2]) -> Vec<Mark> {
     let text = |position, aside_px, text: &str, (horizontal, vertical)| {
         Mark::text(position, aside_px, text, text_style(TEXT_PX - 1, horizontal, vertical))
     };
@@ -98,10 +98,15 @@ fn note_marks(note: &Note, y: [f64; 2]) -> Vec<Mark> {
             Mark::circle(*position, 7, BLACK.stroke_width(1)),
             text(*position, [-7, -3], said, (HPos::Right, VPos::Bottom)),
         ],
-        Note::Upright(x, said) => vec![
-            Mark::line(y.map(|it| (*x, it)), BLACK, 1).dashed(Some([2, 4])),
-            text((*x, y[1]), [5, 10], said, (HPos::Left, VPos::Center)),
-        ],
+        Note::Upright(x, said) => {
+            // Words to the right of a line at the right end would leave the picture.
+            let (aside_px, side) =
+                if *x > left + 0.7 * (right - left) { (-5, HPos::Right) } else { (5, HPos::Left) };
+            vec![
+                Mark::line(y.map(|it| (*x, it)), BLACK, 1).dashed(Some([2, 4])),
+                text((*x, y[1]), [aside_px, 10], said, (side, VPos::Center)),
+            ]
+        }
         Note::Cross((x, at_y)) => vec![Mark::cross((*x, at_y.clamp(y[0], y[1])))],
     }
 }

@@ -203,7 +203,9 @@ pub(crate) mod tests {
     fn two_methods_are_compared_where_they_saw_the_same() {
         let mut both = rows(40);
         let mut others = rows(30);
-        others.iter_mut().for_each(|it| "extents".clone_into(&mut it.method));
+        for it in &mut others {
+            "extents".clone_into(&mut it.method);
+        }
         both.extend(others);
         let found = differences_of_methods(&both, "graphs", "extents").unwrap();
         let [only] = &found[..] else { panic!("{found:?}") };
