@@ -28,7 +28,7 @@ fn a_run_goes_on_where_it_was_ended() {
         assert!(!workplace.path("out").exists());
         if exit_code.is_some() {
             let kept = "of the 36 scans is kept in out.unfinished; to continue, give the same";
-            ended.check_stderr(&[kept, "interrupted"]);
+            ended.check_stderr(&[kept, "interrupted after"]);
         }
     }
     // Another run does not go on with it.
@@ -73,7 +73,7 @@ fn a_shard_of_a_study_goes_on_where_it_was_ended() {
                 let kept = format!(
                     "What is finished of the {extent} of shard 1/1 is kept in {UNFINISHED}; to continue"
                 );
-                ended.check_stderr(&[&kept, "interrupted"]);
+                ended.check_stderr(&[&kept, "interrupted after"]);
             }
         }
         workplace.end_with(&(shard, other), 2, &["belongs to another shard: "]);

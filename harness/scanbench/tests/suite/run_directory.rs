@@ -336,7 +336,7 @@ mod interrupted {
             }
             send(&child, signal);
             let ended = Ended::from(child.wait_with_output().expect("it ends"));
-            ended.check_refusal(exit_code, &["error: interrupted"]);
+            ended.check_refusal(exit_code, &["error: interrupted after ", " of 4000 scans"]);
             assert_eq!(workplace.top_names(), ["out.unfinished", "street"]);
         }
     }

@@ -141,7 +141,7 @@ fn a_sweep_that_was_ended_goes_on_with_itself_alone_and_any_number_of_threads_gi
     let ended = Ended::from(child.wait_with_output().expect("it ends"));
     assert_eq!(ended.exit_code, Some(130), "{ended:?}");
     let kept = "What is finished of the 12 scans is kept in out.unfinished; to continue";
-    ended.check_stderr(&["\nContinuing with ", kept, "error: interrupted"]);
+    ended.check_stderr(&["\nContinuing with ", kept, "error: interrupted after ", " of 36 results"]);
     let ended = broken.succeed(&(LONG, CELLS, REST, "--jobs 5"));
     let went_on = ended.stderr.split_once("\nContinuing with ");
     let n_done = went_on.and_then(|it| it.1.split(' ').next()?.parse::<usize>().ok());
