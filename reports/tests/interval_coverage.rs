@@ -9,7 +9,8 @@ use rand_distr::{Binomial, Poisson, StandardNormal};
 use reports::numbers::blocks::{BlockCount, BlockKind};
 use reports::numbers::sums::{FalseObjects, Sums};
 use reports::uncertainty::bootstrap::{Distribution, Resamples};
-use reports::vocabulary::metric::{Metric, Term};
+use reports::vocabulary::formula::Term;
+use reports::vocabulary::metric::Metric;
 
 /// What two detectors find on drives of a kind. Drives differ in how hard they are and in how much there is to find: hard
 /// ones have more annotations, a smaller share of them is found, and more is false. Values are such that drives vary as the

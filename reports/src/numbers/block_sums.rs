@@ -109,7 +109,7 @@ impl BlockSums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vocabulary::metric::Term;
+    use crate::vocabulary::formula::Term;
     use proptest::prelude::*;
 
     proptest! {

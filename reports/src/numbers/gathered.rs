@@ -8,7 +8,7 @@ use crate::numbers::blocks::{Blocks, DriveSecond};
 use crate::numbers::sums::{FalseObjects, Sums};
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, range_m};
-use crate::vocabulary::metric::Term;
+use crate::vocabulary::formula::Term;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 

@@ -2,7 +2,8 @@
 
 use crate::rows::counts::Counts;
 use crate::rows::scan_row::ScanNumbers;
-use crate::vocabulary::metric::{Formula, Metric, Term};
+use crate::vocabulary::formula::{Formula, Term};
+use crate::vocabulary::metric::Metric;
 
 /// A sum for each [`Term`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -15,7 +15,7 @@ use crate::rows::scan_name::ScanName;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::rows::stage_row::StageRow;
 use crate::vocabulary::extent::OVERALL;
-use crate::vocabulary::metric::Term;
+use crate::vocabulary::formula::Term;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;

@@ -198,7 +198,8 @@ mod tests {
     use super::*;
     use crate::numbers::blocks::BlockKind;
     use crate::numbers::sums::FalseObjects;
-    use crate::vocabulary::metric::{Metric, Term};
+    use crate::vocabulary::formula::Term;
+    use crate::vocabulary::metric::Metric;
 
     fn drives(n: usize) -> BlockCount {
         BlockCount::of_dataset(n as u64, BlockKind::Drives)

@@ -7,7 +7,8 @@ use crate::numbers::run_report::{MetricRow, Subject};
 use crate::numbers::sums::FalseObjects;
 use crate::numbers::tally::Tally;
 use crate::uncertainty::sample::{Draw, Question, Sample};
-use crate::vocabulary::metric::{Metric, RecallPositions, Term};
+use crate::vocabulary::formula::Term;
+use crate::vocabulary::metric::{Metric, RecallPositions};
 use crate::vocabulary::slice::Slice;
 
 impl Tally {

@@ -11,7 +11,7 @@ use crate::rows::error_row::ErrorRow;
 use crate::rows::match_outcome::MatchOutcome;
 use crate::rows::match_row::MatchRow;
 use crate::uncertainty::sample::{Question, Sample};
-use crate::vocabulary::metric::Term;
+use crate::vocabulary::formula::Term;
 use crate::vocabulary::reason::{FalseReason, MissReason, MistakeKind};
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;

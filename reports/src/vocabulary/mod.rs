@@ -8,6 +8,7 @@ pub mod class;
 pub mod partial_class;
 pub mod criterion;
 pub mod reason;
+pub mod formula;
 pub mod metric;
 pub mod slice;
 pub mod origin;
