@@ -51,13 +51,13 @@ static INDICES_OF_GROUP: LazyLock<[usize; OF_GROUP.len()]> = LazyLock::new(|| {
 pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = joined(VEHICLE_FEATURES, OF_GROUP);
 
 /// The names of the values that a refinement round sees of a group: those of the group, and its context.
-pub const SECOND_LOOK_VALUES: [&str; N_REFINEMENT_VALUES] = joined(NODE_VALUES, CONTEXT_VALUES);
+pub const REFINEMENT_VALUES: [&str; N_REFINEMENT_VALUES] = joined(NODE_VALUES, CONTEXT_VALUES);
 
 /// What a model of groupings calls itself in its file.
 pub const GROUPING_MODEL: &str = "groupings";
 /// The forests in it.
 const OBJECTS: &str = "objects";
-const REFINEMENTS: [&str; N_REFINEMENTS] = ["objects, second look", "objects, third look"];
+const REFINEMENTS: [&str; N_REFINEMENTS] = ["objects, second round", "objects, third round"];
 const VEHICLES: &str = "vehicles";
 
 /// All forests, and the prototypes that the one of vehicles was trained with.
@@ -100,7 +100,7 @@ impl GroupingModel {
         Ok(Self {
             objects: RefinementForests {
                 first: file.forest(OBJECTS, NODE_VALUES)?,
-                more: [file.forest(second, SECOND_LOOK_VALUES)?, file.forest(third, SECOND_LOOK_VALUES)?],
+                more: [file.forest(second, REFINEMENT_VALUES)?, file.forest(third, REFINEMENT_VALUES)?],
             },
             vehicles: file.forest(VEHICLES, VEHICLE_VALUES)?,
             library: file.prototypes()?,
@@ -115,7 +115,7 @@ impl GroupingModel {
         let mut file = ModelFile::new(model, made, constants).with_prototypes(library);
         file = file.with_forest(OBJECTS, NODE_VALUES, &objects.first);
         for (name, forest) in REFINEMENTS.into_iter().zip(&objects.more) {
-            file = file.with_forest(name, SECOND_LOOK_VALUES, forest);
+            file = file.with_forest(name, REFINEMENT_VALUES, forest);
         }
         file.with_forest(VEHICLES, VEHICLE_VALUES, vehicles)
     }
@@ -123,7 +123,7 @@ impl GroupingModel {
     /// Constants that forests are trained with: a program with other values refuses the forests.
     pub fn constants() -> toml::Table {
         let constants =
-            [("context_object_cost", OBJECT_COST), ("least_worth_of_a_further_look", LEAST_EXPECTED_IOU)];
+            [("context_object_cost", OBJECT_COST), ("least_expected_iou_of_refined", LEAST_EXPECTED_IOU)];
         // As they are written here, and not as the nearest number of single precision.
         let as_written = |it: f32| it.to_string().parse::<f64>().expect("a number was printed");
         constants.into_iter().map(|(name, it)| (name.to_owned(), as_written(it).into())).collect()

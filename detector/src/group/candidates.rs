@@ -14,10 +14,10 @@ use crate::surface_class::SurfaceClass;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CandidatesParams {
-    /// So much free height above what stands on the ground parts it from what hangs over it, in metres.
-    pub least_free_m: f32,
-    /// By how much more free height is needed a metre of range.
-    pub free_per_range: f32,
+    /// Least clearance between what stands on the ground and what hangs over it, in metres.
+    pub min_clearance_m: f32,
+    /// Clearance that is added for each metre of range, in metres.
+    pub clearance_per_m: f32,
     /// What begins higher than this above the terrain hangs, in metres.
     pub highest_foot_m: f32,
     /// What stands higher than this above the terrain is no candidate, in metres: higher than trucks.
@@ -169,9 +169,10 @@ impl Candidates {
             self.column_of_cell[cell_idx as usize] = NOT_LOOKED_INTO;
             let terrain_m = self.terrain_m[column];
             let [x_m, y_m] = grid.center_m(cell_idx);
-            let free_m = self.params.least_free_m + self.params.free_per_range * single::hypot(x_m, y_m);
+            let clearance_m =
+                self.params.min_clearance_m + self.params.clearance_per_m * single::hypot(x_m, y_m);
             let low_m = self.foreground.ground_top_m(grid, terrain, cell_idx);
-            let part = StandingPart::of(self.heights[column], free_m, low_m - terrain_m);
+            let part = StandingPart::of(self.heights[column], clearance_m, low_m - terrain_m);
             let StandingPart { foot_m, top_m, highest_m, .. } = part;
             let against = &mut self.evidence_against[cell_idx as usize];
             if foot_m > self.params.highest_foot_m {
@@ -280,10 +281,10 @@ struct StandingPart {
 }
 
 impl StandingPart {
-    /// Of `heights` in steps above the terrain. Free height of `free_m` parts what hangs from what is below; the ground
+    /// Of `heights` in steps above the terrain. Free height of `clearance_m` parts what hangs from what is below; the ground
     /// reaches up to `ground_top_m`.
-    fn of(heights: u64, free_m: f32, ground_top_m: f32) -> Self {
-        let n_free = (free_m / STEP_M).round().max(1.0) as u32;
+    fn of(heights: u64, clearance_m: f32, ground_top_m: f32) -> Self {
+        let n_free = (clearance_m / STEP_M).round().max(1.0) as u32;
         let highest = 63 - heights.leading_zeros().min(63);
         let mut foot = heights.trailing_zeros().min(63);
         let mut top = foot;

@@ -7,19 +7,19 @@ use crate::group::node_values::N_NODE_VALUES;
 /// The expected IoU of a group is that with an object; 0 of those that are not described. The best
 /// groups are disjoint, and have the greatest sum of expected IoU less 0.42 each.
 pub const CONTEXT_VALUES: [&str; 10] = [
-    "worth",
+    "expected_iou",
     // The best groups among those that it holds.
     "gain_of_best_within",
     "n_best_within",
-    "greatest_worth_within",
-    "mean_worth_of_best_within",
+    "greatest_expected_iou_within",
+    "mean_expected_iou_of_best_within",
     // What it is a part of, all the way up.
-    "worth_of_whole",
-    "greatest_worth_around",
+    "expected_iou_of_whole",
+    "greatest_expected_iou_around",
     // What else the whole holds.
     "gain_of_best_beside",
     "n_best_beside",
-    "greatest_worth_beside",
+    "greatest_expected_iou_beside",
 ];
 
 /// Number of the values that a refinement round sees.

@@ -64,7 +64,7 @@ impl KeypointDescriber {
         } else {
             SeenExtents::default()
         };
-        described.shape = if patterns.kinds.contains(&PatternKind::Form) {
+        described.shape = if patterns.kinds.contains(&PatternKind::ShapeStatistics) {
             shape_meter.measure(thinned.all_points_m())
         } else {
             ShapeStatistics::default()

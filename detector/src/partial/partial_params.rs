@@ -122,7 +122,7 @@ impl PartialParams {
             ("patterns.height_edges_m", &patterns.height_edges_m),
             ("patterns.volume_edges_m3", &patterns.volume_edges_m3),
             ("patterns.extent_edges_m", &patterns.extent_edges_m),
-            ("patterns.form_edges_m", &patterns.form_edges_m),
+            ("patterns.shape_edges_m", &patterns.shape_edges_m),
         ] {
             let allowed = "up to 100 ascending numbers";
             check_range(name, edges.len() as f64, [0.0, 100.0], allowed)?;

@@ -27,8 +27,8 @@ pub struct PatternParams {
     /// Where bins of the extents of the whole end, in metres, ascending.
     pub extent_edges_m: Vec<f64>,
     /// Where bins of the shape statistics of the whole end, ascending: metres for lengths, plain numbers for shares, ratios
-    /// and the lean.
-    pub form_edges_m: Vec<f64>,
+    /// and the tilt.
+    pub shape_edges_m: Vec<f64>,
 }
 
 /// What is counted, of every keypoint or of the whole.
@@ -44,9 +44,9 @@ pub enum PatternKind {
     /// shares say nothing of size.
     Extents,
     /// Shape statistics of all that is seen: its height, the spread of its points, overall and in six level slices, the
-    /// share of points in each slice, and the lean. A pattern joins three or four of these values, in wide bins that
+    /// share of points in each slice, and the tilt. A pattern joins three or four of these values, in wide bins that
     /// overlap. Not in the paper.
-    Form,
+    ShapeStatistics,
 }
 
 /// A pattern as a number: its kind, the bin of its height, the bin of its volume, its labels.
@@ -59,7 +59,7 @@ impl Pattern {
             PatternKind::Graph => 0,
             PatternKind::Keypoint => 2,
             PatternKind::Extents => 3,
-            PatternKind::Form => 4,
+            PatternKind::ShapeStatistics => 4,
         };
         let [a, b, c, d] = labels;
         Self(u64::from_be_bytes([0, kind, height_bin, volume_bin, a, b, c, d]))
@@ -143,8 +143,8 @@ impl Patterns {
         if params.kinds.contains(&PatternKind::Extents) {
             self.patterns.extend(patterns_of_extents(extents, &params.extent_edges_m));
         }
-        if params.kinds.contains(&PatternKind::Form) {
-            self.patterns.extend(patterns_of_shape(shape, &params.form_edges_m));
+        if params.kinds.contains(&PatternKind::ShapeStatistics) {
+            self.patterns.extend(patterns_of_shape(shape, &params.shape_edges_m));
         }
     }
 
@@ -200,7 +200,7 @@ fn pattern_of(
             let bins = [bin_of(height_m, &params.height_edges_m), ANY];
             return Some(Pattern::new(kind, bins, [labels[0], MISSING, MISSING, MISSING]));
         }
-        PatternKind::Extents | PatternKind::Form => return None,
+        PatternKind::Extents | PatternKind::ShapeStatistics => return None,
     }
     Some(Pattern::new(kind, bins, labels))
 }
@@ -219,7 +219,7 @@ fn patterns_of_extents(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; 4] {
 /// Shape statistics that make a pattern together; docs/decisions/object-clouds.md has how they were chosen. A rare pattern
 /// first forgets its fourth value, then its third.
 fn groups_of_shape(shape: &ShapeStatistics) -> [([f64; 3], Option<f64>); N_GROUPS] {
-    let ShapeStatistics { extents, spread, mean_height_m, deviation_up_m, lean, slices } = *shape;
+    let ShapeStatistics { extents, spread, mean_height_m, deviation_up_m, tilt, slices } = *shape;
     let (top_m, height_m, along_m) = (extents.top_m, shape.height_m(), spread.deviation_along_m);
     let shares = slices.map(|it| it.share);
     let lengths_m = slices.map(|it| it.spread.length_m);
@@ -230,7 +230,7 @@ fn groups_of_shape(shape: &ShapeStatistics) -> [([f64; 3], Option<f64>); N_GROUP
     [
         ([along_m, top_m, spread.deviation_across_m], Some(extents.bottom_m)),
         ([height_m, along_m, spread.deviation_across_m], Some(extents.length_m)),
-        three([height_m, along_m, lean]),
+        three([height_m, along_m, tilt]),
         three([top_m, extents.length_m, extents.width_m]),
         three([top_m, lengths_m[0], lengths_m[5]]),
         three([deviations_m[0], top_m, lengths_m[0]]),
@@ -261,7 +261,7 @@ fn patterns_of_shape(shape: &ShapeStatistics, edges_m: &[f64]) -> impl Iterator<
             let [first, second, third] = three.map(|it| wide_bin_of(it, edges_m, division));
             let fourth = fourth.map_or(ANY, |it| wide_bin_of(it, edges_m, division));
             let index = group * N_DIVISIONS as u8 + division as u8;
-            Pattern::new(PatternKind::Form, [third, fourth], [index, first, second, MISSING])
+            Pattern::new(PatternKind::ShapeStatistics, [third, fourth], [index, first, second, MISSING])
         })
     })
 }
@@ -290,7 +290,7 @@ mod tests {
             height_edges_m: vec![1.0, 2.0],
             volume_edges_m3: vec![0.1],
             extent_edges_m: vec![1.0, 2.0],
-            form_edges_m: vec![],
+            shape_edges_m: vec![],
         }
     }
 
@@ -349,7 +349,7 @@ mod tests {
             height_edges_m: vec![],
             volume_edges_m3: vec![],
             extent_edges_m: vec![],
-            form_edges_m: vec![],
+            shape_edges_m: vec![],
         };
         patterns.fill(
             &[keypoint(0.0, 5.0, 2)],
@@ -396,11 +396,11 @@ mod tests {
     }
 
     #[test]
-    fn a_form_is_some_of_its_values_in_wide_bins_that_overlap() {
+    fn shape_statistics_count_some_values_in_wide_bins_that_overlap() {
         let edges_m: Vec<f64> = (1..8).map(f64::from).collect();
-        let params = PatternParams { form_edges_m: edges_m, ..params(PatternKind::Form) };
+        let params = PatternParams { shape_edges_m: edges_m, ..params(PatternKind::ShapeStatistics) };
         let extents = SeenExtents { bottom_m: 0.5, top_m: 6.5, length_m: 5.5, width_m: 3.5 };
-        let mut shape = ShapeStatistics { extents, lean: 4.5, ..ShapeStatistics::default() };
+        let mut shape = ShapeStatistics { extents, tilt: 4.5, ..ShapeStatistics::default() };
         shape.slices[0].spread.length_m = 3.5;
         shape.slices[2].share = 1.5;
         shape.slices[5].share = 2.5;
@@ -414,7 +414,7 @@ mod tests {
         assert_eq!(numbers(11), [0, 4, 1, 255, 11, 2, 2, 255]);
         // The bottom is the fourth of the first group; it exceeds none.
         assert_eq!(numbers(1), [0, 4, 0, 0, 1, 0, 2, 255]);
-        // The lean is the third of the third group.
+        // The tilt is the third of the third group.
         assert_eq!(numbers(6), [0, 4, 1, 255, 6, 2, 0, 255]);
         // The lowest slice is the longest, so of lengths in order it is the last.
         assert_eq!(numbers(3 * 4), [0, 4, 0, 255, 12, 2, 1, 255]);

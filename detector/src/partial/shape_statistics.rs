@@ -16,7 +16,7 @@ pub struct ShapeStatistics {
     /// Standard deviation of their heights, in metres.
     pub deviation_up_m: f64,
     /// How far it goes aside for each metre upward, by the line that fits its points best.
-    pub lean: f64,
+    pub tilt: f64,
     /// Level slices that its height is cut into, from the lowest to the highest.
     pub slices: [ShapeSlice; N_SLICES],
 }
@@ -36,7 +36,7 @@ pub const N_SLICES: usize = 6;
 const LEAST_POINTS: usize = 3;
 /// What is not higher counts as so high, in metres.
 const LEAST_HEIGHT_M: f64 = 1e-3;
-/// Added to the squares of heights, so that what is level does not lean, in square metres.
+/// Added to the squares of heights, so that what is level has no tilt, in square metres.
 const LEVEL_M2: f64 = 1e-6;
 
 impl ShapeStatistics {
@@ -58,13 +58,13 @@ impl ShapeMeter {
     pub fn measure(&mut self, points_m: impl Iterator<Item = [f64; 3]> + Clone) -> ShapeStatistics {
         let spread = LevelSpread::of(points_m.clone());
         let extents = SeenExtents::with_spread(spread, points_m.clone());
-        let UpwardSums { n_points, mean_z_m, deviation_up_m, lean } = UpwardSums::of(points_m.clone());
+        let UpwardSums { n_points, mean_z_m, deviation_up_m, tilt } = UpwardSums::of(points_m.clone());
         ShapeStatistics {
             extents,
             spread,
             mean_height_m: mean_z_m - extents.bottom_m,
             deviation_up_m,
-            lean,
+            tilt,
             slices: self.slices(points_m, &extents, n_points),
         }
     }
@@ -106,12 +106,12 @@ impl ShapeMeter {
     }
 }
 
-/// Mean and deviation of heights, and the lean.
+/// Mean and deviation of heights, and the tilt of the main axis.
 struct UpwardSums {
     n_points: usize,
     mean_z_m: f64,
     deviation_up_m: f64,
-    lean: f64,
+    tilt: f64,
 }
 
 impl UpwardSums {
@@ -131,8 +131,8 @@ impl UpwardSums {
             with_y += z * (y - first_y);
             squares += z * z;
         }
-        let lean = (with_x * with_x + with_y * with_y).sqrt() / (squares + LEVEL_M2);
-        Self { n_points, mean_z_m, deviation_up_m: (squares / n).sqrt(), lean }
+        let tilt = (with_x * with_x + with_y * with_y).sqrt() / (squares + LEVEL_M2);
+        Self { n_points, mean_z_m, deviation_up_m: (squares / n).sqrt(), tilt }
     }
 }
 
@@ -140,13 +140,13 @@ impl UpwardSums {
 mod tests {
     use super::*;
 
-    /// A board 1 m wide at the foot and 3 m at the head, 6 m high, which moves aside by `lean` metres a metre.
-    fn board(lean: f64) -> Vec<[f64; 3]> {
+    /// A board 1 m wide at the foot and 3 m at the head, 6 m high, which moves aside by `tilt` metres a metre.
+    fn board(tilt: f64) -> Vec<[f64; 3]> {
         let row = |z: u32| {
             let half_m = if z >= 50 { 1.5 } else { 0.5 };
-            [-1.0, 0.0, 1.0].map(|side| [7.0 + half_m * side, lean * f64::from(z) * 0.1, f64::from(z) * 0.1])
+            [-1.0, 0.0, 1.0].map(|side| [7.0 + half_m * side, tilt * f64::from(z) * 0.1, f64::from(z) * 0.1])
         };
-        (0..60).flat_map(row).chain([[7.0, lean * 6.0, 6.0]]).collect()
+        (0..60).flat_map(row).chain([[7.0, tilt * 6.0, 6.0]]).collect()
     }
 
     fn shape(points_m: &[[f64; 3]]) -> ShapeStatistics {
@@ -172,9 +172,9 @@ mod tests {
 
     #[test]
     fn what_goes_aside_leans() {
-        for lean in [0.0, 0.1, 0.5] {
-            let found = shape(&board(lean)).lean;
-            assert!((found - lean).abs() < 1e-6, "{found} {lean}");
+        for tilt in [0.0, 0.1, 0.5] {
+            let found = shape(&board(tilt)).tilt;
+            assert!((found - tilt).abs() < 1e-6, "{found} {tilt}");
         }
     }
 

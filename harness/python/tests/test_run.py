@@ -60,7 +60,7 @@ TABLE = """**Task objects. Rates in %.**
 def run_directory(tmp_path: Path) -> Path:
     directory = tmp_path / "made"
     (directory / "figures").mkdir(parents=True)
-    (directory / "figures/standing.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
+    (directory / "figures/ranking.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
     (directory / "scans.csv").write_text(SCANS)
     (directory / "matches.csv").write_text(MATCHES)
     (directory / "report.json").write_text(json.dumps(REPORT))

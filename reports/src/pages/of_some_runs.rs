@@ -11,7 +11,7 @@ use crate::rows::kitti_object_row::KittiObjectRow;
 use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{AGREEMENT_CSV, KITTI_OBJECT_CSV, PROTOCOL_BOXES_CSV, PROTOCOLS_JSON};
-use crate::verdicts::standing::Standing;
+use crate::verdicts::task_ranking::TaskRanking;
 use crate::vocabulary::protocol::ProtocolFamily;
 
 /// Numbers under protocols of others; `None` where there are none.
@@ -43,8 +43,8 @@ pub(super) fn agreement_of(directory: &Path) -> Result<Vec<AgreementRow>, Archiv
 }
 
 /// Those on data sets that have labels.
-pub(super) fn scored(mut standings: Vec<Standing>, agreement: &[AgreementRow]) -> Vec<Standing> {
+pub(super) fn scored(mut rankings: Vec<TaskRanking>, agreement: &[AgreementRow]) -> Vec<TaskRanking> {
     let is_compared = |it: &String| agreement.iter().any(|row| row.dataset == *it);
-    standings.retain(|it| !it.pool.datasets.iter().all(is_compared));
-    standings
+    rankings.retain(|it| !it.pool.datasets.iter().all(is_compared));
+    rankings
 }

@@ -4,10 +4,10 @@ use maud::{Markup, html};
 
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{FailedDetector, PoolFacts, RunFacts};
-use crate::plots::standing_plot::{StandingRow, standing_plot};
+use crate::plots::ranking_plot::{RankingRow, ranking_plot};
 use crate::rows::scan_name::ScanName;
 use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, Recordings};
-use crate::verdicts::standing::{Speeds, Standing, origin_of_run};
+use crate::verdicts::task_ranking::{Speeds, TaskRanking, origin_of_run};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
 
@@ -29,8 +29,8 @@ fn listed(names: &[&str]) -> String {
 pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let n_scans: u64 = facts.manifest.datasets.iter().map(|it| it.n_scans).sum();
     let origin = origin_of_run(&facts.manifest);
-    let plots: Vec<_> = facts.standings.iter().map(|it| plot(facts, it)).collect();
-    let has_paper = facts.standings.iter().any(|it| paper_rows(facts, it).is_some());
+    let plots: Vec<_> = facts.rankings.iter().map(|it| plot(facts, it)).collect();
+    let has_paper = facts.rankings.iter().any(|it| paper_rows(facts, it).is_some());
     let together = if facts.pools.len() > 1 {
         "recorded and simulated data sets apart"
     } else {
@@ -49,7 +49,7 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
         }
         section #verdict aria-label="Verdict" {
             div.verdict {
-                @for standing in &facts.standings { p { (unbroken(&standing.sentence())) } }
+                @for ranking in &facts.rankings { p { (unbroken(&ranking.sentence())) } }
                 @for sentence in facts.speeds.iter().filter_map(Speeds::sentence) { p { (unbroken(&sentence)) } }
             }
             @for entry in &facts.manifest.datasets {
@@ -58,7 +58,7 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
             @for it in &facts.failures { p.failed role="note" { (about_failure(it)) } }
             @if !plots.is_empty() {
             (FigureMarkup {
-                file_stem: "standing",
+                file_stem: "ranking",
                 title: &format!("{} ({}){}", heading(facts), origin.name(), facts.caveat("; bars: intervals")),
                 panels: &plots,
                 key: &[],
@@ -92,12 +92,12 @@ fn unbroken(sentence: &str) -> String {
         .fold(sentence.to_owned(), |text, unit| text.replace(unit, &format!("\u{a0}{}", unit.trim_start())))
 }
 
-fn plot(facts: &RunFacts, standing: &Standing) -> crate::plots::themed_panel::ThemedPanel {
-    let paper = paper_rows(facts, standing);
+fn plot(facts: &RunFacts, ranking: &TaskRanking) -> crate::plots::themed_panel::ThemedPanel {
+    let paper = paper_rows(facts, ranking);
     let percent = |it: f64| 100.0 * it;
     let row = |name: &&str| {
-        let ranked = standing.ranking.iter().find(|it| it.detector == *name);
-        StandingRow {
+        let ranked = ranking.detectors.iter().find(|it| it.detector == *name);
+        RankingRow {
             name: (*name).to_owned(),
             detector_idx: facts.detector_idx(name),
             percent: ranked.and_then(|it| it.value).map(percent),
@@ -105,30 +105,30 @@ fn plot(facts: &RunFacts, standing: &Standing) -> crate::plots::themed_panel::Th
             paper_percent: paper.as_ref().and_then(|paper| paper(name)),
         }
     };
-    let rows: Vec<StandingRow> = facts.detectors().iter().map(row).collect();
-    let rate = match standing.metric {
+    let rows: Vec<RankingRow> = facts.detectors().iter().map(row).collect();
+    let rate = match ranking.metric {
         Metric::FRate => "F-rate (%)",
         _ => "recall (%)",
     };
-    let of_pool = facts.pools.iter().find(|it| it.pool == standing.pool);
+    let of_pool = facts.pools.iter().find(|it| it.pool == ranking.pool);
     let rate = match of_pool.and_then(PoolFacts::caveat_of_intervals) {
         Some(caveat) => format!("{rate}, intervals {caveat}"),
         None => rate.to_owned(),
     };
-    let [_, on] = facts.of_pool(&standing.pool);
-    standing_plot(&format!("Task {}{on}", standing.task), &rate, &rows)
+    let [_, on] = facts.of_pool(&ranking.pool);
+    ranking_plot(&format!("Task {}{on}", ranking.task), &rate, &rows)
 }
 
 /// What the paper of a task states for a detector, on all recordings or on those that the run is of; `None` if there is no
 /// such paper, its method did not run, or it states another rate.
-fn paper_rows<'a>(facts: &RunFacts, standing: &'a Standing) -> Option<impl Fn(&str) -> Option<f64> + 'a> {
-    let table = PAPER_TABLES.iter().find(|it| it.task == standing.task)?;
-    let datasets = facts.manifest.datasets.iter().filter(|it| standing.pool.datasets.contains(&it.id));
+fn paper_rows<'a>(facts: &RunFacts, ranking: &'a TaskRanking) -> Option<impl Fn(&str) -> Option<f64> + 'a> {
+    let table = PAPER_TABLES.iter().find(|it| it.task == ranking.task)?;
+    let datasets = facts.manifest.datasets.iter().filter(|it| ranking.pool.datasets.contains(&it.id));
     let is_kitti = { datasets }.all(|it| it.format.contains("kitti"));
     let recordings = if is_kitti { Recordings::Kitti } else { Recordings::Both };
     let row = table.rows.iter().find(|it| it.recordings == recordings)?;
     let states = move |detector: &str| Some(table.score_beside(row, detector)?.f_rate_percent);
     let is_stated =
-        standing.metric == Metric::FRate && standing.ranking.iter().any(|it| it.detector == PAPER_DETECTOR);
+        ranking.metric == Metric::FRate && ranking.detectors.iter().any(|it| it.detector == PAPER_DETECTOR);
     is_stated.then_some(states)
 }

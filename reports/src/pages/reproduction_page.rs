@@ -148,7 +148,7 @@ fn section(id: &str, title: &str, sheet: &Sheet) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plots::standing_plot::study_plot;
+    use crate::plots::ranking_plot::study_plot;
 
     #[test]
     fn the_figure_of_the_settings_stands_on_the_page_as_it_is_in_its_file() {

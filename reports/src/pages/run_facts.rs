@@ -28,7 +28,7 @@ use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::{Draw, Question};
 use crate::verdicts::reason_gains::ReasonTally;
-use crate::verdicts::standing::{Speeds, Standing, speeds, standings};
+use crate::verdicts::task_ranking::{Speeds, TaskRanking, rankings, speeds};
 use crate::vocabulary::formula::Term;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
@@ -43,7 +43,7 @@ pub(super) struct RunFacts {
     pub(super) manifest: Manifest,
     pub(super) report: RunReport,
     /// In the tasks on data sets that have labels.
-    pub(super) standings: Vec<Standing>,
+    pub(super) rankings: Vec<TaskRanking>,
     pub(super) speeds: Vec<Speeds>,
     /// What is shown of the recorded data sets, and of the simulated ones.
     pub(super) pools: Vec<PoolFacts>,
@@ -167,9 +167,9 @@ impl RunFacts {
         let draws = tally.draw();
         let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, &tally, &draws, &report);
         let agreement = agreement_of(directory)?;
-        let standings = standings(&tally, &manifest, &report);
+        let rankings = rankings(&tally, &manifest, &report);
         Ok(Self {
-            standings: scored(standings, &agreement),
+            rankings: scored(rankings, &agreement),
             speeds: speeds(&manifest, &report),
             pools: pools.into_iter().zip(times_ms).map(of_pool).collect(),
             curves: curves(&read_rows(&directory.join(PRECISION_RECALL_CSV))?, &detectors),

@@ -28,7 +28,7 @@ use crate::run_folder::run_directory::{FIGURES, REPORT_HTML};
 use crate::tables::protocol_in_short::ProtocolInShort;
 use crate::tables::run_in_short::RunInShort;
 use crate::tables::task_table::{TableError, TaskTable, task_tables as tables_of};
-use crate::verdicts::standing::{Speeds, Standing};
+use crate::verdicts::task_ranking::{Speeds, TaskRanking};
 use crate::verdicts::times_doubt::times_doubts;
 
 /// The page of a run, and its figures as files.
@@ -111,7 +111,7 @@ impl RunPage {
 
 /// What a terminal shows: tables of data sets that have labels, and who leads on these.
 fn short(facts: &RunFacts, tables: Vec<TaskTable>) -> RunInShort {
-    let verdict = facts.standings.iter().map(Standing::short_sentence);
+    let verdict = facts.rankings.iter().map(TaskRanking::short_sentence);
     RunInShort {
         tables: if facts.is_scored() { tables } else { Vec::new() },
         protocols: facts
@@ -174,7 +174,7 @@ mod tests {
                 "href=\"#curves\"",
             ],
         );
-        let all = ["standing", "range_objects", "range_vehicles", "precision_recall", "times", "stages"];
+        let all = ["ranking", "range_objects", "range_vehicles", "precision_recall", "times", "stages"];
         assert_eq!(names(&page), all);
     }
 
@@ -269,7 +269,7 @@ mod tests {
             ],
         );
         assert!(!few.html.contains("leads with"));
-        for name in ["standing", "range_objects", "range_vehicles"] {
+        for name in ["ranking", "range_objects", "range_vehicles"] {
             let figure = few.figures.iter().find(|it| it.file_stem == name).unwrap();
             assert!(figure.svg.contains("from only 9 blocks of scans"), "{name}: {}", figure.svg);
         }
@@ -333,7 +333,7 @@ mod tests {
         assert_eq!(RunPage::of(folder.path()).unwrap(), page);
         let written = std::fs::read_to_string(folder.path().join(REPORT_HTML)).unwrap();
         assert_eq!(written, page.html);
-        for name in ["standing.svg", "standing.pdf"] {
+        for name in ["ranking.svg", "ranking.pdf"] {
             assert!(folder.path().join(FIGURES).join(name).is_file(), "{name}");
         }
     }

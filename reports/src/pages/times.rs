@@ -10,7 +10,7 @@ use crate::plots::stage_plot::stage_plot;
 use crate::plots::themed_panel::ThemedPanel;
 use crate::tables::sheet::Tabular as _;
 use crate::tables::times_table::TimesTable;
-use crate::verdicts::standing::origin_of_run;
+use crate::verdicts::task_ranking::origin_of_run;
 use crate::verdicts::times_doubt::times_doubts;
 
 pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {

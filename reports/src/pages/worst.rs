@@ -14,7 +14,7 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
     if facts.worst.lists().all(|(_, objects)| objects.is_empty()) {
         return html! {};
     }
-    let mut tasks: Vec<Task> = facts.standings.iter().map(|it| it.task).collect();
+    let mut tasks: Vec<Task> = facts.rankings.iter().map(|it| it.task).collect();
     tasks.dedup();
     html! {
         section #worst aria-labelledby="worst-title" {

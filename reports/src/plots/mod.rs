@@ -15,7 +15,7 @@ pub mod box_points_plot;
 pub mod operating_plot;
 pub mod plan_plot;
 mod small_panel;
-pub mod standing_plot;
+pub mod ranking_plot;
 pub(crate) mod range_plot;
 pub mod recall_plot;
 pub mod stage_plot;

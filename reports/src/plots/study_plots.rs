@@ -1,6 +1,6 @@
 //! The figures of studies: a line for each variant, condition or difference, with its interval.
 
-use super::standing_plot::{StandingRow, study_plot};
+use super::ranking_plot::{RankingRow, study_plot};
 use crate::reproduction::sensitivity::{Sensitivity, SetRate, quantiles};
 use crate::tables::studies::ablation_table::AblationTable;
 use crate::tables::studies::robustness_table::ConditionScores;
@@ -79,8 +79,8 @@ pub fn settings_plot(sensitivity: &Sensitivity) -> String {
     study_plot(&title, "F-rate, % (bars: nine in ten settings)", &parts)
 }
 
-fn row(name: String, colour_idx: usize, rate: Option<f64>, within: Option<[f64; 2]>) -> StandingRow {
-    StandingRow {
+fn row(name: String, colour_idx: usize, rate: Option<f64>, within: Option<[f64; 2]>) -> RankingRow {
+    RankingRow {
         name,
         detector_idx: colour_idx,
         percent: rate.map(|it| 100.0 * it),

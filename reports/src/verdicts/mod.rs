@@ -6,7 +6,7 @@ pub mod paired_difference;
 pub mod protocol_differences;
 pub mod partial_differences;
 pub mod comparability;
-pub mod standing;
+pub mod task_ranking;
 pub mod times_doubt;
 pub mod reason_gains;
 pub mod drift;

@@ -63,10 +63,10 @@ pub fn bag(
     if params.patterns.kinds.contains(&PatternKind::Extents) {
         count_extents(points_m, model, &mut bag);
     }
-    if params.patterns.kinds.contains(&PatternKind::Form) {
-        count_form(all_points_m, model, &mut bag);
+    if params.patterns.kinds.contains(&PatternKind::ShapeStatistics) {
+        count_shape_statistics(all_points_m, model, &mut bag);
     }
-    let of_graphs = |it: &&PatternKind| !matches!(it, PatternKind::Extents | PatternKind::Form);
+    let of_graphs = |it: &&PatternKind| !matches!(it, PatternKind::Extents | PatternKind::ShapeStatistics);
     for &kind in params.patterns.kinds.iter().filter(of_graphs) {
         for graph in graphs {
             let mut pattern = Some(pattern(vertices, graph, kind, model));
@@ -120,7 +120,7 @@ fn deviations_m(points_m: &[[f64; 3]]) -> [f64; 2] {
 }
 
 /// What goes aside for each metre upward, by least squares.
-fn lean(points_m: &[[f64; 3]]) -> f64 {
+fn tilt(points_m: &[[f64; 3]]) -> f64 {
     let mean = points_m.iter().map(|&it| vector(it)).sum::<nalgebra::Vector3<f64>>() / points_m.len() as f64;
     let products = points_m.iter().map(|&it| (vector(it) - mean) * (it[2] - mean.z));
     let sum: nalgebra::Vector3<f64> = products.sum();
@@ -128,7 +128,7 @@ fn lean(points_m: &[[f64; 3]]) -> f64 {
 }
 
 /// Shape statistics that are looked at together.
-fn groups_of_form(points_m: &[[f64; 3]]) -> [Vec<f64>; 18] {
+fn groups_of_shape_statistics(points_m: &[[f64; 3]]) -> [Vec<f64>; 18] {
     let [bottom_m, top_m, length_m, width_m] = extents_m(points_m);
     let height_m = top_m - bottom_m;
     let n = points_m.len() as f64;
@@ -155,7 +155,7 @@ fn groups_of_form(points_m: &[[f64; 3]]) -> [Vec<f64>; 18] {
     [
         vec![along_m, top_m, across_m, bottom_m],
         vec![height_m, along_m, across_m, length_m],
-        vec![height_m, along_m, lean(points_m)],
+        vec![height_m, along_m, tilt(points_m)],
         vec![top_m, length_m, width_m],
         vec![top_m, lengths[0], lengths[5]],
         vec![alongs[0], top_m, lengths[0]],
@@ -175,9 +175,9 @@ fn groups_of_form(points_m: &[[f64; 3]]) -> [Vec<f64>; 18] {
 }
 
 /// Groups of shape statistics, in bins that span three edges, which begin at each of three edges in turn.
-fn count_form(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
-    let edges = &model.params.patterns.form_edges_m;
-    let groups = groups_of_form(points_m);
+fn count_shape_statistics(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
+    let edges = &model.params.patterns.shape_edges_m;
+    let groups = groups_of_shape_statistics(points_m);
     for (index, division) in (0..54_u64).map(|it| (it, it as usize % 3)) {
         let bins = groups[index as usize / 3].iter().map(|&value| {
             let n_below = edges.iter().filter(|&&edge| edge <= value).count();
@@ -239,7 +239,7 @@ fn pattern(vertices: &[Vertex], graph: &[usize], kind: PatternKind, model: &Part
             labels.sort_unstable();
             0
         }
-        PatternKind::Keypoint | PatternKind::Extents | PatternKind::Form => 2,
+        PatternKind::Keypoint | PatternKind::Extents | PatternKind::ShapeStatistics => 2,
     };
     let numbers =
         [kind, bin(height_m, &params.height_edges_m), volume_bin, labels[0], labels[1], labels[2], labels[3]];

@@ -80,9 +80,13 @@ impl Method {
             ("without keypoints by themselves", &|it| {
                 it.patterns.kinds.retain(|kind| *kind != PatternKind::Keypoint);
             }),
-            ("without shape statistics", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Form)),
+            ("without shape statistics", &|it| {
+                it.patterns.kinds.retain(|kind| *kind != PatternKind::ShapeStatistics)
+            }),
             ("without shape statistics and extents", &|it| {
-                it.patterns.kinds.retain(|kind| !matches!(kind, PatternKind::Extents | PatternKind::Form));
+                it.patterns
+                    .kinds
+                    .retain(|kind| !matches!(kind, PatternKind::Extents | PatternKind::ShapeStatistics));
             }),
             ("without heights", &|it| it.patterns.height_edges_m.clear()),
             ("without volumes", &|it| it.patterns.volume_edges_m3.clear()),

@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 
 TABLES = ["table_objects.md", "table_vehicles.md"]
-FIGURES = ["standing.svg", "precision_recall.svg", "range_objects.svg", "range_vehicles.svg", "times.svg", "stages.svg"]
+FIGURES = ["ranking.svg", "precision_recall.svg", "range_objects.svg", "range_vehicles.svg", "times.svg", "stages.svg"]
 
 
 def page_of(run: Path) -> str:

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use detector::PointCloud;
 use reports::worst::objects::PlanWindow;
-use reports::worst::points::{PLAN_CELL_M, PlanCells, STANDING_M};
+use reports::worst::points::{PLAN_CELL_M, PlanCells, RAISED_M};
 
 /// The cells of `window` that hold points of `cloud`, which was recorded `sensor_height_m` above the road.
 pub fn plan_cells(cloud: &PointCloud, window: &PlanWindow, sensor_height_m: f32) -> PlanCells {
-    let standing_z_m = STANDING_M - sensor_height_m;
+    let raised_z_m = RAISED_M - sensor_height_m;
     // Of every cell, whether something stands in it.
     let mut cells: BTreeMap<[i32; 2], bool> = BTreeMap::new();
     for [x_m, y_m, z_m] in cloud.positions_m() {
@@ -16,7 +16,7 @@ pub fn plan_cells(cloud: &PointCloud, window: &PlanWindow, sensor_height_m: f32)
         if window.holds(x_m, y_m) {
             let step = |at_m: f32, center_m: f32| ((at_m - center_m) / PLAN_CELL_M).floor() as i32;
             let cell = [step(x_m, window.center_m[0]), step(y_m, window.center_m[1])];
-            *cells.entry(cell).or_default() |= z_m >= standing_z_m;
+            *cells.entry(cell).or_default() |= z_m >= raised_z_m;
         }
     }
     let of = |stands: bool| cells.iter().filter(|(_, it)| **it == stands).map(|(cell, _)| *cell).collect();

@@ -15,17 +15,17 @@ use crate::vocabulary::task::Task;
 
 /// Where the detectors of a run stand in one task, over all its data sets of one origin together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Standing {
+pub struct TaskRanking {
     /// The task.
     pub task: Task,
     /// The data sets.
     pub pool: Pool,
-    /// Whether there are data sets of another origin, too, with a standing of their own.
+    /// Whether there are data sets of another origin, too, with a ranking of their own.
     pub has_others: bool,
     /// What they are ordered by: the F-rate or, where false objects cannot be known, recall.
     pub metric: Metric,
     /// The detectors, best first; those of which the metric is undefined are last.
-    pub ranking: Vec<RankedDetector>,
+    pub detectors: Vec<RankedDetector>,
     /// The difference between the first and the second.
     pub lead: Option<PairedDifference>,
     /// Data sets whose frame or labels are suspect.
@@ -59,18 +59,18 @@ pub fn origin_of_run(manifest: &Manifest) -> Origin {
     manifest.datasets.iter().map(DatasetEntry::origin).reduce(Origin::with).unwrap_or(Origin::Recorded)
 }
 
-/// The standings in all tasks of a run: one for the recorded data sets, and one for the simulated ones.
-pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<Standing> {
+/// The rankings in all tasks of a run: one for the recorded data sets, and one for the simulated ones.
+pub fn rankings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<TaskRanking> {
     let draws = tally.draw();
     let pools = tally.pools();
-    let standing = |task: Task, pool: &Pool| {
+    let ranking = |task: Task, pool: &Pool| {
         let dataset = pool.extent.name();
         let row =
             |detector: &str, metric: &Metric| report.row(&Subject::of_all(dataset, task, detector), metric);
         let has_f_rate =
             tally.detectors().iter().all(|it| row(it, &Metric::FRate).is_some_and(|it| it.value().is_some()));
         let metric = if has_f_rate { Metric::FRate } else { Metric::Recall };
-        let mut ranking: Vec<RankedDetector> = tally
+        let mut detectors: Vec<RankedDetector> = tally
             .detectors()
             .iter()
             .map(|detector| {
@@ -81,19 +81,19 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
                 RankedDetector { detector: detector.clone(), value, interval, failed_scans }
             })
             .collect();
-        ranking.sort_by(|a, b| {
+        detectors.sort_by(|a, b| {
             let rank = |it: &RankedDetector| it.value.unwrap_or(f64::NEG_INFINITY);
             rank(b).total_cmp(&rank(a))
         });
-        let lead = ranking.get(1).and_then(|second| {
+        let lead = detectors.get(1).and_then(|second| {
             let sample =
                 |detector| tally.sample(&Question { dataset, task, detector, slice: Slice::All }, &draws);
-            paired_difference(&sample(&second.detector)?, &sample(&ranking[0].detector)?, &metric)
+            paired_difference(&sample(&second.detector)?, &sample(&detectors[0].detector)?, &metric)
         });
         let (suspect, has_others) = (suspect(manifest, pool), pools.len() > 1);
-        Standing { task, pool: pool.clone(), has_others, metric, ranking, lead, suspect }
+        TaskRanking { task, pool: pool.clone(), has_others, metric, detectors, lead, suspect }
     };
-    let of_task = |task: &Task| pools.iter().map(|it| standing(*task, it)).collect::<Vec<_>>();
+    let of_task = |task: &Task| pools.iter().map(|it| ranking(*task, it)).collect::<Vec<_>>();
     tally.tasks().iter().flat_map(of_task).collect()
 }
 
@@ -119,7 +119,7 @@ pub fn speeds(manifest: &Manifest, report: &RunReport) -> Vec<Speeds> {
     speeds.collect()
 }
 
-impl Standing {
+impl TaskRanking {
     /// Who leads, in a sentence. A second sentence is about the detectors that it does not name, and one more about each
     /// detector that gave no answer to some scans.
     pub fn sentence(&self) -> String {
@@ -132,7 +132,7 @@ impl Standing {
     }
 
     fn sentence_of_failures(&self) -> String {
-        let failed = self.ranking.iter().filter_map(|it| {
+        let failed = self.detectors.iter().filter_map(|it| {
             let [n_failed, n_scans] = it.failed_scans?;
             let name = &it.detector;
             Some(format!(
@@ -145,12 +145,12 @@ impl Standing {
     /// What those have that are neither first nor second; nothing where nobody has anything.
     fn sentence_of_others(&self) -> String {
         let is_defined = |it: &&RankedDetector| it.value.is_some();
-        if !self.suspect.is_empty() || !self.ranking.iter().any(|it| is_defined(&it)) {
+        if !self.suspect.is_empty() || !self.detectors.iter().any(|it| is_defined(&it)) {
             return String::new();
         }
-        let defined = self.ranking.iter().filter(is_defined).skip(2);
+        let defined = self.detectors.iter().filter(is_defined).skip(2);
         let others: Vec<String> = defined.map(|it| format!("{} {}", it.detector, it.text())).collect();
-        let undefined = self.ranking.iter().filter(|it| it.value.is_none());
+        let undefined = self.detectors.iter().filter(|it| it.value.is_none());
         let undefined: Vec<&str> = undefined.map(|it| it.detector.as_str()).collect();
         let sentence = |head: &str, list: String| {
             if list.is_empty() { list } else { format!(" {head}: {list}.") }
@@ -173,7 +173,7 @@ impl Standing {
             Metric::FRate => "F-rate",
             _ => "recall",
         };
-        let defined: Vec<&RankedDetector> = self.ranking.iter().filter(|it| it.value.is_some()).collect();
+        let defined: Vec<&RankedDetector> = self.detectors.iter().filter(|it| it.value.is_some()).collect();
         match (&defined[..], &self.lead) {
             ([], _) => format!("{about}{metric} is undefined."),
             _ if !self.suspect.is_empty() => {
@@ -314,9 +314,9 @@ mod tests {
         RankedDetector { detector: detector.to_owned(), value, interval, failed_scans: None }
     }
 
-    fn standing(values: &[Option<f64>], lead: Option<[f64; 3]>) -> Standing {
+    fn ranking(values: &[Option<f64>], lead: Option<[f64; 3]>) -> TaskRanking {
         let names = ["grid", "tree", "pca"];
-        let ranking = names.iter().zip(values).map(|(name, value)| ranked(name, *value)).collect();
+        let detectors = names.iter().zip(values).map(|(name, value)| ranked(name, *value)).collect();
         let lead = lead.map(|[after, low, high]| PairedDifference {
             metric: Metric::FRate,
             before: 0.0,
@@ -326,7 +326,7 @@ mod tests {
         });
         let pool = pools([("street", Origin::Simulated)]).remove(0);
         let (task, metric) = (Task::Objects, Metric::FRate);
-        Standing { task, pool, has_others: false, metric, ranking, lead, suspect: Vec::new() }
+        TaskRanking { task, pool, has_others: false, metric, detectors, lead, suspect: Vec::new() }
     }
 
     #[test]
@@ -334,8 +334,8 @@ mod tests {
         let (recorded, simulated) = (Origin::Recorded, Origin::Simulated);
         let pools = pools([("north", simulated), ("kitti", recorded), ("south", simulated)]);
         let said = pools.into_iter().map(|pool| {
-            let alone = standing(&[Some(0.7)], None);
-            Standing { pool, has_others: true, ..alone }.sentence()
+            let alone = ranking(&[Some(0.7)], None);
+            TaskRanking { pool, has_others: true, ..alone }.sentence()
         });
         assert_eq!(
             said.collect::<Vec<_>>(),
@@ -348,16 +348,16 @@ mod tests {
 
     #[test]
     fn everybody_is_named() {
-        let said = standing(&[Some(0.7), Some(0.6), Some(0.5)], Some([0.1, 0.05, 0.12])).sentence();
+        let said = ranking(&[Some(0.7), Some(0.6), Some(0.5)], Some([0.1, 0.05, 0.12])).sentence();
         assert!(said.ends_with(" (95 % interval 5.0 to 12.0). Then: pca 50.0 % (48.0 to 51.0)."), "{said}");
-        let said = standing(&[Some(0.7), Some(0.6), None], Some([0.1, 0.05, 0.12])).sentence();
+        let said = ranking(&[Some(0.7), Some(0.6), None], Some([0.1, 0.05, 0.12])).sentence();
         assert!(said.ends_with(" (95 % interval 5.0 to 12.0). Undefined: pca."), "{said}");
     }
 
     #[test]
     fn a_clear_lead_is_called_one() {
         assert_eq!(
-            standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12])).sentence(),
+            ranking(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12])).sentence(),
             "Task objects (simulated): grid leads with an F-rate of 70.0 % (68.0 to 71.0), 10.0 points above tree \
              (95 % interval 5.0 to 12.0)."
         );
@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn a_lead_that_may_be_chance_is_none() {
         assert_eq!(
-            standing(&[Some(0.7), Some(0.69)], Some([0.01, -0.005, 0.02])).sentence(),
+            ranking(&[Some(0.7), Some(0.69)], Some([0.01, -0.005, 0.02])).sentence(),
             "Task objects (simulated): no significant difference between grid and tree: F-rate 70.0 % (68.0 to 71.0) and 69.0 % \
              (67.0 to 70.0), a difference of 1.0 points (95 % interval −0.5 to 2.0)."
         );
@@ -374,9 +374,9 @@ mod tests {
 
     #[test]
     fn a_verdict_about_failed_scans_says_so() {
-        let mut failed = standing(&[Some(0.7), Some(0.6), Some(0.1)], Some([0.1, 0.05, 0.12]));
+        let mut failed = ranking(&[Some(0.7), Some(0.6), Some(0.1)], Some([0.1, 0.05, 0.12]));
         assert!(!failed.sentence().contains("failed"), "{}", failed.sentence());
-        failed.ranking[1].failed_scans = Some([3, 11]);
+        failed.detectors[1].failed_scans = Some([3, 11]);
         let said = failed.sentence();
         assert!(
             said.contains("grid leads")
@@ -386,7 +386,7 @@ mod tests {
 
     #[test]
     fn of_few_blocks_nobody_leads() {
-        let mut few = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
+        let mut few = ranking(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
         few.lead.as_mut().unwrap().interval.as_mut().unwrap().blocks = drives(9);
         assert_eq!(
             few.sentence(),
@@ -399,8 +399,8 @@ mod tests {
             "{}",
             few.sentence()
         );
-        let mut alone = standing(&[Some(0.7)], None);
-        alone.ranking[0].interval.as_mut().unwrap().blocks = drives(4);
+        let mut alone = ranking(&[Some(0.7)], None);
+        alone.detectors[0].interval.as_mut().unwrap().blocks = drives(4);
         assert!(
             alone.sentence().ends_with("; 4 blocks of scans are too few for the interval to be reliable."),
             "{}",
@@ -410,22 +410,19 @@ mod tests {
 
     #[test]
     fn of_a_suspect_frame_nobody_leads() {
-        let mut suspect = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
+        let mut suspect = ranking(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
         suspect.suspect = vec!["mine".to_owned()];
         let expected = "Task objects (simulated): no verdict, since frame or labels of mine are suspect.";
         assert_eq!(suspect.sentence(), expected);
-        suspect.ranking.truncate(1);
+        suspect.detectors.truncate(1);
         assert_eq!(suspect.sentence(), expected);
     }
 
     #[test]
     fn undefined_rates_lead_nothing() {
+        assert_eq!(ranking(&[None, None], None).sentence(), "Task objects (simulated): F-rate is undefined.");
         assert_eq!(
-            standing(&[None, None], None).sentence(),
-            "Task objects (simulated): F-rate is undefined."
-        );
-        assert_eq!(
-            standing(&[Some(0.7), None], None).sentence(),
+            ranking(&[Some(0.7), None], None).sentence(),
             "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0). Undefined: tree."
         );
     }

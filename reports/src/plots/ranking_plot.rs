@@ -12,7 +12,7 @@ use crate::files::fixed_decimals::fixed_decimals;
 
 /// One detector.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StandingRow {
+pub struct RankingRow {
     /// Its name.
     pub name: String,
     /// Its index in the order of the run, which decides the colour.
@@ -45,18 +45,18 @@ const LETTER_WIDTH: f64 = 0.62;
 const NAME_GAP_PX: i32 = 10;
 
 /// A panel with a line for every detector; `title` says of which task, `rate` what is measured.
-pub fn standing_plot(title: &str, rate: &str, rows: &[StandingRow]) -> ThemedPanel {
+pub fn ranking_plot(title: &str, rate: &str, rows: &[RankingRow]) -> ThemedPanel {
     panel(title, rate, rows, &ON_PAGE)
 }
 
 /// A figure with such a panel for each part of a study: its title and its lines.
-pub fn study_plot(title: &str, rate: &str, parts: &[(String, Vec<StandingRow>)]) -> String {
+pub fn study_plot(title: &str, rate: &str, parts: &[(String, Vec<RankingRow>)]) -> String {
     let panels: Vec<ThemedPanel> =
         parts.iter().map(|(title, rows)| panel(title, rate, rows, &ALONE)).collect();
     sheet(&panels, Arrangement::Column, &[], title)
 }
 
-fn panel(title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> ThemedPanel {
+fn panel(title: &str, rate: &str, rows: &[RankingRow], layout: &Layout) -> ThemedPanel {
     let texts: Vec<String> = rows.iter().map(|it| format!("{} {}", it.name, value_text(it))).collect();
     let size_px = [layout.width_px, HEADING_PX + ROW_PX * rows.len() as u32 + AXIS_PX];
     Figure::of_marks(size_px, marks(title, rate, rows, layout))
@@ -64,7 +64,7 @@ fn panel(title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> Them
 }
 
 /// How many letters of a name there is room for, and how wide the column of names is.
-fn names_column(rows: &[StandingRow], bounds_px: &RangeInclusive<i32>) -> (usize, i32) {
+fn names_column(rows: &[RankingRow], bounds_px: &RangeInclusive<i32>) -> (usize, i32) {
     let letter_px = LETTER_WIDTH * f64::from(SMALL_TEXT_PX);
     let longest = rows.iter().map(|it| it.name.chars().count()).max().unwrap_or(0);
     let wanted_px = (longest as f64 * letter_px).ceil() as i32 + NAME_GAP_PX;
@@ -80,11 +80,11 @@ fn shortened(name: &str, n_letters: usize) -> String {
     name.chars().take(n_letters.saturating_sub(1)).chain(['…']).collect()
 }
 
-fn value_text(row: &StandingRow) -> String {
+fn value_text(row: &RankingRow) -> String {
     row.percent.map_or_else(|| "undefined".to_owned(), |it| format!("{} %", fixed_decimals(it, 1)))
 }
 
-fn marks(title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> Vec<Mark> {
+fn marks(title: &str, rate: &str, rows: &[RankingRow], layout: &Layout) -> Vec<Mark> {
     let (n_letters, names_px) = names_column(rows, &layout.names_px);
     let (names_px, width_px) = (f64::from(names_px), f64::from(layout.width_px));
     let ends_px = [names_px, width_px - VALUES_PX];
@@ -128,7 +128,7 @@ fn text(position_px: (f64, f64), text: String, horizontal: HPos) -> Mark {
 const TICK_PERCENT: f64 = 10.0;
 
 /// Whole tens around all that is drawn.
-fn axis(rows: &[StandingRow]) -> [f64; 2] {
+fn axis(rows: &[RankingRow]) -> [f64; 2] {
     let values = rows.iter().flat_map(|it| {
         let [low, high] = it.interval_percent.map_or([None; 2], |ends| ends.map(Some));
         [it.percent, it.paper_percent, low, high]
@@ -153,23 +153,23 @@ mod tests {
     use super::*;
     use crate::files::texts::check_holds;
 
-    fn row(percent: Option<f64>) -> StandingRow {
+    fn row(percent: Option<f64>) -> RankingRow {
         let interval_percent = percent.map(|it| [it - 3.0, it + 3.0]);
         let name = "grid".to_owned();
-        StandingRow { name, detector_idx: 0, percent, interval_percent, paper_percent: Some(83.0) }
+        RankingRow { name, detector_idx: 0, percent, interval_percent, paper_percent: Some(83.0) }
     }
 
     #[test]
     fn the_axis_is_whole_tens_around_all_that_is_drawn() {
         assert_eq!(axis(&[row(Some(61.0)), row(None)]), [50.0, 90.0]);
         assert_eq!(axis(&[]), [0.0, 100.0]);
-        let exact = StandingRow { interval_percent: None, paper_percent: None, ..row(Some(100.0)) };
+        let exact = RankingRow { interval_percent: None, paper_percent: None, ..row(Some(100.0)) };
         assert_eq!(axis(&[exact]), [90.0, 100.0]);
     }
 
     #[test]
     fn a_name_has_the_room_it_needs_up_to_a_bound() {
-        let named = |name: &str| vec![StandingRow { name: name.to_owned(), ..row(Some(61.0)) }];
+        let named = |name: &str| vec![RankingRow { name: name.to_owned(), ..row(Some(61.0)) }];
         assert_eq!(names_column(&named("pca"), &ON_PAGE.names_px).1, 100);
         let (n_letters, names_px) = names_column(&named("kd-tree-same-walls"), &ON_PAGE.names_px);
         assert!(n_letters >= 18 && names_px > 100, "{n_letters} letters, {names_px} px");
@@ -178,12 +178,12 @@ mod tests {
         assert_eq!(names_px, 190);
         let shown = shortened(&long[0].name, n_letters);
         assert!(shown.starts_with("a-detector-with") && shown.ends_with('…'), "{shown}");
-        assert!(standing_plot("", "", &long).inline().contains(&shown));
+        assert!(ranking_plot("", "", &long).inline().contains(&shown));
     }
 
     #[test]
     fn what_is_undefined_is_said_to_be() {
-        let panel = standing_plot("Task objects", "F-rate (%)", &[row(Some(61.04)), row(None)]);
+        let panel = ranking_plot("Task objects", "F-rate (%)", &[row(Some(61.04)), row(None)]);
         assert_eq!(panel.label, "Task objects: F-rate (%) of grid 61.0 %, grid undefined");
         check_holds(&panel.inline(), &["61.0 %", "undefined", "F-rate (%)", "f-d0"]);
     }
