@@ -1,7 +1,8 @@
 //! Precision over recall, where detections have scores.
 
-use maud::{Markup, html};
+use maud::html;
 
+use super::document::Section;
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{DatasetCurves, RunFacts};
 use crate::plots::recall_plot::recall_plot;
@@ -9,9 +10,9 @@ use crate::plots::series::key_of;
 use crate::plots::themed_panel::ThemedPanel;
 
 /// Nothing if no detection has a score, or false ones are unknown.
-pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Section> {
     if facts.curves.is_empty() {
-        return html! {};
+        return None;
     }
     let has_curve = |name: &str| {
         let mut of_detectors = facts.curves.iter().flat_map(|it| &it.of_detectors);
@@ -19,22 +20,20 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     };
     let key = key_of(&facts.detectors(), has_curve);
     let panels: Vec<ThemedPanel> = facts.curves.iter().map(|it| panel(facts, it)).collect();
-    html! {
-        section #curves aria-labelledby="curves-title" {
-            h2 #curves-title { "Precision and recall of vehicles" }
-            (FigureMarkup {
-                file_stem: "precision_recall",
-                title: "Precision over recall of vehicles",
-                panels: &panels,
-                key: &key,
-                caption: html! {
-                    "Precision over recall as the score threshold falls, from the most certain vehicle (left) to all (right end). "
-                    "Up and to the right is better."
-                },
-                class: "",
-            }.render(files))
-        }
-    }
+    let content = html! {
+        (FigureMarkup {
+            file_stem: "precision_recall",
+            title: "Precision over recall of vehicles",
+            panels: &panels,
+            key: &key,
+            caption: html! {
+                "Precision over recall as the score threshold falls, from the most certain vehicle (left) to all (right end). "
+                "Up and to the right is better."
+            },
+            class: "",
+        }.render(files))
+    };
+    Some(Section::new("Curves", "Precision and recall of vehicles", content))
 }
 
 fn panel(facts: &RunFacts, curves: &DatasetCurves) -> ThemedPanel {

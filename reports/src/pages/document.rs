@@ -1,15 +1,52 @@
-//! What is around the sections of a page.
+//! A page: its title, its sections, and links to these at its top.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::plots::theme::theme_css;
 
-/// A page of `sections`; of `links`, ids and names of sections, those are at its top whose section is there.
-pub(super) fn document(title: &str, links: &[(&str, &str)], sections: &Markup) -> Markup {
+/// A part of a page that a link at its top leads to.
+pub(super) struct Section {
+    name: String,
+    heading: Option<String>,
+    content: Markup,
+}
+
+impl Section {
+    /// The one that links call `name`.
+    pub(super) fn new(name: &str, heading: &str, content: Markup) -> Self {
+        Self { heading: Some(heading.to_owned()), ..Self::without_heading(name, content) }
+    }
+
+    /// One that says by itself what it is.
+    pub(super) fn without_heading(name: &str, content: Markup) -> Self {
+        Self { name: name.to_owned(), heading: None, content }
+    }
+
+    fn id(&self) -> String {
+        self.name.to_lowercase().replace(": ", "-").replace(' ', "-")
+    }
+
+    fn markup(&self) -> Markup {
+        let Self { name, heading, content } = self;
+        let id = self.id();
+        html! {
+            @if let Some(heading) = heading {
+                @let heading_id = format!("{id}-title");
+                section id=(id) aria-labelledby=(heading_id) {
+                    h2 id=(heading_id) { (heading) }
+                    (content)
+                }
+            } @else {
+                section id=(id) aria-label=(name) { (content) }
+            }
+        }
+    }
+}
+
+/// The page called `title` in tabs of a browser: `header`, then `sections`.
+pub(super) fn document(title: &str, header: &Markup, sections: &[Section]) -> String {
     let css = format!("{}{}", theme_css(":root"), include_str!("page.css"));
-    let content = sections.0.as_str();
-    let is_there = |id: &str| content.contains(&format!("<section id=\"{id}\""));
-    html! {
+    let page = html! {
         (DOCTYPE)
         html lang="en" {
             head {
@@ -25,14 +62,14 @@ pub(super) fn document(title: &str, links: &[(&str, &str)], sections: &Markup) -
             body {
                 a.skip href="#main" { "Skip to the content" }
                 nav aria-label="Sections" {
-                    ul {
-                        @for (id, name) in links.iter().filter(|(id, _)| is_there(id)) {
-                            li { a href={ "#" (id) } { (name) } }
-                        }
-                    }
+                    ul { @for it in sections { li { a href={ "#" (it.id()) } { (it.name) } } } }
                 }
-                main #main tabindex="-1" { (sections) }
+                main #main tabindex="-1" {
+                    header { (header) }
+                    @for it in sections { (it.markup()) }
+                }
             }
         }
-    }
+    };
+    page.into_string()
 }

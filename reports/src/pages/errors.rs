@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::document::Section;
 use super::markup::{sentences, table};
 use super::run_facts::RunFacts;
 use crate::rows::error_row::ErrorRow;
@@ -10,25 +11,21 @@ use crate::tables::sheet::Tabular as _;
 use crate::vocabulary::task::Task;
 
 /// A table for each task and origin; nothing of runs without a mistake.
-pub(super) fn errors(facts: &RunFacts) -> Markup {
+pub(super) fn errors(facts: &RunFacts) -> Option<Section> {
     let tasks: Vec<Task> =
         Task::ALL.into_iter().filter(|task| facts.errors.iter().any(|it| it.task == *task)).collect();
-    html! {
-        @if !tasks.is_empty() {
-            section #errors aria-labelledby="errors-title" {
-                h2 #errors-title { "Errors by reason" }
-                @for task in tasks {
-                    @for pool in &facts.pools {
-                        @let is_here = |it: &&ErrorRow| it.task == task && it.dataset == pool.pool.extent.name();
-                        @let rows: Vec<&ErrorRow> = facts.errors.iter().filter(is_here).collect();
-                        @if !rows.is_empty() {
-                            (of_task(&format!("Task {task}{}", facts.of_pool(&pool.pool)[1]), &ErrorTable { detectors: facts.detectors(), rows }))
-                        }
-                    }
+    let content = html! {
+        @for task in &tasks {
+            @for pool in &facts.pools {
+                @let is_here = |it: &&ErrorRow| it.task == *task && it.dataset == pool.pool.extent.name();
+                @let rows: Vec<&ErrorRow> = facts.errors.iter().filter(is_here).collect();
+                @if !rows.is_empty() {
+                    (of_task(&format!("Task {task}{}", facts.of_pool(&pool.pool)[1]), &ErrorTable { detectors: facts.detectors(), rows }))
                 }
             }
         }
-    }
+    };
+    (!tasks.is_empty()).then(|| Section::new("Errors", "Errors by reason", content))
 }
 
 fn of_task(title: &str, errors: &ErrorTable<'_>) -> Markup {

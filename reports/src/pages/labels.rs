@@ -2,11 +2,12 @@
 
 use maud::{Markup, html};
 
+use super::document::Section;
 use super::markup::{Figure, wide_picture};
 use super::run_facts::RunFacts;
 use crate::plots::box_points_plot::box_points_plot;
 
-pub(super) fn labels(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+pub(super) fn labels(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Section> {
     let seen = facts.manifest.datasets.iter().filter_map(|it| Some((&it.id, it.label_points.as_ref()?)));
     let pictures: Vec<Markup> = seen
         .map(|(id, labels)| {
@@ -23,12 +24,10 @@ pub(super) fn labels(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
             picture
         })
         .collect();
-    html! {
-        @if !pictures.is_empty() {
-            section #labels aria-labelledby="labels-title" {
-                h2 #labels-title { "Labels" }
-                @for picture in &pictures { (picture) }
-            }
-        }
-    }
+    (!pictures.is_empty()).then(|| {
+        let content = html! {
+            @for picture in &pictures { (picture) }
+        };
+        Section::new("Labels", "Labels", content)
+    })
 }

@@ -5,6 +5,7 @@ use maud::{Markup, PreEscaped, html};
 use crate::plots::themed_panel::{Arrangement, KeyEntry, ThemedPanel, sheet};
 use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
 use crate::tables::notes::Notes;
+use crate::tables::sheet::Sheet;
 
 /// A picture that is also saved as a file of its own.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,6 +112,18 @@ pub(super) fn table(grid: &Grid, notes: &Notes, label: &str) -> Markup {
                 }
             }
         }
+    }
+}
+
+/// The tables of a sheet, each below its title, or below `title` if it has none.
+pub(super) fn titled_tables(sheet: &Sheet, title: &str) -> Markup {
+    html! {
+        @for part in &sheet.parts {
+            @let title = part.title.as_deref().unwrap_or(title);
+            h3 { (title) }
+            (table(&part.grid, &sheet.notes, title))
+        }
+        (sentences(&sheet.notes))
     }
 }
 

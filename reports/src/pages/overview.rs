@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::document::Section;
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{FailedDetector, PoolFacts, RunFacts};
 use crate::plots::ranking_plot::{RankingRow, ranking_plot};
@@ -26,8 +27,24 @@ fn listed(names: &[&str]) -> String {
     }
 }
 
-pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+/// What was run, where and when.
+pub(super) fn header(facts: &RunFacts) -> Markup {
     let n_scans: u64 = facts.manifest.datasets.iter().map(|it| it.n_scans).sum();
+    let origin = origin_of_run(&facts.manifest);
+    html! {
+        p.kicker { "scanbench" @if origin != Origin::Recorded { " " span.tag { (origin.name()) } } }
+        h1 {
+            @for word in heading(facts).split(' ') { span.word { (word) } " " }
+        }
+        p.facts {
+            (n_scans) " scans · " (facts.manifest.created.replace('T', " ").replace('Z', " UTC")) " · "
+            (facts.manifest.machine.cpu_model) " · scanbench " (facts.manifest.scanbench_version)
+        }
+    }
+}
+
+/// Who leads, by how much and how surely.
+pub(super) fn verdict(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
     let origin = origin_of_run(&facts.manifest);
     let plots: Vec<_> = facts.rankings.iter().map(|it| plot(facts, it)).collect();
     let has_paper = facts.rankings.iter().any(|it| paper_rows(facts, it).is_some());
@@ -36,44 +53,33 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     } else {
         "all data sets together"
     };
-    html! {
-        header {
-            p.kicker { "scanbench" @if origin != Origin::Recorded { " " span.tag { (origin.name()) } } }
-            h1 {
-                @for word in heading(facts).split(' ') { span.word { (word) } " " }
-            }
-            p.facts {
-                (n_scans) " scans · " (facts.manifest.created.replace('T', " ").replace('Z', " UTC")) " · "
-                (facts.manifest.machine.cpu_model) " · scanbench " (facts.manifest.scanbench_version)
-            }
+    let content = html! {
+        div.verdict {
+            @for ranking in &facts.rankings { p { (unbroken(&ranking.sentence())) } }
+            @for sentence in facts.speeds.iter().filter_map(Speeds::sentence) { p { (unbroken(&sentence)) } }
         }
-        section #verdict aria-label="Verdict" {
-            div.verdict {
-                @for ranking in &facts.rankings { p { (unbroken(&ranking.sentence())) } }
-                @for sentence in facts.speeds.iter().filter_map(Speeds::sentence) { p { (unbroken(&sentence)) } }
-            }
-            @for entry in &facts.manifest.datasets {
-                @for doubt in &entry.doubts { p.failed role="note" { (entry.id) ": " (doubt) } }
-            }
-            @for it in &facts.failures { p.failed role="note" { (about_failure(it)) } }
-            @if !plots.is_empty() {
-            (FigureMarkup {
-                file_stem: "ranking",
-                title: &format!("{} ({}){}", heading(facts), origin.name(), facts.caveat("; bars: intervals")),
-                panels: &plots,
-                key: &[],
-                caption: html! {
-                    "Rates over " (together) " with 95 % intervals (bars" (facts.caveat(",")) "). "
-                    @if has_paper {
-                        "Hollow diamonds: published results, on other scans, for orientation. "
-                    }
-                    @if origin != Origin::Recorded { "Scans: " (origin.name()) "." }
-                },
-                class: "wide",
-            }.render(files))
-            }
+        @for entry in &facts.manifest.datasets {
+            @for doubt in &entry.doubts { p.failed role="note" { (entry.id) ": " (doubt) } }
         }
-    }
+        @for it in &facts.failures { p.failed role="note" { (about_failure(it)) } }
+        @if !plots.is_empty() {
+        (FigureMarkup {
+            file_stem: "ranking",
+            title: &format!("{} ({}){}", heading(facts), origin.name(), facts.caveat("; bars: intervals")),
+            panels: &plots,
+            key: &[],
+            caption: html! {
+                "Rates over " (together) " with 95 % intervals (bars" (facts.caveat(",")) "). "
+                @if has_paper {
+                    "Hollow diamonds: published results, on other scans, for orientation. "
+                }
+                @if origin != Origin::Recorded { "Scans: " (origin.name()) "." }
+            },
+            class: "wide",
+        }.render(files))
+        }
+    };
+    Section::without_heading("Verdict", content)
 }
 
 fn about_failure(failed: &FailedDetector) -> String {

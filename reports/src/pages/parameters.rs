@@ -1,11 +1,12 @@
 //! The manifest: everything that decides the numbers.
 
-use maud::{Markup, html};
+use maud::html;
 
+use super::document::Section;
 use super::markup::commands;
 use crate::run_folder::manifest::Manifest;
 
-pub(super) fn parameters(manifest: &Manifest) -> Markup {
+pub(super) fn parameters(manifest: &Manifest) -> Section {
     let git = manifest.git.as_ref().map_or_else(
         || "not known".to_owned(),
         |it| format!("{}{}", it.commit, if it.dirty { ", with uncommitted changes" } else { "" }),
@@ -40,14 +41,12 @@ pub(super) fn parameters(manifest: &Manifest) -> Markup {
         ("warm-up", format!("{} detections for each detector", manifest.n_warmup_detections)),
         ("repetitions", format!("{} of each detection; the first one counts", manifest.n_repeats)),
     ];
-    html! {
-        section #manifest aria-labelledby="manifest-title" {
-            h2 #manifest-title { "Manifest" }
-            dl { @for (name, value) in facts.into_iter().chain(made_in) { div { dt { (name) } dd { (value) } } } }
-            details {
-                summary { "manifest.json, with every parameter" }
-                (commands(shown.to_json().trim_end(), "manifest.json"))
-            }
+    let content = html! {
+        dl { @for (name, value) in facts.into_iter().chain(made_in) { div { dt { (name) } dd { (value) } } } }
+        details {
+            summary { "manifest.json, with every parameter" }
+            (commands(shown.to_json().trim_end(), "manifest.json"))
         }
-    }
+    };
+    Section::new("Manifest", "Manifest", content)
 }

@@ -6,8 +6,8 @@ use std::path::Path;
 use maud::{Markup, html};
 
 use super::again::Made;
-use super::document::document;
-use super::markup::{sentences, table, wide_picture};
+use super::document::{Section, document};
+use super::markup::{titled_tables, wide_picture};
 use crate::files::archive::ArchiveError;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::files::whole_file::write_whole;
@@ -42,22 +42,28 @@ impl PartialPage {
         let n_objects = n_objects(&partial, &curves);
         let found = partial_findings(&partial, &curves, method);
         let has_recording = directory.join(PARTIAL_RRD).is_file();
-        let sections = html! {
-            header {
-                p.kicker { "scanbench" }
-                h1 { "What is it, when only a part has been seen?" }
-                p.facts { (title) " " (n_objects) " objects, each in growing parts." }
-            }
-            (verdict(&curves, method, &found))
-            (figure("accuracy", partial_heading(&curves, method), &partial_accuracy_plot(&curves, &title),
-                "The mean of recalls over the steps, with 95 % intervals over objects."))
-            (tables(&title, &curves, method))
-            (errors(&curves, method))
-            (figure("calibration", "How sure, and how often right", &partial_calibration_plot(&curves, &title),
-                "Decisions by the chance that they were given, and the share of them that was right; on the thin line both are the same."))
-            (reproduction(&manifest, &partial, has_recording))
+        let header = html! {
+            p.kicker { "scanbench" }
+            h1 { "What is it, when only a part has been seen?" }
+            p.facts { (title) " " (n_objects) " objects, each in growing parts." }
         };
-        Ok(Self { html: document("partial clouds", &SECTIONS, &sections).into_string() })
+        let accuracy = picture(
+            "accuracy",
+            &partial_accuracy_plot(&curves, &title),
+            "The mean of recalls over the steps, with 95 % intervals over objects.",
+        );
+        let calibration = picture(
+            "calibration",
+            &partial_calibration_plot(&curves, &title),
+            "Decisions by the chance that they were given, and the share of them that was right; on the thin line both are the same.",
+        );
+        let mut sections: Vec<Section> = verdict(&curves, method, &found).into_iter().collect();
+        sections.push(Section::new("Accuracy", partial_heading(&curves, method), accuracy));
+        sections.push(tables(&title, &curves, method));
+        sections.extend(errors(&curves, method));
+        sections.push(Section::new("Calibration", "How sure, and how often right", calibration));
+        sections.push(reproduction(&manifest, &partial, has_recording));
+        Ok(Self { html: document("partial clouds", &header, &sections) })
     }
 
     /// Writes the page into `directory`.
@@ -70,23 +76,13 @@ impl PartialPage {
     }
 }
 
-/// Where the links at the top lead.
-const SECTIONS: [(&str, &str); 6] = [
-    ("verdict", "Verdict"),
-    ("accuracy", "Accuracy"),
-    ("tables", "Tables"),
-    ("errors", "Errors"),
-    ("calibration", "Calibration"),
-    ("reproduce", "Reproduce"),
-];
-
 fn n_objects(partial: &PartialEntry, curves: &[PartialCurve]) -> u64 {
     let sets: BTreeSet<&str> = partial.sets.iter().map(|it| it.judged.id.as_str()).collect();
     sets.into_iter().flat_map(|it| judged_objects(curves, it).into_values()).sum()
 }
 
 /// How many are right when half and when all is seen, in a sentence for each curve of the method, and what else was `found`.
-fn verdict(curves: &[PartialCurve], method: &str, found: &[String]) -> Markup {
+fn verdict(curves: &[PartialCurve], method: &str, found: &[String]) -> Option<Section> {
     let said = |curve: &PartialCurve| {
         let at = |step: u32| curve.steps.iter().find(|it| it.step == step)?.mean_recall;
         let [half, whole] = [at(5)?, at(10)?].map(|it| fixed_decimals(100.0 * it, 1));
@@ -96,80 +92,52 @@ fn verdict(curves: &[PartialCurve], method: &str, found: &[String]) -> Markup {
         ))
     };
     let lines: Vec<String> = curves.iter().filter(|it| it.method == method).filter_map(said).collect();
-    html! {
-        @if !lines.is_empty() || !found.is_empty() {
-            section #verdict aria-label="Verdict" {
-                div.verdict {
-                    @if !lines.is_empty() { p { "The " (method) ", mean of recalls:" } }
-                    @for line in lines.iter().chain(found) { p { (line) } }
-                }
-            }
+    let content = html! {
+        div.verdict {
+            @if !lines.is_empty() { p { "The " (method) ", mean of recalls:" } }
+            @for line in lines.iter().chain(found) { p { (line) } }
         }
-    }
-}
-
-fn figure(id: &str, title: &str, figure: &Figure, caption: &str) -> Markup {
-    html! {
-        section id=(id) aria-label=(title) {
-            h2 { (title) }
-            (picture(id, figure, caption))
-        }
-    }
+    };
+    (!lines.is_empty() || !found.is_empty()).then(|| Section::without_heading("Verdict", content))
 }
 
 fn picture(name: &str, figure: &Figure, caption: &str) -> Markup {
     wide_picture(name, &figure.panel(name.to_owned()).inline(), &html! { (caption) })
 }
 
-fn tables(title: &str, curves: &[PartialCurve], method: &str) -> Markup {
+fn tables(title: &str, curves: &[PartialCurve], method: &str) -> Section {
     let sheet = PartialTable { title, curves, method, found: &[] }.sheet();
-    html! {
-        section #tables aria-label="Tables" {
-            h2 { "Tables" }
-            @for part in &sheet.parts {
-                @let label = part.title.as_deref().unwrap_or("Table");
-                h3 { (label) }
-                (table(&part.grid, &sheet.notes, label))
-            }
-            (sentences(&sheet.notes))
-        }
-    }
+    Section::new("Tables", "Tables", titled_tables(&sheet, "Table"))
 }
 
 /// The mean errors to each class, as in Figs. 4 to 7 of the paper; nothing where nothing has errors.
-fn errors(curves: &[PartialCurve], method: &str) -> Markup {
+fn errors(curves: &[PartialCurve], method: &str) -> Option<Section> {
     let ours: Vec<&PartialCurve> = curves.iter().filter(|it| it.method == method).collect();
-    html! {
-        @if !ours.is_empty() {
-            section #errors aria-label="Errors" {
-                h2 { "How far from each class" }
-                @for curve in ours {
-                    @let title = format!("{} from {}, trained on {}", curve.data, curve.direction, curve.trained_on);
-                    h3 { (title) }
-                    (picture(&title, &partial_error_plot(curve, &title),
-                        "Mean L1 distance of bags to the mean bag of each class. The upright line is at the first step at which all objects could be judged."))
-                }
-            }
+    let content = html! {
+        @for curve in &ours {
+            @let title = format!("{} from {}, trained on {}", curve.data, curve.direction, curve.trained_on);
+            h3 { (title) }
+            (picture(&title, &partial_error_plot(curve, &title),
+                "Mean L1 distance of bags to the mean bag of each class. The upright line is at the first step at which all objects could be judged."))
         }
-    }
+    };
+    (!ours.is_empty()).then(|| Section::new("Errors", "How far from each class", content))
 }
 
-fn reproduction(manifest: &Manifest, partial: &PartialEntry, has_recording: bool) -> Markup {
-    html! {
-        section #reproduce aria-label="Reproduce" {
-            h2 { "Reproduce" }
-            (Made::of(manifest).markup())
-            @for model in partial.sets.iter().filter_map(|it| it.model.as_ref()).take(1) {
-                p { "The model " (model.name) " was made by " code { (model.made_by) } " of " (model.data.join(", ")) "." }
-            }
-            @for (name, checksum) in &partial.peers {
-                p { "The results of " (name) " are those of another program; SHA-256 of its file: " code { (checksum) } }
-            }
-            @if has_recording {
-                p { "How objects were seen and classified: " a href=(PARTIAL_RRD) { (PARTIAL_RRD) } ", a recording for Rerun." }
-            }
+fn reproduction(manifest: &Manifest, partial: &PartialEntry, has_recording: bool) -> Section {
+    let content = html! {
+        (Made::of(manifest).markup())
+        @for model in partial.sets.iter().filter_map(|it| it.model.as_ref()).take(1) {
+            p { "The model " (model.name) " was made by " code { (model.made_by) } " of " (model.data.join(", ")) "." }
         }
-    }
+        @for (name, checksum) in &partial.peers {
+            p { "The results of " (name) " are those of another program; SHA-256 of its file: " code { (checksum) } }
+        }
+        @if has_recording {
+            p { "How objects were seen and classified: " a href=(PARTIAL_RRD) { (PARTIAL_RRD) } ", a recording for Rerun." }
+        }
+    };
+    Section::new("Reproduce", "Reproduce", content)
 }
 
 #[cfg(test)]

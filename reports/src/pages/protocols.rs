@@ -2,30 +2,29 @@
 
 use maud::{Markup, html};
 
+use super::document::Section;
 use super::markup::{sentences, table};
 use super::run_facts::RunFacts;
 use crate::tables::protocol_table::{ProtocolLines, ProtocolTable};
 use crate::tables::sheet::Tabular as _;
 
 /// Nothing where the run was evaluated under none.
-pub(super) fn protocols(facts: &RunFacts) -> Markup {
-    let Some(report) = &facts.protocols else { return html! {} };
+pub(super) fn protocols(facts: &RunFacts) -> Option<Section> {
+    let report = facts.protocols.as_ref()?;
     let [short, every] = [ProtocolLines::Short, ProtocolLines::Every]
         .map(|it| ProtocolTable::all(report, &facts.manifest, it));
-    html! {
-        section #protocols aria-labelledby="protocols-title" {
-            h2 #protocols-title { "Protocols of others" }
-            p.about { "The numbers that the makers' own programs give, with intervals." }
-            @for (short, every) in short.iter().zip(&every) {
-                h3 { "Protocol " (short.protocol) }
-                (grids(short))
-                @if let Some(published) = short.protocol.published() { p.about { (published) } }
-                @if short.is_short() {
-                    details { summary { "All numbers" } (grids(every)) }
-                }
+    let content = html! {
+        p.about { "The numbers that the makers' own programs give, with intervals." }
+        @for (short, every) in short.iter().zip(&every) {
+            h3 { "Protocol " (short.protocol) }
+            (grids(short))
+            @if let Some(published) = short.protocol.published() { p.about { (published) } }
+            @if short.is_short() {
+                details { summary { "All numbers" } (grids(every)) }
             }
         }
-    }
+    };
+    Some(Section::new("Protocols", "Protocols of others", content))
 }
 
 fn grids(table_of_protocol: &ProtocolTable<'_>) -> Markup {

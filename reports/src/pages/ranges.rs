@@ -1,45 +1,44 @@
 //! Rates over the range from the sensor.
 
-use maud::{Markup, html};
+use maud::html;
 
+use super::document::Section;
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{RunFacts, TaskRanges};
 use crate::plots::range_plot::range_plot;
 use crate::plots::series::key_of;
 
-pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
     let undefined = "Precision and F-rate are undefined: not every class of object is annotated, so false objects cannot be \
                      counted. ";
     let of_pools = || facts.pools.iter().flat_map(|pool| pool.ranges.iter().map(move |it| (pool, it)));
-    html! {
-        section #range aria-labelledby="range-title" {
-            h2 #range-title { "Near and far" }
-            @for (pool, of_task) in of_pools() {
-                @let ([file_end, on], origin) = (facts.of_pool(&pool.pool), pool.pool.origin.name());
-                @let together = if pool.pool.is_of_several() { ", all data sets together" } else { "" };
-                @let has_curve = |name: &str| {
-                    let mut series = of_task.rates.iter().flat_map(|it| &it.1);
-                    series.any(|it| it.name == name && it.positions.iter().any(Option::is_some))
-                };
-                @let panels: Vec<_> =
-                    of_task.rates.iter().map(|(rate, rates)| range_plot(rate, &of_task.bins, rates)).collect();
-                h3 { "Task " (of_task.task) (on) }
-                (FigureMarkup {
-                    file_stem: &format!("range_{}{file_end}", of_task.task),
-                    title: &format!("Rates over range, task {} ({origin}){}", of_task.task, pool.caveat("; bars: intervals")),
-                    panels: &panels,
-                    key: &key_of(&facts.detectors(), has_curve),
-                    caption: html! {
-                        "By horizontal distance from the sensor" (together) " (" (origin)
-                        "), with 95 % intervals" (pool.caveat("")) ". An annotation counts at its own range, a false detection at its own. "
-                        "Annotations that count: " (annotations(of_task)) ". "
-                        @if !of_task.rates.iter().any(|(name, _)| *name == "precision") { (undefined) }
-                    },
-                    class: "",
-                }.render(files))
-            }
+    let content = html! {
+        @for (pool, of_task) in of_pools() {
+            @let ([file_end, on], origin) = (facts.of_pool(&pool.pool), pool.pool.origin.name());
+            @let together = if pool.pool.is_of_several() { ", all data sets together" } else { "" };
+            @let has_curve = |name: &str| {
+                let mut series = of_task.rates.iter().flat_map(|it| &it.1);
+                series.any(|it| it.name == name && it.positions.iter().any(Option::is_some))
+            };
+            @let panels: Vec<_> =
+                of_task.rates.iter().map(|(rate, rates)| range_plot(rate, &of_task.bins, rates)).collect();
+            h3 { "Task " (of_task.task) (on) }
+            (FigureMarkup {
+                file_stem: &format!("range_{}{file_end}", of_task.task),
+                title: &format!("Rates over range, task {} ({origin}){}", of_task.task, pool.caveat("; bars: intervals")),
+                panels: &panels,
+                key: &key_of(&facts.detectors(), has_curve),
+                caption: html! {
+                    "By horizontal distance from the sensor" (together) " (" (origin)
+                    "), with 95 % intervals" (pool.caveat("")) ". An annotation counts at its own range, a false detection at its own. "
+                    "Annotations that count: " (annotations(of_task)) ". "
+                    @if !of_task.rates.iter().any(|(name, _)| *name == "precision") { (undefined) }
+                },
+                class: "",
+            }.render(files))
         }
-    }
+    };
+    Section::new("Range", "Near and far", content)
 }
 
 /// How many there are in each bin.

@@ -3,29 +3,28 @@
 use maud::{Markup, html};
 
 use super::again::Made;
+use super::document::Section;
 use super::markup::commands;
 use super::run_facts::RunFacts;
 use crate::run_folder::command_line::shell_word;
 use crate::run_folder::manifest::{DatasetEntry, ForeignEntry, Manifest};
 
-pub(super) fn reproduction(facts: &RunFacts) -> Markup {
+pub(super) fn reproduction(facts: &RunFacts) -> Section {
     let manifest = &facts.manifest;
-    html! {
-        section #reproduce aria-labelledby="reproduce-title" {
-            h2 #reproduce-title { "Reproduce" }
-            (Made::of(manifest).markup())
-            @match &manifest.git {
-                Some(git) if git.dirty => p { "The source had uncommitted changes, so the numbers may differ." },
-                Some(_) => p { "All numbers are reproduced to the last digit, except times." },
-                None => p { "The commit that the program was built from is not known." },
-            }
-            @for entry in &manifest.detectors {
-                @if let Some(foreign) = &entry.foreign { (not_built_in(&entry.name, foreign)) }
-            }
-            (data_table(manifest))
-            @if facts.has_recording { (recording(manifest)) }
+    let content = html! {
+        (Made::of(manifest).markup())
+        @match &manifest.git {
+            Some(git) if git.dirty => p { "The source had uncommitted changes, so the numbers may differ." },
+            Some(_) => p { "All numbers are reproduced to the last digit, except times." },
+            None => p { "The commit that the program was built from is not known." },
         }
-    }
+        @for entry in &manifest.detectors {
+            @if let Some(foreign) = &entry.foreign { (not_built_in(&entry.name, foreign)) }
+        }
+        (data_table(manifest))
+        @if facts.has_recording { (recording(manifest)) }
+    };
+    Section::new("Reproduce", "Reproduce", content)
 }
 
 /// What else a detector is made of that scanbench does not come with.

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use maud::{Markup, html};
 
-use super::document::document;
-use super::markup::{commands, sentences, table, wide_picture};
+use super::document::{Section, document};
+use super::markup::{commands, sentences, titled_tables, wide_picture};
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
 use crate::reproduction::claim::Paper;
@@ -36,42 +36,43 @@ impl ReproductionPage<'_> {
     /// The page.
     pub fn html(&self) -> String {
         let claims = ClaimsTable { claims: self.claims, notes: self.notes }.sheet();
-        let sections = html! {
-            header {
-                p.kicker { "scanbench" }
-                h1 { "Do the papers' claims hold?" }
-                p.facts { (self.scans) }
-                @for paper in Paper::ALL { p.facts { (paper.short_name()) ": " (paper.citation()) } }
-            }
-            section #verdict aria-label="Verdict" {
-                div.verdict {
-                    p { (lead(self.claims)) }
-                    @for it in self.claims {
-                        p { strong { (it.verdict.name()) } ": " (it.claim.says) " (" (it.claim.place) ")" }
-                    }
+        let header = html! {
+            p.kicker { "scanbench" }
+            h1 { "Do the papers' claims hold?" }
+            p.facts { (self.scans) }
+            @for paper in Paper::ALL { p.facts { (paper.short_name()) ": " (paper.citation()) } }
+        };
+        let verdict = html! {
+            div.verdict {
+                p { (lead(self.claims)) }
+                @for it in self.claims {
+                    p { strong { (it.verdict.name()) } ": " (it.claim.says) " (" (it.claim.place) ")" }
                 }
-            }
-            section #claims aria-label="Claims" {
-                h2 { "Claim by claim" }
-                @for it in self.claims { (claim(it)) }
-                (sentences(&claims.notes))
-            }
-            @for (title, it) in self.tables { (section(&id_of(title), title, &it.sheet())) }
-            @if let Some(svg) = self.settings_svg {
-                section #settings aria-label="Settings" {
-                    h2 { "Under every setting" }
-                    (wide_picture("Rates over all settings", svg, &html! {
-                        "The median over all joint settings, with the range of nine in ten of them; of rivals the rate under each criterion."
-                    }))
-                }
-            }
-            section #reproduce aria-label="Reproduce" {
-                h2 { "Reproduce" }
-                (commands(self.command, "The command that made this page"))
-                p { "The files of the run lie beside this page: report.html, scans.csv, matches.csv, settings.csv." }
             }
         };
-        document("the papers' claims", &SECTIONS, &sections).into_string()
+        let of_claims = html! {
+            @for it in self.claims { (claim(it)) }
+            (sentences(&claims.notes))
+        };
+        let mut sections = vec![
+            Section::without_heading("Verdict", verdict),
+            Section::new("Claims", "Claim by claim", of_claims),
+        ];
+        sections.extend(self.tables.iter().map(|(title, it)| section(title, &it.sheet())));
+        if let Some(svg) = self.settings_svg {
+            let about = html! {
+                "The median over all joint settings, with the range of nine in ten of them; of rivals the rate under each \
+                 criterion."
+            };
+            let picture = wide_picture("Rates over all settings", svg, &about);
+            sections.push(Section::new("Settings", "Under every setting", picture));
+        }
+        let content = html! {
+            (commands(self.command, "The command that made this page"))
+            p { "The files of the run lie beside this page: report.html, scans.csv, matches.csv, settings.csv." }
+        };
+        sections.push(Section::new("Reproduce", "Reproduce", content));
+        document("the papers' claims", &header, &sections)
     }
 
     /// Writes the page into `directory`.
@@ -81,26 +82,6 @@ impl ReproductionPage<'_> {
     /// [`ArchiveError::Write`] if it cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), ArchiveError> {
         write_whole(&directory.join(REPRODUCTION_HTML), self.html().as_bytes())
-    }
-}
-
-/// Where the links at the top lead.
-const SECTIONS: [(&str, &str); 8] = [
-    ("verdict", "Verdict"),
-    ("claims", "Claims"),
-    ("table-1-of-hg-objects", "Table 1 of HG"),
-    ("table-1-of-vm-vehicles", "Table 1 of VM"),
-    ("what-the-data-do-objects", "What the data do"),
-    ("open-values", "Open values"),
-    ("settings", "Settings"),
-    ("reproduce", "Reproduce"),
-];
-
-fn id_of(title: &str) -> String {
-    if title.contains("open") {
-        "open-values".to_owned()
-    } else {
-        title.to_lowercase().replace(": ", "-").replace(' ', "-")
     }
 }
 
@@ -131,18 +112,8 @@ fn claim(judged: &JudgedClaim) -> Markup {
     }
 }
 
-fn section(id: &str, title: &str, sheet: &Sheet) -> Markup {
-    html! {
-        section id=(id) aria-label=(title) {
-            h2 { (title) }
-            @for part in &sheet.parts {
-                @let label = part.title.as_deref().unwrap_or(title);
-                h3 { (label) }
-                (table(&part.grid, &sheet.notes, label))
-            }
-            (sentences(&sheet.notes))
-        }
-    }
+fn section(title: &str, sheet: &Sheet) -> Section {
+    Section::new(title, title, titled_tables(sheet, title))
 }
 
 #[cfg(test)]

@@ -3,15 +3,13 @@
 use std::io::ErrorKind;
 use std::path::Path;
 
-use maud::html;
-
 use super::agreement::agreement;
 use super::curves::curves;
 use super::document::document;
 use super::errors::errors;
 use super::labels::labels;
 use super::markup::Figure;
-use super::overview::{heading, overview};
+use super::overview::{header, heading, verdict};
 use super::parameters::parameters;
 use super::protocols::protocols;
 use super::ranges::ranges;
@@ -65,25 +63,23 @@ impl RunPage {
         let facts = RunFacts::read(directory)?;
         let tables = tables_of(&facts.report, &facts.manifest)?;
         let mut figures = Vec::new();
-        let sections = html! {
-            (overview(&facts, &mut figures))
-            @if facts.is_scored() {
-                (task_tables(&tables))
-                (protocols(&facts))
-                (ranges(&facts, &mut figures))
-                (curves(&facts, &mut figures))
-            }
-            (agreement(&facts))
-            (times(&facts, &mut figures))
-            @if facts.is_scored() {
-                (errors(&facts))
-                (worst(&facts))
-            }
-            (labels(&facts, &mut figures))
-            (reproduction(&facts))
-            (parameters(&facts.manifest))
-        };
-        let html = document(&heading(&facts), &SECTIONS, &sections).into_string();
+        let mut sections = vec![verdict(&facts, &mut figures)];
+        if facts.is_scored() {
+            sections.push(task_tables(&tables));
+            sections.extend(protocols(&facts));
+            sections.push(ranges(&facts, &mut figures));
+            sections.extend(curves(&facts, &mut figures));
+        }
+        sections.extend(agreement(&facts));
+        sections.push(times(&facts, &mut figures));
+        if facts.is_scored() {
+            sections.extend(errors(&facts));
+            sections.extend(worst(&facts));
+        }
+        sections.extend(labels(&facts, &mut figures));
+        sections.push(reproduction(&facts));
+        sections.push(parameters(&facts.manifest));
+        let html = document(&heading(&facts), &header(&facts), &sections);
         Ok(Self { html, figures, short: short(&facts, tables), errors: facts.errors })
     }
 
@@ -125,22 +121,6 @@ fn short(facts: &RunFacts, tables: Vec<TaskTable>) -> RunInShort {
             .collect(),
     }
 }
-
-/// Where the links at the top lead.
-const SECTIONS: [(&str, &str); 12] = [
-    ("verdict", "Verdict"),
-    ("tables", "Tables"),
-    ("protocols", "Protocols"),
-    ("range", "Range"),
-    ("curves", "Curves"),
-    ("agreement", "Agreement"),
-    ("times", "Times"),
-    ("errors", "Errors"),
-    ("worst", "Worst"),
-    ("labels", "Labels"),
-    ("reproduce", "Reproduce"),
-    ("manifest", "Manifest"),
-];
 
 #[cfg(test)]
 mod tests {

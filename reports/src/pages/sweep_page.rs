@@ -4,7 +4,7 @@ use std::path::Path;
 
 use maud::{Markup, html};
 
-use super::document::document;
+use super::document::{Section, document};
 use super::markup::wide_picture;
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
@@ -12,16 +12,42 @@ use crate::run_folder::run_directory::{
     REPORT_HTML, SWEEP_BEST_TXT, SWEEP_CSV, SWEEP_PROTOCOLS_CSV, SWEEP_TIMES_CSV,
 };
 
-/// The kinds of plots that a sweep leaves, by the beginnings of their names, and what is seen on them.
-const PLOTS: [(&str, &str, &str); 4] = [
-    ("f_rate_", "Rates over the parameter", "With 95 % intervals; the best point is marked."),
-    ("fitness_", "Cell fitness", "As in figures 6 a and b of the paper; needs no annotations."),
-    ("pareto_", "Rates over times", "On the Pareto front, no other point is both better and faster."),
-    (
-        "protocol_",
-        "Protocols of others",
-        "Their principal numbers with 95 % intervals; the best point is marked.",
-    ),
+/// A kind of plots that a sweep leaves.
+struct PlotKind {
+    /// What the names of its files begin with.
+    beginning: &'static str,
+    /// Its name in the links at the top.
+    name: &'static str,
+    heading: &'static str,
+    /// What is seen on them.
+    about: &'static str,
+}
+
+const PLOTS: [PlotKind; 4] = [
+    PlotKind {
+        beginning: "f_rate_",
+        name: "Rates",
+        heading: "Rates over the parameter",
+        about: "With 95 % intervals; the best point is marked.",
+    },
+    PlotKind {
+        beginning: "fitness_",
+        name: "Fitness",
+        heading: "Cell fitness",
+        about: "As in figures 6 a and b of the paper; needs no annotations.",
+    },
+    PlotKind {
+        beginning: "pareto_",
+        name: "Times",
+        heading: "Rates over times",
+        about: "On the Pareto front, no other point is both better and faster.",
+    },
+    PlotKind {
+        beginning: "protocol_",
+        name: "Protocols",
+        heading: "Protocols of others",
+        about: "Their principal numbers with 95 % intervals; the best point is marked.",
+    },
 ];
 
 /// The page of a sweep.
@@ -59,36 +85,26 @@ impl SweepPage {
         } else {
             String::new()
         };
-        let sections = html! {
-            header {
-                p.kicker { "scanbench" }
-                h1 { "Sweep of " (scores.swept()) }
-                p.facts { (scores.rows.len()) " rows of detectors, data sets and tasks" }
-            }
-            @if !best.is_empty() {
-                section #best aria-label="What it recommends" {
-                    div.verdict { @for text in best.lines() { p { (text) } } }
-                }
-            }
-            (sections_of_plots(&plots))
-            section #table aria-label="All numbers" {
-                h2 { "All numbers" }
-                details { summary { "sweep.csv" } (scores.markup(SWEEP_CSV)) }
-                @if let Some(protocols) = &protocols {
-                    details { summary { "sweep_protocols.csv" } (protocols.markup(SWEEP_PROTOCOLS_CSV)) }
-                }
-                @if let Some(times) = &times { details { summary { "times.csv" } (times.markup(SWEEP_TIMES_CSV)) } }
-            }
+        let header = html! {
+            p.kicker { "scanbench" }
+            h1 { "Sweep of " (scores.swept()) }
+            p.facts { (scores.rows.len()) " rows of detectors, data sets and tasks" }
         };
-        let links = [
-            ("best", "Best"),
-            ("plots-0", "Rates"),
-            ("plots-1", "Fitness"),
-            ("plots-2", "Times"),
-            ("plots-3", "Protocols"),
-            ("table", "Table"),
-        ];
-        Ok(Self { html: document("a sweep", &links, &sections).into_string() })
+        let mut sections = Vec::new();
+        if !best.is_empty() {
+            let content = html! { div.verdict { @for text in best.lines() { p { (text) } } } };
+            sections.push(Section::without_heading("Best", content));
+        }
+        sections.extend(PLOTS.iter().filter_map(|it| it.section(&plots)));
+        let content = html! {
+            details { summary { "sweep.csv" } (scores.markup(SWEEP_CSV)) }
+            @if let Some(protocols) = &protocols {
+                details { summary { "sweep_protocols.csv" } (protocols.markup(SWEEP_PROTOCOLS_CSV)) }
+            }
+            @if let Some(times) = &times { details { summary { "times.csv" } (times.markup(SWEEP_TIMES_CSV)) } }
+        };
+        sections.push(Section::new("Table", "All numbers", content));
+        Ok(Self { html: document("a sweep", &header, &sections) })
     }
 
     /// Writes the page into `directory`.
@@ -101,24 +117,24 @@ impl SweepPage {
     }
 }
 
-/// A section for each kind of plots, given by their names and contents.
-fn sections_of_plots(plots: &[(String, String)]) -> Markup {
-    html! {
-        @for (number, (beginning, title, about)) in PLOTS.iter().enumerate() {
-            @let of_kind: Vec<_> = plots.iter().filter(|(name, _)| name.starts_with(beginning)).collect();
-            @if !of_kind.is_empty() {
-                section #{ "plots-" (number) } aria-label=(title) {
-                    h2 { (title) }
-                    @for (name, svg) in of_kind {
-                        @if is_whole(svg) {
-                            (wide_picture(name, svg, &html! { (about) " " code { (name) } }))
-                        } @else {
-                            p { (name) " is damaged." }
-                        }
-                    }
+impl PlotKind {
+    fn holds(&self, name: &str) -> bool {
+        name.starts_with(self.beginning)
+    }
+
+    /// The section of its plots among `plots`, which are names and contents; `None` if there are none.
+    fn section(&self, plots: &[(String, String)]) -> Option<Section> {
+        let of_kind: Vec<_> = plots.iter().filter(|(name, _)| self.holds(name)).collect();
+        let content = html! {
+            @for (name, svg) in &of_kind {
+                @if is_whole(svg) {
+                    (wide_picture(name, svg, &html! { (self.about) " " code { (name) } }))
+                } @else {
+                    p { (name) " is damaged." }
                 }
             }
-        }
+        };
+        (!of_kind.is_empty()).then(|| Section::new(self.name, self.heading, content))
     }
 }
 
@@ -129,7 +145,7 @@ fn names_of_plots(directory: &Path) -> Result<Vec<String>, ArchiveError> {
         let path = entry.map_err(not_read)?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let is_plot = path.extension().is_some_and(|it| it == "svg");
-        if is_plot && PLOTS.iter().any(|(beginning, ..)| name.starts_with(beginning)) {
+        if is_plot && PLOTS.iter().any(|it| it.holds(&name)) {
             names.push(name);
         }
     }
@@ -228,7 +244,7 @@ mod tests {
                 "href=\"#table\"",
             ],
         );
-        assert!(!page.html.contains("other.svg") && !page.html.contains("#plots-1"));
+        assert!(!page.html.contains("other.svg") && !page.html.contains("#fitness"));
         page.write(folder.path()).unwrap();
         assert_eq!(SweepPage::of(folder.path()).unwrap(), page);
     }

@@ -1,7 +1,8 @@
 //! How long detection takes: of scans, and of stages.
 
-use maud::{Markup, html};
+use maud::html;
 
+use super::document::Section;
 use super::markup::{Figure, FigureMarkup, sentences, table};
 use super::run_facts::RunFacts;
 use crate::plots::latency_plot::latency_plot;
@@ -13,7 +14,7 @@ use crate::tables::times_table::TimesTable;
 use crate::verdicts::task_ranking::origin_of_run;
 use crate::verdicts::times_doubt::times_doubts;
 
-pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
     let sheet = TimesTable::new(&facts.report, &facts.manifest).sheet();
     let origin = origin_of_run(&facts.manifest).name();
     let stages = facts.pools.iter().flat_map(|it| {
@@ -31,45 +32,43 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
         let mut of_detectors = facts.pools.iter().flat_map(|it| &it.times_ms);
         of_detectors.any(|(detector, times)| detector == name && !times.is_empty())
     };
-    html! {
-        section #times aria-labelledby="times-title" {
-            h2 #times-title { "Times" }
-            p.about { "Detection only, on " (facts.manifest.machine.cpu_model) ". On another machine, only ratios can be compared." }
-            @for doubt in times_doubts(&facts.manifest, &facts.report) { p.doubt role="note" { (doubt) } }
-            div.beside {
-                @if !of_scans.is_empty() {
-                    (FigureMarkup {
-                        file_stem: "times",
-                        title: &format!("Times of scans ({origin})"),
-                        panels: &of_scans,
-                        key: &key_of(&facts.detectors(), has_times),
-                        caption: html! {
-                            "Share of the scans (" (origin) ") that finish within a time. Farther left is faster, steeper is more constant. "
-                            "A sensor with ten turns per second allows 100 ms."
-                        },
-                        class: "single",
-                    }.render(files))
-                }
-                div {
-                    @for part in &sheet.parts {
-                        (table(&part.grid, &sheet.notes, "Times of scans"))
-                    }
-                    (sentences(&sheet.notes))
-                }
-            }
-            @if !stages.is_empty() {
-                h3 { "Stage by stage" }
+    let content = html! {
+        p.about { "Detection only, on " (facts.manifest.machine.cpu_model) ". On another machine, only ratios can be compared." }
+        @for doubt in times_doubts(&facts.manifest, &facts.report) { p.doubt role="note" { (doubt) } }
+        div.beside {
+            @if !of_scans.is_empty() {
                 (FigureMarkup {
-                    file_stem: "stages",
-                    title: &format!("Median times of stages ({origin})"),
-                    panels: &stages,
-                    key: &[],
+                    file_stem: "times",
+                    title: &format!("Times of scans ({origin})"),
+                    panels: &of_scans,
+                    key: &key_of(&facts.detectors(), has_times),
                     caption: html! {
-                        "Median time of each stage (" (origin) "), in the order of the stages. The scale of the bars differs between detectors."
+                        "Share of the scans (" (origin) ") that finish within a time. Farther left is faster, steeper is more constant. "
+                        "A sensor with ten turns per second allows 100 ms."
                     },
-                    class: "stages",
+                    class: "single",
                 }.render(files))
             }
+            div {
+                @for part in &sheet.parts {
+                    (table(&part.grid, &sheet.notes, "Times of scans"))
+                }
+                (sentences(&sheet.notes))
+            }
         }
-    }
+        @if !stages.is_empty() {
+            h3 { "Stage by stage" }
+            (FigureMarkup {
+                file_stem: "stages",
+                title: &format!("Median times of stages ({origin})"),
+                panels: &stages,
+                key: &[],
+                caption: html! {
+                    "Median time of each stage (" (origin) "), in the order of the stages. The scale of the bars differs between detectors."
+                },
+                class: "stages",
+            }.render(files))
+        }
+    };
+    Section::new("Times", "Times", content)
 }

@@ -2,6 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
+use super::document::Section;
 use super::markup::key;
 use super::run_facts::{RunFacts, SeenBox, scan_name};
 use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
@@ -10,27 +11,25 @@ use crate::vocabulary::task::Task;
 use crate::worst::objects::{MistakeList, WorstObject};
 
 /// Nothing if no mistake has a position.
-pub(super) fn worst(facts: &RunFacts) -> Markup {
+pub(super) fn worst(facts: &RunFacts) -> Option<Section> {
     if facts.worst.lists().all(|(_, objects)| objects.is_empty()) {
-        return html! {};
+        return None;
     }
     let mut tasks: Vec<Task> = facts.rankings.iter().map(|it| it.task).collect();
     tasks.dedup();
-    html! {
-        section #worst aria-labelledby="worst-title" {
-            h2 #worst-title { "Worst mistakes and best matches, seen from above" }
-            p.about {
-                "The missed and false objects with the most points, each object once, and two of the closest matches. Forward is up; the wedge at the edge points to the sensor, and a cross (+) is the sensor. "
-                @if facts.points.is_some() { "Dots are points of the scan: dark above the road, pale on the road." }
-            }
-            (key(&scene_keys(&facts.detectors())))
-            @for &task in &tasks {
-                @for (detector_idx, detector) in facts.detectors().iter().enumerate() {
-                    (of_detector(facts, task, detector, detector_idx == 0))
-                }
+    let content = html! {
+        p.about {
+            "The missed and false objects with the most points, each object once, and two of the closest matches. Forward is up; the wedge at the edge points to the sensor, and a cross (+) is the sensor. "
+            @if facts.points.is_some() { "Dots are points of the scan: dark above the road, pale on the road." }
+        }
+        (key(&scene_keys(&facts.detectors())))
+        @for &task in &tasks {
+            @for (detector_idx, detector) in facts.detectors().iter().enumerate() {
+                (of_detector(facts, task, detector, detector_idx == 0))
             }
         }
-    }
+    };
+    Some(Section::new("Worst", "Worst mistakes and best matches, seen from above", content))
 }
 
 fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> Markup {
