@@ -11,6 +11,7 @@ use std::time::Duration;
 use reports::files::unfinished;
 
 use crate::commands::failure::{Failure, Reason};
+use crate::commands::progress::reached;
 use crate::commands::standard_streams::{Verbosity, is_said};
 
 /// Work that is asked to end has this long for it, in milliseconds, unless it says otherwise.
@@ -114,7 +115,8 @@ fn say_last_words() {
     let mut stderr = std::io::stderr().lock();
     // Not behind what a progress bar has drawn.
     let new_line = if stderr.is_terminal() { "\n" } else { "" };
-    let _ = writeln!(stderr, "{new_line}error: interrupted");
+    let after = reached().map(|it| format!(" after {it}")).unwrap_or_default();
+    let _ = writeln!(stderr, "{new_line}error: interrupted{after}");
     let words = LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner);
     if !words.is_empty() && is_said(Verbosity::Usual) {
         let _ = writeln!(stderr, "{words}");

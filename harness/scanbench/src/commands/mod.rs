@@ -2,10 +2,10 @@
 
 pub mod failure;
 pub mod standard_streams;
+pub mod progress;
 pub mod interruption;
 
 pub mod exit_code;
-pub mod progress;
 pub mod remote;
 pub mod config;
 pub mod counted_dataset;

@@ -1,10 +1,22 @@
 //! Progress bars.
 
 use std::io::IsTerminal as _;
+use std::sync::{Mutex, PoisonError};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::commands::standard_streams::{Verbosity, is_said, print_diagnostic};
+
+/// The bar of the work in hand, and what it counts.
+static CURRENT: Mutex<Option<(ProgressBar, &str)>> = Mutex::new(None);
+
+/// How far the work in hand is, such as `7 of 60 scans`; `None` if nothing is counted.
+pub fn reached() -> Option<String> {
+    let current = CURRENT.lock().unwrap_or_else(PoisonError::into_inner);
+    let (bar, counted) = current.as_ref()?;
+    let n_all = bar.length().filter(|it| *it > 0 && !bar.is_finished())?;
+    Some(format!("{} of {n_all} {counted}", bar.position()))
+}
 
 /// A bar on stderr over `n_scans` scans, with scans per second and time left; invisible when stderr is no terminal, or the
 /// program is to be quiet.
@@ -17,7 +29,12 @@ pub fn progress_over_scans(n_scans: usize, label: &str) -> ProgressBar {
     let style = style_of("{msg} {wide_bar} {pos}/{len} scans{pace}");
     let bar = ProgressBar::with_draw_target(Some(n_scans as u64), target).with_style(style);
     bar.set_message(label.to_owned());
+    set_current(&bar, "scans");
     bar
+}
+
+fn set_current(bar: &ProgressBar, counted: &'static str) {
+    *CURRENT.lock().unwrap_or_else(PoisonError::into_inner) = Some((bar.clone(), counted));
 }
 
 /// The look of a bar, where `{pace}` is how many a second and how long it will take, once something is done.
@@ -37,6 +54,7 @@ pub fn progress_over_results(n_results: usize, n_done: usize, label: &str) -> Pr
     bar.set_style(style_of("{msg} {wide_bar} {pos}/{len}{pace}"));
     bar.set_position(n_done as u64);
     bar.reset_eta();
+    set_current(&bar, "results");
     bar
 }
 
