@@ -12,7 +12,7 @@ use crate::worst::objects::{ObjectName, WorstObjects};
 /// Side of a cell in metres.
 pub const PLAN_CELL_M: f32 = 0.1;
 /// What is higher than this above the road under the sensor stands on it, in metres.
-pub const STANDING_M: f32 = 0.4;
+pub const RAISED_M: f32 = 0.4;
 
 /// What was seen around the worst mistakes of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,7 +40,7 @@ pub struct Patch {
 pub struct PlanCells {
     /// With points near the level of the road alone.
     pub low: Vec<[i32; 2]>,
-    /// With points that are [`STANDING_M`] above it or higher.
+    /// With points that are [`RAISED_M`] above it or higher.
     pub high: Vec<[i32; 2]>,
 }
 

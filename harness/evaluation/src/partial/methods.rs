@@ -81,7 +81,7 @@ impl Method {
                 it.patterns.kinds.retain(|kind| *kind != PatternKind::Keypoint);
             }),
             ("without shape statistics", &|it| {
-                it.patterns.kinds.retain(|kind| *kind != PatternKind::ShapeStatistics)
+                it.patterns.kinds.retain(|kind| *kind != PatternKind::ShapeStatistics);
             }),
             ("without shape statistics and extents", &|it| {
                 it.patterns
