@@ -63,7 +63,7 @@ def with_model(numbers, detector):
 
 
 def rates(numbers, detectors, timed, recorded):
-    """On recorded scans no object can be false, so of objects they give the recall alone."""
+    """Of recorded scans the recall of objects alone: none can be false."""
     found = [it for it in by_rate(numbers, detectors, "objects") if value(numbers, it, "objects", "tp") > 0]
     simulated = ["objects: F-rate", "precision", "recall", "vehicles: F-rate", "with our model"]
     lines = table("detector", *simulated, "KITTI: recall of objects", "F-rate of vehicles", "ms", "CPU ms")
@@ -73,16 +73,13 @@ def rates(numbers, detectors, timed, recorded):
         kitti = [percent(recorded, it, "objects", "recall"), percent(recorded, it, "vehicles", "f_rate")]
         ms = [number(value(timed, it, "objects", metric)) for metric in ["latency_p50_ms", "cpu_mean_ms"]]
         lines.append(row(it, f_rate(numbers, it, "objects"), *objects, *vehicles, *kitti, *ms))
-    return [*lines, "", *notes(numbers, detectors, timed, recorded)]
+    return [*lines, "", *notes(numbers, detectors, recorded)]
 
 
-def notes(numbers, detectors, timed, recorded):
-    """What holds for all rows: annotations, the time of a process, and the detectors that found nothing or failed."""
+def notes(numbers, detectors, recorded):
+    """What holds for all rows: annotations, and the detectors that found nothing or failed."""
     lines = [f"Rates in %, of {annotations(numbers, detectors)}"]
     lines[0] += f"; KITTI: {annotations(recorded, detectors)}." if recorded else "."
-    overheads = [ms for it in detectors if (ms := value(timed, it, "objects", "overhead_p50_ms")) == ms]
-    if overheads:
-        lines.append(f"Process overhead: {min(overheads):.2f} to {max(overheads):.2f} ms.")
     nothing = sorted(it for it in detectors if value(numbers, it, "objects", "tp") == 0)
     if nothing:
         lines.append(f"Without any match: {', '.join(nothing)}.")
@@ -92,7 +89,7 @@ def notes(numbers, detectors, timed, recorded):
 
 def annotations(numbers, detectors):
     n_objects, n_vehicles = (value(numbers, detectors[0], task, "no") for task in ["objects", "vehicles"])
-    return f"{n_objects:.0f} annotated objects and {n_vehicles:.0f} vehicles"
+    return f"{n_objects:.0f} objects and {n_vehicles:.0f} vehicles"
 
 
 def versions(manifest):

@@ -28,7 +28,7 @@ pub struct GateArgs {
     /// TOML file with the tolerated losses [default: `tolerances.toml` of the baseline; built-in ones if there is none]
     #[arg(short, long, value_name = "FILE", help_heading = JUDGING)]
     pub tolerances: Option<PathBuf>,
-    /// Let results change if no number is worse; `=false` lets them fail whatever the tolerances say
+    /// Let changed results pass if no number is worse; `=false` lets them fail, whatever the tolerances say
     #[arg(
         long,
         value_name = "BOOL",
@@ -54,7 +54,7 @@ Examples:
   scanbench gate runs/latest --baseline ci -t strict.toml --allow-drift
 
 Exit codes:
-  0    passed: nothing is worse, and no result changed, or that is allowed
+  0    passed: nothing is worse; no result changed, or changes are allowed
   2    the tolerances are wrong; all problems are reported together
   5    the runs cannot be compared, or a number is missing
   100  a number is worse than tolerated, with its whole 95 % interval
@@ -71,6 +71,7 @@ pub enum BaselineCommand {
     /// Make a run the first baseline, with tolerances to change and a workflow
     Init(BaselineInitArgs),
     /// Accept a run as the new baseline
+    #[command(mut_arg("baseline", |it| it.help("Directory of the baseline")))]
     Accept(AcceptArgs),
 }
 

@@ -102,8 +102,8 @@ Examples:
   scanbench partial --per-class 60 --shard 1/2 -o shards  # and 2/2, then: scanbench merge shards";
 
 const PARTIAL_DETAILS: &str = "\
-Every object is uncovered in ten steps, from below and from above, each a tenth of
-its largest extent more.
+Every object is uncovered in ten steps, from below and from above. Each step adds a tenth of
+its largest extent.
 
 Writes partial.csv with a row for every object, step and method, the tables as
 Markdown and LaTeX, figures as SVG and PDF, report.html, and a recording of one

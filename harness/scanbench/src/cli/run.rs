@@ -111,11 +111,14 @@ Examples:
   scanbench run ~/data/kitti_tracking --detections pointrcnn=results/pointrcnn";
 
 const RUN_DETAILS: &str = "\
-The run directory holds report.html with figures/, report.json, manifest.json,
-scans.csv, matches.csv, stages.csv, precision_recall.csv,
-table_<task>.{csv,md,tex}, table_times.md, table_stages.md and worst_points.json;
-with --protocol, such as --protocol nuscenes,argoverse2, also protocols.json,
-protocol_*.csv and table_protocol_<name>.*;
-unless --no-rrd, run.rrd for the Rerun viewer; with --mcap, run.mcap for Foxglove.
+The run directory (docs/run-directory.md) holds
+  report.html, figures/, worst_points.json  page of the run
+  run.rrd                                   recording for Rerun, unless --no-rrd
+  run.mcap                                  recording for Foxglove, with --mcap
+  report.json, manifest.json                all numbers, and what made them
+  scans.csv, matches.csv, stages.csv, errors.csv, precision_recall.csv
+  table_<task>.{csv,md,tex}, table_times.md, table_stages.md
+  protocols.json, protocol_*.csv, table_protocol_<name>.*  with --protocol
+
 Unless -o names it, runs/latest points at it. With -o, an interrupted run goes on when
 the same command is given again; --mcap, --detections-out and --save-rrd=FILE begin anew.";

@@ -19,7 +19,7 @@ pub struct ServeArgs {
 }
 
 fn served_help() -> String {
-    format!("Detector: {}; or nothing, which never detects anything", detector_names().join(", "))
+    format!("Detector: {}; or `nothing`, which finds nothing", detector_names().join(", "))
 }
 
 const SERVE_EXAMPLE: &str = "\

@@ -52,7 +52,7 @@ pub struct SlurmArgs {
     /// Submit at once, with `sbatch`
     #[arg(long, help_heading = ENGINE)]
     pub now: bool,
-    /// Do not try the command here first: its data are only on the nodes
+    /// Do not try the command here first, for data that only the nodes have
     #[arg(long, help_heading = ENGINE)]
     pub untried: bool,
 }
@@ -92,12 +92,17 @@ Examples:
   scanbench submit slurm --shards 40 -o runs/cells -- sweep data/fleet -P cell_size_m=0.2:2.0:0.1";
 
 const SLURM_DETAILS: &str = "\
-FOLDER has to be on a disk that all nodes share. It gets shards.sh, an array of one task
-a shard; merge.sh, which waits until all have succeeded; and submit.sh, which hands both
-to sbatch. Shards are in FOLDER/shards, the merged run is FOLDER/run, what they print is
-in FOLDER/logs. To do again what failed: bash FOLDER/submit.sh. It leaves shards alone
-that are done. Data and configuration are read from the current directory. Before anything
-is written, data sets and detectors are opened here, so that a wrong name is heard now.";
+FOLDER has to be on a disk that all nodes share. It gets
+  shards.sh         an array with a task for each shard
+  merge.sh          waits until all have succeeded, and merges them
+  submit.sh         hands both to sbatch
+  shards/           the shards
+  run/              the merged run
+  logs/             what the tasks print
+
+To do again what failed: bash FOLDER/submit.sh. Finished shards stay as they are. Data and
+configuration are read from the current directory. Before anything is written, data sets
+and detectors are opened here, so that a wrong name fails now, not on the nodes.";
 
 const KUBERNETES_EXAMPLES: &str = "\
 Example:
@@ -106,8 +111,8 @@ Example:
 const KUBERNETES_DETAILS: &str = "\
 FOLDER gets shards.yaml, an indexed job; merge.yaml; and submit.sh, which applies the
 first with kubectl, waits until all shards have succeeded, and applies the second. Paths
-of the run are those in the volume of the claim; -o names FOLDER here, and a folder of
-the same name in the volume gets the shards and the merged run, as shards and run. Jobs are
+of the run are those in the volume of the claim. -o names FOLDER here; in the volume, a
+folder of that name gets shards/, with the shards, and run/, the merged run. Jobs are
 removed a week after they have ended.";
 
 #[cfg(test)]

@@ -108,8 +108,8 @@ pub struct SvmTrainingArgs {
     pub prototypes: u32,
     /// Width of the Gaussian kernel, for standardised features [default: 0.1078, as printed]
     ///
-    /// Of several widths and shares the pair with the greatest precision-recall area is taken, on average over five parts of
-    /// the training drives, each judged by a classifier that learned from the other parts.
+    /// If there are several widths or shares, the pair with the greatest precision-recall area is taken. That is found by
+    /// cross-validation over five parts of the training drives.
     #[arg(long, value_name = "X,...", value_delimiter = ',', help_heading = TRAINING)]
     pub gamma: Vec<f32>,
     /// Share of training examples allowed inside the margin
@@ -204,8 +204,8 @@ const BOXES_DETAILS: &str = "\
 Trains on the clusters of hierarchical and of kd-tree that match an annotated car, van, truck
 or bus: how far the annotated box reaches beyond what is seen, whether the vehicle is longer
 across than along what is seen, which end is its front, and how likely the box is right.
-Needs two drives or more. Writes boxes.model and manifest.json. The same scans and options write the same bytes, except the date in the
-manifest.";
+Needs two drives or more. Writes boxes.model and manifest.json. The same scans and options
+write the same bytes, except the date in the manifest.";
 
 const PARTIAL_EXAMPLES: &str = "\
 Examples:

@@ -42,7 +42,7 @@ Examples:
   scanbench merge shards -o runs/whole
   scanbench sweep -L xi=2,3 --shard 1/1 -o cells && scanbench merge cells -o runs/cells
 
-The result equals that of the verb in one piece, except for times. Shards are refused
+The result equals that of an undivided run, except for times. Shards are refused
 (exit code 5) if one is missing or duplicate, or if data, parameters or programs
 differ. Times of different processors are separate, in table_times.md and
 times_of_processors.csv. docs/many-machines.md says more.";

@@ -97,7 +97,7 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// Print only errors and the directory of the result, or the result if there is none
+    /// Print only errors and the result, or the directory that holds it
     #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = GENERAL)]
     pub quiet: bool,
     /// Print progress scan by scan, and all tables of a run

@@ -38,7 +38,7 @@ pub struct RobustnessArgs {
     /// Scans of each of the three kinds of street, under each condition
     #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub scans: u32,
-    /// Also run hierarchical with the trees in DIR, such as of fewer conditions, as "hierarchical, other training"
+    /// Also run hierarchical with other trees, those in DIR, under the name "hierarchical, other training"
     ///
     /// DIR is what `scanbench train groupings` wrote.
     #[arg(long, value_name = "DIR", help_heading = DETECTORS_HEADING)]
