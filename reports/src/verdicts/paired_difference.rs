@@ -72,6 +72,12 @@ impl PairedDifference {
         interval.ends.map(|it| self.sign() * it).into_iter().reduce(f64::min)
     }
 
+    /// Whether it has surely become better, by however little.
+    pub fn is_surely_better(&self) -> bool {
+        let surely = self.interval.filter(|it| !it.blocks.decide_nothing());
+        surely.is_some_and(|it| it.ends.iter().all(|end| self.sign() * end < 0.0))
+    }
+
     /// Whether `after` is surely larger than `before`.
     pub fn is_surely_larger(&self) -> bool {
         self.interval.is_some_and(|it| !it.blocks.decide_nothing() && it.ends[0] > 0.0)

@@ -2,9 +2,10 @@
 
 use std::collections::VecDeque;
 use std::io::{BufRead as _, BufReader, Read};
+use std::os::fd::{AsFd, OwnedFd};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Lines that are kept.
 const MOST_LINES: usize = 20;
@@ -18,6 +19,8 @@ const LONGEST_WAIT: Duration = Duration::from_secs(1);
 pub struct LastWords {
     kept: Arc<Mutex<Kept>>,
     is_read: Receiver<()>,
+    // The same pipe, to ask whether anything is left in it.
+    pipe: Option<OwnedFd>,
 }
 
 #[derive(Debug, Default)]
@@ -28,7 +31,8 @@ struct Kept {
 
 impl LastWords {
     /// Begins to read. Lines that begin with `token` are those of the [supervisor](super::supervisor).
-    pub fn of(printed: impl Read + Send + 'static, token: String) -> Self {
+    pub fn of(printed: impl Read + AsFd + Send + 'static, token: String) -> Self {
+        let pipe = printed.as_fd().try_clone_to_owned().ok();
         let kept = Arc::new(Mutex::new(Kept::default()));
         let keeper = Arc::clone(&kept);
         let (ended, is_read) = channel();
@@ -38,7 +42,7 @@ impl LastWords {
             keep(printed, &token, &keeper);
             let _ = ended.send(());
         });
-        Self { kept, is_read }
+        Self { kept, is_read, pipe }
     }
 
     /// Up to twenty lines, the last one last. Whoever has just ended has said all of it once [`Self::wait`] returns.
@@ -49,6 +53,18 @@ impl LastWords {
     /// What the supervisor says about its end.
     pub fn of_supervisor(&self) -> Vec<String> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).of_supervisor.clone()
+    }
+
+    /// Waits until all is read that was printed before, a second at most.
+    pub fn catch_up(&self) {
+        let ends = Instant::now() + LONGEST_WAIT;
+        let mut n_empty = 0;
+        // Twice, so that the reader has kept what it took last.
+        while n_empty < 2 && Instant::now() < ends {
+            let n_left = self.pipe.as_ref().and_then(|it| rustix::io::ioctl_fionread(it).ok()).unwrap_or(0);
+            n_empty = if n_left == 0 { n_empty + 1 } else { 0 };
+            std::thread::sleep(Duration::from_millis(2));
+        }
     }
 
     /// Waits until nobody can print any more, a second at most.
@@ -93,11 +109,27 @@ fn printable(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Write as _;
 
     fn words_of(printed: &str) -> LastWords {
-        let words = LastWords::of(std::io::Cursor::new(printed.to_owned()), "token-1".to_owned());
+        let (from, to) = std::io::pipe().unwrap();
+        let words = LastWords::of(from, "token-1".to_owned());
+        { to }.write_all(printed.as_bytes()).unwrap();
         words.wait();
         words
+    }
+
+    #[test]
+    fn what_was_printed_is_there_though_the_pipe_stays_open() {
+        for round in 0..50 {
+            let (from, mut to) = std::io::pipe().unwrap();
+            let words = LastWords::of(from, "token-1".to_owned());
+            for line in 0..20 {
+                writeln!(to, "line {line} of round {round}").unwrap();
+            }
+            words.catch_up();
+            assert_eq!(words.lines().last(), Some(&format!("line 19 of round {round}")));
+        }
     }
 
     #[test]

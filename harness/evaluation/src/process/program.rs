@@ -98,6 +98,7 @@ impl Program {
 
     /// The last lines that it printed so far.
     pub fn last_words(&self) -> Vec<String> {
+        self.words.catch_up();
         self.words.lines()
     }
 

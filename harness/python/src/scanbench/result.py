@@ -58,7 +58,7 @@ def cluster_ids(labels: ArrayLike, n_points: int, noise: int) -> NDArray[np.uint
     if array.shape != (n_points,):
         raise ValueError(f"labels are of shape {array.shape} for {n_points} points")
     if not np.issubdtype(array.dtype, np.integer):
-        raise TypeError(f"labels are {array.dtype}, not integers")
+        raise TypeError(f"labels are {array.dtype}, not integers: use labels.astype(int)")
     largest = int(array.max()) + (1 if noise == -1 else 0)
     if largest > MAX_ID:
         raise ValueError(f"label {int(array.max())} is too large")

@@ -23,9 +23,7 @@ pub fn refuse_other_than_run(directory: &Path) -> Result<(), Failure> {
     }
     refuse_shard(directory)?;
     if !directory.join(MANIFEST_JSON).exists() {
-        return Err(
-            Usage(format!("{name} is not the directory of a run, which has a {MANIFEST_JSON}")).into()
-        );
+        return Err(Usage(format!("{name} is not the directory of a run: it has no {MANIFEST_JSON}")).into());
     }
     Ok(())
 }

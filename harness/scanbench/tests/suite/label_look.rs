@@ -45,7 +45,7 @@ fn swapped_sides_are_heard_and_no_verdict_is_drawn() {
     assert_eq!(sound["label_points"]["class"], "car", "{sound:#}");
     workplace.check_file("out/report.html", &["points in labelled boxes, from above and from the side"]);
     assert!(workplace.path("out/figures/labels_drive.svg").is_file());
-    workplace.succeed("data check drive").check_stdout(&["boxes of vehicles", "compared with their points"]);
+    workplace.succeed("data check drive").check_stdout(&["boxes of vehicles", "they fit their points"]);
 
     rewrite(&workplace, |it| it.swap(1, 2));
     let ended = workplace.succeed(RUN);

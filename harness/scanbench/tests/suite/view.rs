@@ -51,8 +51,8 @@ fn what_cannot_be_viewed_is_said() {
             2,
             "the run has no detector \"kd-tree\"; its detectors are hierarchical, pca",
         ),
-        (&["compare", ".", "run"], 2, ". is not the directory of a run, which has a manifest.json"),
-        (&["report", "."], 2, ". is not the directory of a run, which has a manifest.json"),
+        (&["compare", ".", "run"], 2, ". is not the directory of a run: it has no manifest.json"),
+        (&["report", "."], 2, ". is not the directory of a run: it has no manifest.json"),
         (&["view", "run", "--class", "boat"], 2, "[possible values: car, van, truck"),
         (&["view", "run", "--class", "tram"], 4, "the run has no mistakes of this kind"),
     ] {

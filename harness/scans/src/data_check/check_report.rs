@@ -77,10 +77,10 @@ impl CheckReport {
 
     /// Says whether labels were compared with points; what is suspect about them is a suspicion.
     pub fn add_label_look(&mut self, look: &LabelLook) {
-        let verb = if look.is_enough() {
-            "compared with their points"
-        } else {
-            "too few to be compared with points"
+        let verb = match (look.is_enough(), look.suspicions.is_empty()) {
+            (false, _) => "too few to be compared with points",
+            (true, true) => "they fit their points",
+            (true, false) => "see the warnings",
         };
         let n = look.vehicles.seen.len();
         self.line(

@@ -6,6 +6,9 @@ use super::empty_boxes::{EmptyBoxes, NEAR_M};
 use super::label_suspicion::LabelSuspicion;
 use super::seen_ground::UpAxis;
 
+/// No sensor is so low above the ground, in metres.
+const LEAST_HEIGHT_M: f64 = 0.3;
+
 /// Why the frame of a data set is suspect, and what to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrameSuspicion {
@@ -47,12 +50,19 @@ impl fmt::Display for FrameSuspicion {
                 formatter,
                 "the origin is {seen_m:.2} m above the ground, where no sensor is: move it to the sensor with --transform"
             ),
-            Self::Height { seen_m, said_m } => write!(
-                formatter,
-                "the ground is {seen_m:.2} m below the origin, but the sensor is said to be {} m above the road: correct \
-                 it with --sensor-height {seen_m:.2}, or move the origin to the sensor with --transform",
-                *said_m as f32
-            ),
+            Self::Height { seen_m, said_m } => {
+                let correct = if *seen_m < LEAST_HEIGHT_M {
+                    String::new()
+                } else {
+                    format!("correct it with --sensor-height {seen_m:.2}, or ")
+                };
+                write!(
+                    formatter,
+                    "the ground is {seen_m:.2} m below the origin, but the sensor is said to be {} m above the road: {correct}move \
+                     the origin to the sensor with --transform",
+                    *said_m as f32
+                )
+            }
             Self::Tilt(tilt_deg) => write!(
                 formatter,
                 "the ground is tilted by {tilt_deg:.1} degrees in the frame of the scans: level it with --transform"

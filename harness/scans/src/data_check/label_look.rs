@@ -9,7 +9,7 @@ use super::empty_boxes::NEAR_M;
 use super::label_correction::Correction;
 use super::label_suspicion::{LabelSuspicion, TakenFor};
 use super::seen_vehicles::{SeenVehicle, SeenVehicles, is_vehicle};
-use crate::annotation::LabeledScan;
+use crate::annotation::{LabeledArea, LabeledScan};
 use crate::dataset::proposal_list::ProposalList;
 
 /// Of fewer vehicles nothing is said.
@@ -35,6 +35,11 @@ const MANY_POINTS: usize = 50;
 /// So many empty boxes, and this share of those with such neighbours, may be hidden from the sensor.
 const MOST_HIDDEN: (usize, f64) = (2, 0.2);
 
+/// Fewer boxes may lie to one side by chance.
+const FEWEST_OF_SECTOR: usize = 15;
+/// Boxes within this angle, in degrees, and this share of the points elsewhere: only a part may be labelled.
+const SECTOR: (f64, f64) = (120.0, 0.4);
+
 /// What the labels of a few scans look like.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LabelLook {
@@ -54,10 +59,16 @@ impl LabelLook {
             matches!(position, Some(LabelSuspicion::Position { correction: Correction::SwapSides, .. }));
         let sideways = sideways_suspicion(&vehicles.seen).filter(|_| !is_swapped);
         let holes = holes_suspicion(scans).filter(|_| position.is_none());
-        let suspicions =
-            [degrees_suspicion(scans), position, sideways, height_suspicion(&vehicles.seen), holes]
-                .into_iter()
-                .flatten();
+        let suspicions = [
+            degrees_suspicion(scans),
+            position,
+            sideways,
+            height_suspicion(&vehicles.seen),
+            holes,
+            sector_suspicion(scans),
+        ]
+        .into_iter()
+        .flatten();
         Self { suspicions: suspicions.collect(), vehicles }
     }
 
@@ -233,6 +244,33 @@ fn holes_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
     let (most, most_share) = MOST_HIDDEN;
     (n_empty > most && n_empty as f64 > most_share * n_vehicles as f64)
         .then_some(LabelSuspicion::Holes { n_empty, n_vehicles })
+}
+
+/// Of scans that are said to be labelled all round.
+fn sector_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
+    let all_round = || scans.iter().filter(|it| it.labeled_area == LabeledArea::Everywhere);
+    let centers = all_round().flat_map(|it| &it.annotations).filter_map(|it| Some(it.bounding_box?.center_m));
+    let azimuth_deg = |[x_m, y_m, _]: [f32; 3]| f64::from(y_m).atan2(f64::from(x_m)).to_degrees();
+    let mut azimuths_deg: Vec<f64> = centers.map(azimuth_deg).collect();
+    azimuths_deg.sort_by(f64::total_cmp);
+    let n_boxes = azimuths_deg.len();
+    if n_boxes < FEWEST_OF_SECTOR {
+        return None;
+    }
+    // The sector is what the widest gap between neighbours leaves; each gap with the azimuth behind it.
+    let next_deg = azimuths_deg.iter().skip(1).copied().chain([azimuths_deg[0] + 360.0]);
+    let gaps = azimuths_deg.iter().zip(next_deg).map(|(at_deg, next_deg)| (next_deg - at_deg, next_deg));
+    let (gap_deg, first_deg) = gaps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let width_deg = 360.0 - gap_deg;
+    let points = || all_round().flat_map(|it| it.cloud.positions_m());
+    let is_elsewhere = |it: &[f32; 3]| (azimuth_deg(*it) - first_deg).rem_euclid(360.0) > width_deg;
+    let share_elsewhere = points().filter(is_elsewhere).count() as f64 / points().count().max(1) as f64;
+    let (most_deg, least_share) = SECTOR;
+    (width_deg <= most_deg && share_elsewhere >= least_share).then_some(LabelSuspicion::Sector {
+        width_deg,
+        share_elsewhere,
+        n_boxes,
+    })
 }
 
 /// Whether most labels of `scans` are as `list` has them.

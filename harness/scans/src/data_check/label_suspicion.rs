@@ -40,6 +40,15 @@ pub enum LabelSuspicion {
         /// Vehicles among such others.
         n_vehicles: usize,
     },
+    /// All boxes lie to one side, as where only the view of a camera is labelled.
+    Sector {
+        /// The angle around the sensor that holds the centres of all boxes.
+        width_deg: f64,
+        /// Share of the points that lie elsewhere.
+        share_elsewhere: f64,
+        /// Labelled boxes that were looked at.
+        n_boxes: usize,
+    },
     /// Most boxes are as a detector proposed them.
     Proposed {
         /// Such boxes.
@@ -101,6 +110,12 @@ impl fmt::Display for LabelSuspicion {
                 formatter,
                 "{n_empty} of {n_vehicles} boxes of vehicles hold no point, but others at the same range hold many: leave out boxes of \
                  what the sensor cannot see, and look for labels of other scans"
+            ),
+            Self::Sector { width_deg, share_elsewhere, n_boxes } => write!(
+                formatter,
+                "all {n_boxes} boxes lie within {width_deg:.0} degrees around the sensor, and {:.0} % of the points elsewhere: if only \
+                 this part is labelled, detections elsewhere count as false; then leave out those points",
+                100.0 * share_elsewhere
             ),
             Self::Proposed { n_proposed, n_boxes } => write!(
                 formatter,

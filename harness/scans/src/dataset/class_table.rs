@@ -214,12 +214,8 @@ impl UnknownClasses {
             .values()
             .filter_map(|it| Some(format!("--class {}", option_of(&it.written)?)))
             .collect();
-        writeln!(
-            text,
-            "give the class of each, in place of what is likely, with options\n  {}",
-            options.join(" ")
-        )
-        .expect(ENDLESS);
+        writeln!(text, "give the class of each (here the likeliest) with options\n  {}", options.join(" "))
+            .expect(ENDLESS);
         writeln!(text, "or in the file of -c or the catalogue\n  [classes]").expect(ENDLESS);
         for Unknown { written, .. } in self.by_name.values() {
             // A string in JSON is one in TOML.

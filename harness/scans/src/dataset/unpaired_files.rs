@@ -24,7 +24,12 @@ impl UnpairedFiles {
         if self.scans.is_empty() && self.labels.is_empty() {
             return Ok(());
         }
-        Err(DatasetError::damaged(labels, format!("does not go with the scans: {self}")))
+        Err(DatasetError::damaged(
+            labels,
+            format!(
+                "does not go with the scans: {self}; a scan without objects has a label file without any"
+            ),
+        ))
     }
 }
 

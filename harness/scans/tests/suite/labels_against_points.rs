@@ -270,3 +270,22 @@ fn how_small_a_damage_is_heard() {
         );
     }
 }
+
+#[test]
+fn labels_to_one_side_of_scans_all_round_are_named() {
+    let mut looked = Looked::street("street-main-road", "hdl-64e-s2");
+    let is_sector = |it: &LabelSuspicion| matches!(it, LabelSuspicion::Sector { .. });
+    assert!(!LabelLook::of(&looked.scans, Vec::new).suspicions.iter().any(is_sector));
+    for scan in &mut looked.scans {
+        // Behind the sensor, where azimuths go from 180 to -180 degrees.
+        scan.annotations.retain(|it| {
+            let [x_m, y_m, _] = it.bounding_box.map_or([1.0, 0.0, 0.0], |it| it.center_m);
+            y_m.atan2(-x_m).abs() < 50_f32.to_radians()
+        });
+    }
+    let suspicions = LabelLook::of(&looked.scans, Vec::new).suspicions;
+    let found = suspicions.iter().find(|it| is_sector(it)).expect("they lie within 100 degrees");
+    let LabelSuspicion::Sector { width_deg, share_elsewhere, n_boxes } = *found else { unreachable!() };
+    assert!((50.0..100.0).contains(&width_deg) && n_boxes >= 15, "{found:?}");
+    assert!((0.6..0.9).contains(&share_elsewhere), "{found:?}");
+}

@@ -89,7 +89,7 @@ fn named((what, most): (&str, usize), changes: Vec<Change>) -> Vec<String> {
     let head = match changes.len() {
         0 => return Vec::new(),
         n if n <= most => format!("All {what}:"),
-        n => format!("The {most} largest of {n} {what}:"),
+        n => format!("The {most} largest of {n} {what}, measured in tolerances:"),
     };
     let named = changes.into_iter().take(most).map(|it| format!("- {}", it.text));
     [head].into_iter().chain(named).collect()
@@ -131,7 +131,7 @@ fn text_of_metric(gated: &GatedMetric, it: &PairedDifference) -> String {
         difference_text(metric, it.difference()),
         it.interval.map_or_else(String::new, |_| format!("95 % {}, ", interval_text(it))),
         tolerance_text(metric, *tolerance),
-        change_in_words(*finding, it.worsening())
+        change_in_words(*finding, it)
     )
 }
 
@@ -152,7 +152,7 @@ fn text_of_time(gated: &GatedMetric, it: &PairedDifference) -> String {
         if is_slower { "slower" } else { "faster" },
         it.interval.map_or_else(String::new, |it| within(it.ends)),
         percent(gated.tolerance),
-        change_in_words(gated.finding, share)
+        change_in_words(gated.finding, it)
     )
 }
 

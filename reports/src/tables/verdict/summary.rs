@@ -5,8 +5,8 @@ use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
 use crate::tables::verdict::tolerated::about_tolerances;
 use crate::tables::verdict::wording::{
-    DETECTABLE, about_configuration, about_differences, difference_text, interval_cell, least_effect_text,
-    metric_text, tolerance_text, value_text,
+    DETECTABLE, about_configuration, about_differences, change_in_words, difference_text, interval_cell,
+    least_effect_text, metric_text, tolerance_text, value_text,
 };
 use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::finding::Finding;
@@ -128,7 +128,9 @@ pub(crate) fn headline(verdict: &Verdict) -> String {
     let conclusion = verdict.conclusion();
     match conclusion {
         Conclusion::AllowedDrift => {
-            format!("{} on {} (allowed)", conclusion.in_words(), changed_scans(verdict))
+            let doubt = doubt(verdict).filter(|_| verdict.blocks.decide_nothing());
+            let not_judged = doubt.map(|it| format!("; no number is judged: {it}")).unwrap_or_default();
+            format!("{} on {} (allowed){not_judged}", conclusion.in_words(), changed_scans(verdict))
         }
         _ => conclusion.in_words().to_owned(),
     }
@@ -234,10 +236,11 @@ fn metric_grid(shown: &[&GatedMetric], verdict: &Verdict) -> Grid {
         };
         let tolerance = tolerance_text(metric, gated.tolerance);
         let names = [gated.about(), gated.detector.clone(), gated.slice.clone(), metric_text(metric)];
-        let is_better = gated.difference.as_ref().is_ok_and(|it| it.worsening() < 0.0);
-        let finding = match gated.finding {
-            Finding::Pass if is_better => "better".to_owned(),
-            finding => finding_text(finding, verdict),
+        let finding = match &gated.difference {
+            Ok(it) if gated.finding == Finding::Pass && it.worsening() < 0.0 => {
+                change_in_words(gated.finding, it).to_owned()
+            }
+            _ => finding_text(gated.finding, verdict),
         };
         let last = [tolerance, finding];
         let cells = names.map(Cell::new).into_iter().chain(numbers).chain(last.map(Cell::new));

@@ -35,10 +35,11 @@ pub(crate) fn tolerance_text(metric: &Metric, tolerance: f64) -> String {
     difference_text(metric, tolerance).trim_start_matches('+').to_owned()
 }
 
-/// How a change is called: what is not worse than tolerated may be better.
-pub(crate) fn change_in_words(finding: Finding, worsening: f64) -> &'static str {
+/// How a change is called: what is not worse than tolerated may be better, surely or not.
+pub(crate) fn change_in_words(finding: Finding, difference: &PairedDifference) -> &'static str {
     match finding {
-        Finding::Pass if worsening < 0.0 => "better",
+        Finding::Pass if difference.is_surely_better() => "better",
+        Finding::Pass if difference.worsening() < 0.0 => "better, but not surely",
         Finding::Pass => "tolerated",
         Finding::Regression | Finding::Incomparable | Finding::Inconclusive => finding.in_words(),
     }

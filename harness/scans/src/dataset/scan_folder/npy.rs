@@ -39,7 +39,11 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
         return Err(format!("has the shape {shape:?}, not points by columns"));
     };
     if !(3..MAX_COLUMNS).contains(&n_columns) {
-        return Err(format!("has the shape {shape:?}: too few or too many columns"));
+        let transposed = if (3..MAX_COLUMNS).contains(&n_points) { "; it may be transposed" } else { "" };
+        return Err(format!(
+            "has the shape {shape:?}, but each row is a point, with 3 to {} values{transposed}",
+            MAX_COLUMNS - 1
+        ));
     }
     let n_bytes = number.n_bytes();
     let plain;
