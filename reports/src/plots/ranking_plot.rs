@@ -38,6 +38,9 @@ const ALONE: Layout = Layout { width_px: 820, names_px: 100..=440 };
 const HEADING_PX: u32 = 26;
 const ROW_PX: u32 = 30;
 const AXIS_PX: u32 = 44;
+/// What a rate ends with where intervals are not to be relied on: a second line says so.
+const CAVEAT: &str = ", intervals ";
+const CAVEAT_PX: u32 = 16;
 const VALUES_PX: f64 = 62.0;
 /// The width of a letter over the size of the text: a wide one, so that no name is cut off in another font.
 const LETTER_WIDTH: f64 = 0.62;
@@ -58,7 +61,8 @@ pub fn study_plot(title: &str, rate: &str, parts: &[(String, Vec<RankingRow>)]) 
 
 fn panel(title: &str, rate: &str, rows: &[RankingRow], layout: &Layout) -> ThemedPanel {
     let texts: Vec<String> = rows.iter().map(|it| format!("{} {}", it.name, value_text(it))).collect();
-    let size_px = [layout.width_px, HEADING_PX + ROW_PX * rows.len() as u32 + AXIS_PX];
+    let caveat_px = if rate.contains(CAVEAT) { CAVEAT_PX } else { 0 };
+    let size_px = [layout.width_px, HEADING_PX + ROW_PX * rows.len() as u32 + AXIS_PX + caveat_px];
     Figure::of_marks(size_px, marks(title, rate, rows, layout))
         .panel(format!("{title}: {rate} of {}", texts.join(", ")))
 }
@@ -104,7 +108,12 @@ fn marks(title: &str, rate: &str, rows: &[RankingRow], layout: &Layout) -> Vec<M
         }
     }
     let middle_px = f64::midpoint(ends_px[0], ends_px[1]).floor();
+    let (rate, caveat) = rate.split_at(rate.find(CAVEAT).unwrap_or(rate.len()));
     marks.push(text((middle_px, bottom_px + 32.0), rate.to_owned(), HPos::Center));
+    if !caveat.is_empty() {
+        let below_px = bottom_px + 32.0 + f64::from(CAVEAT_PX);
+        marks.push(text((width_px / 2.0, below_px), caveat.replacen(", ", "", 1), HPos::Center));
+    }
     for (row, top_px) in rows.iter().zip((HEADING_PX..).step_by(ROW_PX as usize)) {
         let y_px = f64::from(top_px + ROW_PX / 2);
         let name = shortened(&row.name, n_letters);
@@ -186,5 +195,8 @@ mod tests {
         let panel = ranking_plot("Task objects", "F-rate (%)", &[row(Some(61.04)), row(None)]);
         assert_eq!(panel.label, "Task objects: F-rate (%) of grid 61.0 %, grid undefined");
         check_holds(&panel.inline(), &["61.0 %", "undefined", "F-rate (%)", "f-d0"]);
+        let few =
+            ranking_plot("Task objects", "F-rate (%), intervals from only 4 blocks", &[row(Some(61.04))]);
+        check_holds(&few.inline(), &["F-rate (%)\n", "\nintervals from only 4 blocks\n"]);
     }
 }

@@ -77,7 +77,7 @@ impl LeastLosses {
             }
             Self::Above(losses) if losses.is_empty() => Vec::new(),
             Self::Above(losses) => {
-                let head = "These scans cannot show a loss smaller than about this; `least` in a verdict is the same for a change:";
+                let head = "These scans cannot show a loss smaller than about this; `detectable` in a verdict is the same for a change:";
                 let line = |it: &LeastLoss| {
                     let name = if it.metric == Metric::FRate { "F-rate" } else { "recall" };
                     let points = fixed_decimals(100.0 * it.loss, 1);

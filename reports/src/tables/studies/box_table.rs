@@ -41,9 +41,8 @@ fn title(line: &BoxErrorLine) -> String {
 }
 
 fn grid(lines: &[BoxErrorLine]) -> Grid {
-    let mut columns = ["by", "slice"].map(Column::left).to_vec();
+    let mut columns = ["by", "slice", "what"].map(Column::left).to_vec();
     columns.extend(["pairs", "tracks"].map(Column::number));
-    columns.push(Column::left("what"));
     for (fit, _) in &lines[0].fits {
         columns.push(Column::number(*fit));
     }
@@ -56,14 +55,14 @@ fn grid(lines: &[BoxErrorLine]) -> Grid {
         let shown = |text: String, is_shown: bool| if is_shown { text } else { String::new() };
         let [by, slice] = slice.map(|it| shown(it.clone(), is_first));
         let [n_pairs, n_tracks] = counts.map(|it| shown(it.to_string(), are_new));
-        let head = [by, slice, n_pairs, n_tracks];
         let error = format!("{}, {}", line.error.name(), line.error.unit());
+        let head = [by, slice, error, n_pairs, n_tracks];
         let number = |it: Option<f64>| Cell::new(decimals_or_dash(it, line.error.decimals()));
         let numbers = line.fits.iter().map(|(_, it)| {
             let mark = it.and_then(|it| it.within).and_then(|it| Mark::of_blocks(it.blocks));
             Cell { mark, ..number(it.map(|it| it.value)) }
         });
-        let cells = head.into_iter().chain([error]).map(Cell::new).chain(numbers);
+        let cells = head.into_iter().map(Cell::new).chain(numbers);
         Line { kind: LineKind::Dataset, cells: cells.collect() }
     });
     Grid { columns, lines: lines.collect() }
@@ -87,43 +86,43 @@ mod tests {
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&BoxTable { lines: &lines, notes: &["A note."] }), @r"
         Box errors of matched vehicles: street (simulated)
 
-        by         slice  pairs  tracks  what                    hull box  PCA box
+        by         slice  what                    pairs  tracks  hull box  PCA box
         ──────────────────────────────────────────────────────────────────────────
-        all                  80      20  centre, m                   0.50     1.00
-                                         length, m                   0.50     1.00
-                                         width, m                    0.50     1.00
-                                         yaw, deg                    0.5      1.0
-                                         yaw within 5 deg, %         0.5      1.0
-                                         yaw within 10 deg, %        0.5      1.0
-                                         BEV IoU >= 0.5, %           0.5      1.0
-                                         BEV IoU >= 0.7, %           0.5      1.0
-                                         3D IoU >= 0.5, %            0.5      1.0
-                                         3D IoU >= 0.7, %            0.5      1.0
-                                         front right, %              0.5      1.0
-                                         front sure, %               0.5      1.0
-                                         front right if sure, %      0.5      1.0
-        occlusion  none       0       0  centre, m                   –        –
-                                         yaw, deg                    –        –
-                                         yaw within 10 deg, %        –        –
-                                         BEV IoU >= 0.7, %           –        –
+        all               centre, m                  80      20      0.50     1.00
+                          length, m                                  0.50     1.00
+                          width, m                                   0.50     1.00
+                          yaw, deg                                   0.5      1.0
+                          yaw within 5 deg, %                        0.5      1.0
+                          yaw within 10 deg, %                       0.5      1.0
+                          BEV IoU >= 0.5, %                          0.5      1.0
+                          BEV IoU >= 0.7, %                          0.5      1.0
+                          3D IoU >= 0.5, %                           0.5      1.0
+                          3D IoU >= 0.7, %                           0.5      1.0
+                          front right, %                             0.5      1.0
+                          front sure, %                              0.5      1.0
+                          front right if sure, %                     0.5      1.0
+        occlusion  none   centre, m                   0       0      –        –
+                          yaw, deg                                   –        –
+                          yaw within 10 deg, %                       –        –
+                          BEV IoU >= 0.7, %                          –        –
 
         Box errors of matched vehicles: drive
 
-        by   slice  pairs  tracks  what                    hull box  PCA box
+        by   slice  what                    pairs  tracks  hull box  PCA box
         ────────────────────────────────────────────────────────────────────
-        all             8       2  centre, m                  0.50§    1.00§
-                                   length, m                  0.50§    1.00§
-                                   width, m                   0.50§    1.00§
-                                   yaw, deg                   0.5§     1.0§
-                                   yaw within 5 deg, %        0.5§     1.0§
-                                   yaw within 10 deg, %       0.5§     1.0§
-                                   BEV IoU >= 0.5, %          0.5§     1.0§
-                                   BEV IoU >= 0.7, %          0.5§     1.0§
-                                   3D IoU >= 0.5, %           0.5§     1.0§
-                                   3D IoU >= 0.7, %           0.5§     1.0§
-                                   front right, %             0.5§     1.0§
-                                   front sure, %              0.5§     1.0§
-                                   front right if sure, %     0.5§     1.0§
+        all         centre, m                   8       2     0.50§    1.00§
+                    length, m                                 0.50§    1.00§
+                    width, m                                  0.50§    1.00§
+                    yaw, deg                                  0.5§     1.0§
+                    yaw within 5 deg, %                       0.5§     1.0§
+                    yaw within 10 deg, %                      0.5§     1.0§
+                    BEV IoU >= 0.5, %                         0.5§     1.0§
+                    BEV IoU >= 0.7, %                         0.5§     1.0§
+                    3D IoU >= 0.5, %                          0.5§     1.0§
+                    3D IoU >= 0.7, %                          0.5§     1.0§
+                    front right, %                            0.5§     1.0§
+                    front sure, %                             0.5§     1.0§
+                    front right if sure, %                    0.5§     1.0§
 
         box_errors.csv and the plot have 95 % intervals: cluster bootstrap, 10000 resamples of objects, each
           with all its scans: the intervals cover other scans of the same drives, but not other drives.
