@@ -3,7 +3,7 @@
 Every page and file that links lead to from README.md is copied to FOLDER/src, at its place in the repository. The order is
 that of docs/README.md. The program adds the reference of its command line, and the gallery its report pages. SCHEMAS has
 what the example `schemas` of the crate `reports` wrote, RUSTDOC the documentation of the code. Fails if a link or an anchor
-of the book in FOLDER/book leads nowhere, or if a file of the gallery's run does not fit its schema.
+of the book in FOLDER/book leads nowhere, or if a file of the gallery's run, or a scanbench.toml, does not fit its schema.
 """
 
 import json
@@ -12,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -45,6 +46,20 @@ GALLERY = {
     "run": "run street-narrow --scans 0..20:2 -d hierarchical,paper,pca --no-rrd",
     "sweep": "sweep street-narrow --seed 9001 --sensor vlp-16 --scans 0..20:2 -d paper -P cell_size_m=0.4:1.2:0.2 --no-rrd",
 }
+
+CONFIGURATION = "scanbench.schema.json"
+WRONG_CONFIGURATIONS = (
+    "kd_tree.tolerence_m = 1.0",
+    'kd_tree.tolerance_m = "far"',
+    "paper.grid.cell_size_m = 40.0",
+    'matching.criterion = "center"',
+    "classes.forklift = 3",
+    "detector.pca.command = ['x']",
+    "detector.mine.threads = 2",
+    "detector.mine = { command = ['x'], threads = 0 }",
+    "detector.mine = { command = ['x'], results = 'y' }",
+    "detector.mine = { results = 'y', threads = 2 }",
+)
 
 
 def title(text):
@@ -115,10 +130,13 @@ def gallery(program, src):
     return text + "\n![The page of a run, in light and dark](docs/report.png)\n"
 
 
-def files_of_runs(schemas, src):
+def files_of_runs(program, schemas, src):
     """Columns and schemas as two pages; the schemas themselves beside them."""
     shutil.copytree(schemas, src / "schemas", ignore=shutil.ignore_patterns("*.md"))
-    text = "# JSON schemas\n\nJSON Schema 2020-12, generated from the types that write these files.\n\n"
+    with (src / "schemas" / CONFIGURATION).open("wb") as file:
+        subprocess.run([program, "params", "--schema"], check=True, stdout=file)
+    text = "# JSON schemas\n\nJSON Schema 2020-12. Schemas of results are generated from the types that write these files.\n"
+    text += f"`{CONFIGURATION}` is for `scanbench.toml`, from the parameters that ship: `scanbench params --schema`.\n\n"
     text += "".join(f"- [{it.name}](schemas/{it.name})\n" for it in sorted((src / "schemas").iterdir()))
     (src / "json-schemas.md").write_text(text, encoding="utf-8")
     shutil.copyfile(schemas / "columns.md", src / "columns.md")
@@ -141,6 +159,25 @@ def unfit(schemas, run):
             validator = jsonschema.Draft202012Validator(json.loads(schema.read_text(encoding="utf-8")))
             for error in validator.iter_errors(json.loads(file.read_text(encoding="utf-8"))):
                 yield f"{file.name}: {error.json_path}: {error.message}"[:300]
+
+
+def unfit_configurations(program, schema):
+    """Files of this repository that the schema of scanbench.toml refuses, and wrong ones that it takes."""
+    validator = jsonschema.Draft202012Validator(json.loads(schema.read_text(encoding="utf-8")))
+    shipped = subprocess.run([program, "params"], check=True, capture_output=True, text=True).stdout
+    files = subprocess.run(["git", "ls-files", "*scanbench.toml"], cwd=ROOT, check=True, capture_output=True, text=True)
+    good = {"what `params` prints": shipped} | {it: (ROOT / it).read_text(encoding="utf-8") for it in files.stdout.split()}
+    for name, text in good.items():
+        for error in validator.iter_errors(tomllib.loads(text)):
+            yield f"{name}: {error.json_path}: {error.message}"[:300]
+    for text in WRONG_CONFIGURATIONS:
+        if validator.is_valid(tomllib.loads(text)):
+            yield f"the schema of scanbench.toml takes {text}"
+        # The program refuses it before it looks for the scan.
+        words = [program, "detect", "gone.bin", "-c", "/dev/stdin"]
+        said = subprocess.run(words, input=text, capture_output=True, text=True).stderr
+        if "line 1: " not in said:
+            yield f"{text} is not refused: {said}"
 
 
 def summary(pages):
@@ -220,7 +257,7 @@ def main(mdbook, program, schemas, rustdoc, folder):
         (src / page).write_text(text, encoding="utf-8")
     (src / "command-line.md").write_text(command_line(program, src), encoding="utf-8")
     (src / "gallery.md").write_text(gallery(program, src), encoding="utf-8")
-    files_of_runs(schemas, src)
+    files_of_runs(program, schemas, src)
     crates = "".join(f"- [{it.name}](rustdoc/{it.name}/index.html)\n" for it in crates_of(rustdoc))
     (src / "rustdoc.md").write_text(f"# Documentation of the code\n\n{crates}", encoding="utf-8")
     (src / "SUMMARY.md").write_text(summary(pages), encoding="utf-8")
@@ -229,7 +266,7 @@ def main(mdbook, program, schemas, rustdoc, folder):
     subprocess.run([mdbook, "build", folder], check=True)
     shutil.copytree(rustdoc, folder / "book" / "rustdoc")
     found, built = broken(folder / "book")
-    found += [*unfit(schemas, folder / "run")]
+    found += [*unfit(schemas, folder / "run"), *unfit_configurations(program, src / "schemas" / CONFIGURATION)]
     n_bytes = sum(it.stat().st_size for it in (folder / "book").rglob("*") if it.is_file())
     print("\n".join(found))
     print(f"{len(built)} pages, {n_bytes / 1e6:.1f} MB, {len(found)} problems: {folder}/book/index.html")

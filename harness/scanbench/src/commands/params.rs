@@ -5,6 +5,7 @@ use clap::Args;
 use detector::params::HIERARCHICAL_TOML;
 use detector::params::bounds::{Bounds, HIERARCHICAL_BOUNDS};
 use detector::params::paper::PAPER_TOML;
+use evaluation::run::config::config_schema;
 use evaluation::run::detector_list::{DETECTORS, ListedDetector};
 
 use crate::commands::failure::Failure;
@@ -17,15 +18,22 @@ pub struct ParamsArgs {
     /// Detectors; all that are built in if none is named
     #[arg(value_name = "NAME", value_parser = DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>())]
     pub detectors: Vec<String>,
+    /// Prints what scanbench.toml may hold, as a JSON schema for editors
+    #[arg(long, conflicts_with = "detectors")]
+    pub schema: bool,
 }
 
 const PARAMS_EXAMPLES: &str = "\
 Examples:
   scanbench params paper
-  scanbench params kd-tree pca > mine.toml      a file for -c, to be changed";
+  scanbench params kd-tree pca > mine.toml      a file for -c, to be changed
+  scanbench params --schema > scanbench.schema.json";
 
 /// Prints the parameters of detectors with their bounds and what is said of them, as a file for `-c`.
 pub fn params(arguments: &ParamsArgs) -> Result<(), Failure> {
+    if arguments.schema {
+        return print_result(format_args!("{:#}", config_schema()));
+    }
     let is_asked = |it: &&ListedDetector| {
         arguments.detectors.is_empty() || arguments.detectors.iter().any(|name| name == it.name)
     };

@@ -15,7 +15,7 @@ use crate::run::kept_names::kept;
 pub const DETECTOR_TABLE: &str = "detector";
 
 /// What a table of a detector may hold.
-const KEYS: [&str; 7] =
+pub(super) const KEYS: [&str; 7] =
     ["command", "results", "parameters", "start_limit_s", "time_limit_s", "threads", "vehicles"];
 /// Names that mean something else.
 pub const TAKEN_NAMES: [&str; 9] = [
@@ -30,13 +30,13 @@ pub const TAKEN_NAMES: [&str; 9] = [
     "nothing",
 ];
 /// How long a detector may take until it can be asked, unless the file says otherwise.
-const START_LIMIT: Duration = Duration::from_secs(30);
+pub(super) const START_LIMIT: Duration = Duration::from_secs(30);
 /// How long it may take for a scan.
-const TIME_LIMIT: Duration = Duration::from_secs(10);
+pub(super) const TIME_LIMIT: Duration = Duration::from_secs(10);
 /// Longest time limit, in seconds.
-const LONGEST_LIMIT_S: f64 = 3600.0;
+pub(super) const LONGEST_LIMIT_S: f64 = 3600.0;
 /// Most threads.
-const MOST_THREADS: i64 = 1024;
+pub(super) const MOST_THREADS: i64 = 1024;
 
 /// The detectors that the file at `path` defines in its table `written`, and the parameters of those that have any;
 /// `position_of` gives the position of a key in the file.

@@ -30,7 +30,8 @@ struct MatchingTable {
     tall_above_ground_m: f64,
 }
 
-const MATCHING_BOUNDS: &[Bounds] = &[
+/// Which values make sense.
+pub(super) const MATCHING_BOUNDS: &[Bounds] = &[
     Bounds::new("min_iou", 0.01, 1.0),
     Bounds::new("max_centre_distance_m", 0.01, 100.0),
     Bounds::new("max_range_m", 1.0, 1000.0),

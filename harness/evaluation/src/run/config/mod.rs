@@ -9,7 +9,9 @@ mod detector_table;
 mod override_file;
 pub mod override_option;
 pub mod run_config;
+mod config_schema;
 
+pub use config_schema::config_schema;
 pub use detector_table::{DETECTOR_TABLE, TAKEN_NAMES, check_name};
 pub use error::ConfigError;
 pub use run_config::RunConfig;

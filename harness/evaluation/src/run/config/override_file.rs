@@ -13,7 +13,7 @@ use super::value_problem::ValueProblem;
 use crate::run::foreign_detector::ForeignDetector;
 
 /// The table of names of classes, which are no parameters.
-const CLASSES: &str = "classes";
+pub(super) const CLASSES: &str = "classes";
 
 /// What a document says besides values of parameters.
 pub(super) struct Applied {

@@ -56,7 +56,7 @@ pub struct RunConfig {
 const VEHICLE_MODEL: &str = "vehicle_model";
 
 /// All parameters there are, with the values they have unless overridden.
-fn shipped() -> Table {
+pub(super) fn shipped() -> Table {
     let parse = |text: &str| text.parse::<Table>().expect("the embedded files are tested");
     let mut all = parse(PARAMS_TOML);
     all.insert("matching".to_owned(), Value::Table(parse(MATCHING_TOML)));
