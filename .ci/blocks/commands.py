@@ -13,25 +13,9 @@ from pathlib import Path
 
 from stamp import checksum, is_recorded, words_of
 
-# Wide enough that no table is folded.
-COLUMNS = "200"
-
-# What makes a run tiny: the options of each verb, which replace those that the command has.
-TINY = {
-    "run": {"--scans": "0..2"},
-    "ablation": {"--scans": "0..2"},
-    "boxes": {"--scans": "0..4"},
-    "sweep": {"--scans": "0..1", "--timed-scans": "0"},
-    "gaps": {"--pairs": "1"},
-    "robustness": {"--scans": "1"},
-    "reproduce": {"--scans": "0..2", "--settings": "2"},
-    "data": {"--simulated-scans": "4", "--against-scans": "0..4"},
-    "compare": {},
-}
-
 
 class CommandError(Exception):
-    """A command that did not end well."""
+    """A command that did not end well, or that left nothing of what is to be shown."""
 
 
 @dataclass
@@ -46,9 +30,8 @@ class Result:
 class Runner:
     """Runs commands of a checkout with its program, or finds what they left behind the last time."""
 
-    def __init__(self, root: Path, *, tiny: bool):
-        self.root, self.tiny = root, tiny
-        target = Path(os.environ["CARGO_TARGET_DIR"])
+    def __init__(self, root: Path):
+        self.root, target = root, Path(os.environ["CARGO_TARGET_DIR"])
         self.program, self.kept = target / "release" / "scanbench", target / "docs"
         self.data = os.environ.get("SCANBENCH_TEST_DATA")
 
@@ -61,15 +44,14 @@ class Runner:
 
     def check_accepted(self):
         """Refuses to go on if the program does anything else than the accepted run, by which blocks are stamped."""
-        tolerances = (self.root / "reports/golden/tolerances.toml").read_text()
+        accepted = self.root / "reports/golden"
         with tempfile.TemporaryDirectory() as scratch:
             # Whatever the load of the machine.
             quality, run = Path(scratch, "quality.toml"), Path(scratch, "run")
-            quality.write_text(re.sub(r"^\[speed\].*", "", tolerances, flags=re.MULTILINE | re.DOTALL))
+            quality.write_text(re.sub(r"^\[speed\].*", "", (accepted / "tolerances.toml").read_text(), flags=re.M | re.S))
             golden = ["bash", "-c", 'source .ci/preamble && GOLDEN_REPEATS=1 accepted_run "$1"', "golden", run]
             subprocess.run(golden, cwd=self.root, check=True, capture_output=True)
-            accepted, verdict = self.root / "reports/golden", Path(scratch, "verdict")
-            arguments = [self.program, "gate", run, "-b", accepted, "-t", quality, "-o", verdict]
+            arguments = [self.program, "gate", run, "-b", accepted, "-t", quality, "-o", Path(scratch, "verdict")]
             ended = subprocess.run(arguments, cwd=self.root, capture_output=True, text=True, check=False)
         if ended.returncode != 0:
             said = (ended.stdout.splitlines() or ended.stderr.splitlines() or [""])[0]
@@ -81,10 +63,12 @@ class Runner:
         return [self.run_one(it, outputs) for it in commands]
 
     def run_one(self, command: str, outputs: dict[str, Path]) -> Result:
-        words, output = taken_out(words_of(command), "-o")
+        words, output = words_of(command), None
+        if "-o" in words:
+            index = words.index("-o")
+            _, output = words[index : index + 2]
+            del words[index : index + 2]
         words = [self.located(it, outputs) for it in words]
-        if self.tiny:
-            words = tiny(words)
         # Of this very program, whatever is shown of it, now or in another block.
         files = [(self.root / it).read_text() for it in words if it.endswith(".toml") and (self.root / it).is_file()]
         directory = self.kept / checksum(json.dumps([words, files, self.of_program]).encode())
@@ -109,29 +93,12 @@ class Runner:
         print(f"  $ {command}", flush=True)
         shutil.rmtree(directory, ignore_errors=True)
         directory.mkdir(parents=True)
-        output = [] if words[0] == "compare" else ["-o", directory / "out"]
+        arguments = [self.program, *words, *([] if words[0] == "compare" else ["-o", directory / "out"])]
         with (directory / "printed.txt").open("w") as printed, (directory / "said.txt").open("w") as said:
-            environment = os.environ | {"COLUMNS": COLUMNS}
-            arguments = [self.program, *words, *output]
+            # Wide enough that no table is folded.
+            environment = os.environ | {"COLUMNS": "200"}
             ended = subprocess.run(arguments, cwd=self.root, env=environment, stdout=printed, stderr=said, check=False)
         if ended.returncode != 0:
             last = (directory / "said.txt").read_text().strip().splitlines()[-3:]
             raise CommandError(f"{command}: exit code {ended.returncode}: {' '.join(last)}")
         (directory / "command.txt").write_text(shlex.join(words) + "\n")
-
-
-def taken_out(words: list[str], option: str) -> tuple[list[str], str | None]:
-    """The words without an option and its value, and the value."""
-    if option not in words:
-        return words, None
-    index = words.index(option)
-    return words[:index] + words[index + 2 :], words[index + 1]
-
-
-def tiny(words: list[str]) -> list[str]:
-    for option, value in TINY[words[0]].items():
-        words = [*taken_out(words, option)[0], option, value]
-    if words[0] != "data" and "--simulated-scans" in words:
-        words = [*taken_out(words, "--simulated-scans")[0], "--simulated-scans", "4"]
-    # Every fourth value of a sweep.
-    return [re.sub(r"^(\w+=0\.2:2\.0):0\.1$", r"\1:0.4", it) for it in words]

@@ -1,7 +1,6 @@
 """Makes generated blocks of pages again. Called by `.ci/docs`, which says how."""
 
 import argparse
-import shutil
 import signal
 import subprocess
 import sys
@@ -9,13 +8,14 @@ from pathlib import Path
 
 from commands import CommandError, Runner
 from page import Block, PageError, join, not_shown, split
-from shows import SHOWS, ShowError, Shown
+from shows import SHOWS
 from stamp import sources
 
 ROOT = Path(__file__).resolve().parents[2]
+Pages = dict[Path, list[str | Block]]
 
 
-def pages(root: Path, names: list[str]) -> dict[Path, list[str | Block]]:
+def pages(root: Path, names: list[str]) -> Pages:
     """The pages that have generated blocks, or those of these names, in parts."""
     paths = [Path("README.md"), *sorted(it.relative_to(root) for it in (root / "docs").glob("*.md"))]
     known = {it: split(it, (root / it).read_text()) for it in paths}
@@ -40,7 +40,7 @@ def why_stale(root: Path, block: Block) -> list[str]:
     return ["of other results"] * is_other + ["edited by hand"] * (block.content != block.content_now(root))
 
 
-def list_stale(root: Path, parted: dict[Path, list[str | Block]]) -> int:
+def list_stale(root: Path, parted: Pages) -> int:
     """Prints what is stale and why; returns the exit code."""
     blocks = [it for parts in parted.values() for it in parts[1::2]]
     stale = [(block, changed) for block in blocks if (changed := why_stale(root, block))]
@@ -54,17 +54,18 @@ def list_stale(root: Path, parted: dict[Path, list[str | Block]]) -> int:
     return 1 if stale else 0
 
 
-def make(root: Path, into: Path, runner: Runner, block: Block):
-    """Runs the commands of a block and puts what they gave into it; writes its pictures below `into`."""
+def make(root: Path, runner: Runner, block: Block):
+    """Runs the commands of a block and puts what they gave into it; writes its pictures."""
     name, *arguments = block.shows
-    shown: Shown = SHOWS[name](runner.run(block.commands), *arguments)
-    for file, content in shown.files.items():
-        (into / block.page.parent / file).write_bytes(content)
-    block.body = shown.text.strip()
-    block.sources, block.content = sources(root, block.commands, block.shows), block.content_now(into)
+    shown = SHOWS[name](runner.run(block.commands), *arguments)
+    text, files = shown if isinstance(shown, tuple) else (shown, {})
+    for file, content in files.items():
+        (root / block.page.parent / file).write_bytes(content)
+    block.body = text.strip()
+    block.sources, block.content = sources(root, block.commands, block.shows), block.content_now(root)
 
 
-def make_all(root: Path, into: Path, parted: dict[Path, list[str | Block]], runner: Runner, *, everything: bool) -> int:
+def make_all(root: Path, parted: Pages, runner: Runner, *, everything: bool) -> int:
     """Makes stale blocks, or all; returns the exit code."""
     n_made, left = 0, []
     for page, parts in parted.items():
@@ -76,22 +77,14 @@ def make_all(root: Path, into: Path, parted: dict[Path, list[str | Block]], runn
                 continue
             print(f"{block.name}: {block.shows[0]}", flush=True)
             try:
-                make(root, into, runner, block)
-            except (CommandError, ShowError) as error:
+                make(root, runner, block)
+            except CommandError as error:
                 left.append(f"failed: {block.name}: {error}")
                 continue
             n_made += 1
-            (into / page).write_text(join(parts))
+            (root / page).write_text(join(parts))
     print("\n  ".join([f"{n_made} blocks made, {len(left)} skipped or failed", *left]))
     return 1 if any(it.startswith("failed") for it in left) else 0
-
-
-def copied(root: Path, folder: Path, pages: list[Path]) -> Path:
-    """A folder with the same pages and pictures, to try things on."""
-    (folder / "docs").mkdir(parents=True, exist_ok=True)
-    for it in [*pages, *[it.relative_to(root) for it in (root / "docs").glob("*.[ps][nv]g")]]:
-        shutil.copyfile(root / it, folder / it)
-    return folder
 
 
 def main(words: list[str], root: Path = ROOT) -> int:
@@ -99,18 +92,15 @@ def main(words: list[str], root: Path = ROOT) -> int:
     parser.add_argument("pages", nargs="*", metavar="PAGE", help="pages by name, as `robustness`; all if left out")
     parser.add_argument("--check", action="store_true", help="list what is stale, and fail if anything is")
     parser.add_argument("--all", action="store_true", help="make every block, stale or not")
-    parser.add_argument("--try", dest="folder", type=Path, help="make every block with tiny runs, in a copy in FOLDER")
     arguments = parser.parse_args(words)
     try:
         parted = pages(root, arguments.pages)
         if arguments.check:
             return list_stale(root, parted)
         subprocess.run(["cargo", "build", "--release", "--quiet", "--bin", "scanbench"], cwd=root, check=True)
-        runner = Runner(root, tiny=bool(arguments.folder))
-        if not runner.tiny:
-            runner.check_accepted()
-        into = copied(root, arguments.folder, list(parted)) if runner.tiny else root
-        return make_all(root, into, parted, runner, everything=arguments.all or runner.tiny)
+        runner = Runner(root)
+        runner.check_accepted()
+        return make_all(root, parted, runner, everything=arguments.all)
     except (CommandError, PageError, ValueError, subprocess.CalledProcessError) as error:
         print(error, file=sys.stderr)
         return 2
