@@ -7,20 +7,28 @@ Markdown, and if this shows a picture, the bytes of it by the path beside the pa
 import csv
 import json
 import re
-import shlex
 import subprocess
 import tempfile
 from collections import Counter, defaultdict
 from pathlib import Path
 from statistics import mean, median_low, stdev
+from typing import NamedTuple
 
-from commands import CommandError, Result
-from stamp import words_of
-
-CI = Path(__file__).resolve().parents[1]
 DASH = "–"
 TASKS = ("objects", "vehicles")
 Row = dict[str, str]
+
+
+class Result(NamedTuple):
+    """What a command left behind."""
+
+    command: str
+    directory: Path
+    printed: str
+
+
+class CommandError(Exception):
+    """A command that did not end well, or that left nothing of what is to be shown."""
 
 
 def left(result: Result, name: str) -> Path:
@@ -148,7 +156,7 @@ def compared_detectors(results: list[Result]) -> str:
 
 def compared_runs(results: list[Result], *parts: str) -> str:
     """What each part is worth to each detector: a `compare` for each of them holds a run without it against the whole one."""
-    found = [differences(it) for it in results if words_of(it.command)[0] == "compare"]
+    found = [differences(it) for it in results if it.command.startswith("scanbench compare ")]
     if len(found) != len(parts):
         raise CommandError(f"{len(parts)} names for {len(found)} comparisons")
     tasks, detectors = (list(dict.fromkeys(it)) for it in zip(*(subject for it in found for subject in it)))
@@ -392,21 +400,21 @@ def picture(results: list[Result], source: str, target: str, words: str) -> tupl
 
 def viewer(results: list[Result], target: str, words: str) -> tuple[str, dict[str, bytes]]:
     """The recording of a run as the Rerun viewer shows it."""
-    return taken([CI / "recordings/picture", left(results[0], "run.rrd")], target, words)
+    return taken("recordings", left(results[0], "run.rrd"), target, words)
 
 
 def report_page(results: list[Result], target: str, words: str) -> tuple[str, dict[str, bytes]]:
     """The page of a run as a browser shows it, light and dark."""
-    return taken([CI / "page/picture", left(results[0], "report.html")], target, words)
+    return taken("page", left(results[0], "report.html"), target, words)
 
 
-def taken(command: list[Path], target: str, words: str) -> tuple[str, dict[str, bytes]]:
+def taken(by: str, of: Path, target: str, words: str) -> tuple[str, dict[str, bytes]]:
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "picture.png"
-        ended = subprocess.run([*command, path], capture_output=True, text=True, check=False)
+        command, path = Path(__file__).resolve().parents[1] / by / "picture", Path(folder) / "picture.png"
+        ended = subprocess.run([command, of, path], capture_output=True, text=True, check=False)
         if ended.returncode != 0 or not path.is_file():
             last = (ended.stdout + ended.stderr).strip().splitlines()[-3:]
-            raise CommandError(f"{shlex.join(map(str, command))}: {' '.join(last)}")
+            raise CommandError(f"{command} {of}: {' '.join(last)}")
         return f"![{words}]({target})", {target: path.read_bytes()}
 
 

@@ -10,10 +10,9 @@ from pathlib import Path
 from unittest import mock
 
 import docs
-import shows
-from commands import CommandError, Result, Runner
-from page import PageError, join, not_shown, split
-from stamp import sources
+from blocks import Block, PageError, join, not_shown, split
+from docs import Runner
+from shows import SHOWS, CommandError, Result
 
 PAGE = """# A page
 
@@ -113,7 +112,8 @@ class Pages(unittest.TestCase):
 
     def test_only_what_decides_results_changes_the_stamp(self):
         root = checkout(self)
-        stamp = lambda command="scanbench run --plan docs/sweep.toml", shown="file": sources(root, [command], [shown])
+        plan = "scanbench run --plan docs/sweep.toml"
+        stamp = lambda command=plan, shown="file": Block(Path(), 1, [command], [shown], "").sources_now(root)
         before = stamp()
         for path, text, is_changed in [
             ("detector/src/cells.rs", "pub fn squares() {}\n", False),
@@ -348,7 +348,7 @@ class Shown(unittest.TestCase):
             results = [*of_pairs, Result("scanbench compare a b", folder, files.get("printed", ""))]
             with self.subTest(name):
                 try:
-                    text = shows.SHOWS[show](results, *words)
+                    text = SHOWS[show](results, *words)
                 except CommandError as error:
                     self.assertTrue(expected is CommandError or expected == str(error), error)
                 else:
