@@ -7,9 +7,9 @@ import subprocess
 
 
 def run(*words, cwd=None, environment=os.environ):
-    """What a command prints, which has to succeed."""
+    """What a command prints, which has to succeed, and within an hour."""
     words = [str(it) for it in words]
-    ended = subprocess.run(words, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
+    ended = subprocess.run(words, cwd=cwd, env=environment, capture_output=True, text=True, check=False, timeout=3600)
     if ended.returncode != 0:
         raise RuntimeError(f"{words} ended with {ended.returncode}\n{ended.stdout[-2000:]}{ended.stderr[-2000:]}")
     return ended.stdout + ended.stderr
