@@ -1,7 +1,7 @@
 """Does what CI servers do with the action, the job for GitLab and the written workflow: check.py SCANBENCH WORKSPACE
 
-Every step is taken from its file, with the environment that the server would give it. What is fetched from elsewhere, such as
-other actions and wheels, is not: an upload only has to find its files.
+Every step is taken from its file, with the environment that the server would give it. What is fetched from elsewhere, such
+as other actions and wheels, is not: an upload only has to find its files.
 """
 
 import hashlib
@@ -46,7 +46,8 @@ class Server:
         self.path = f"{programs}:{os.environ['PATH']}"
 
     def bash(self, script: str, **variables: str) -> subprocess.CompletedProcess[str]:
-        kept = {it: os.environ[it] for it in ("HOME", "LANG", "CARGO_HOME", "RUSTUP_HOME", "CARGO_TARGET_DIR") if it in os.environ}
+        names = {"HOME", "LANG", "CARGO_HOME", "RUSTUP_HOME", "CARGO_TARGET_DIR"}
+        kept = {name: value for name, value in os.environ.items() if name in names}
         command = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", script]
         environment = kept | {"PATH": self.path} | variables
         return subprocess.run(command, cwd=self.workspace, env=environment, capture_output=True, text=True, check=False)

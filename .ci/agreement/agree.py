@@ -60,8 +60,8 @@ def measured(criterion: str, annotated: list[Row], found: list[Row]) -> Floats:
     common, sizes = shapely.area(shapely.intersection(plans[0][:, None], plans[1])), [shapely.area(it) for it in plans]
     if criterion == "iou-3d":
         sizes = [np.prod(np.array(it)[:, 3:6], axis=1) for it in (a, b)]
-        (low_a, high_a), (low_b, high_b) = ([[box[2] + half * box[5] for box in it] for half in (-0.5, 0.5)] for it in (a, b))
-        common *= np.maximum(np.minimum.outer(high_a, high_b) - np.maximum.outer(low_a, low_b), 0.0)
+        bottoms, tops = ([[box[2] + half * box[5] for box in it] for it in (a, b)] for half in (-0.5, 0.5))
+        common *= np.maximum(np.minimum.outer(*tops) - np.maximum.outer(*bottoms), 0.0)
     return common / (np.add.outer(*sizes) - common)
 
 

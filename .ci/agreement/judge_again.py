@@ -47,6 +47,8 @@ COUNTED = {
     "unknowable_detections": ("detection", "unknowable"),
 }
 SLICES = ("tall", "truncated")
+# Data set, drive, number of the scan, detector, task.
+ScanKey = tuple[str, ...]
 # The outcome of the row that is damaged, what it is then, and the columns that say so; no row is lost.
 DAMAGES = [
     ("matched", "missed", lambda row: {"outcome": "missed"}),
@@ -71,7 +73,7 @@ def is_near(a: np.ndarray | None, b: np.ndarray | None) -> bool:
 
 @dataclass(frozen=True)
 class Judged:
-    """One scan, detector and task: read and judged with edges as they are, and with all of them moved in and out a little."""
+    """One scan, detector and task: read and judged with edges as they are, and with all moved in and out a little."""
 
     name: str
     scans: list[Scan]
@@ -125,7 +127,8 @@ class Judged:
                     is_known = outcome.kind != "ignored" or row["reason"] in outcome.reasons
                     check(is_known, key, outcome, row["reason"])
             if row is not None and side == "detection":
-                check(self.n_points[idx] == int(row["detection_n_points"]), key, self.n_points[idx], row["detection_n_points"])
+                n_points, theirs = self.n_points[idx], row["detection_n_points"]
+                check(n_points == int(theirs), key, n_points, theirs)
             if row is not None and side == "annotation":
                 self.compare_annotation(idx, row, outcome, check)
         self.compare_counts(scan_row, check)
@@ -173,7 +176,7 @@ class Judged:
         return found
 
 
-def compare_slices(judged: dict[tuple[str, ...], Judged], report: dict, failures: Failures) -> Counter[tuple[str, str]]:
+def compare_slices(judged: dict[ScanKey, Judged], report: dict, failures: Failures) -> Counter[tuple[str, str]]:
     """Compares the slices of report.json; gives what they add up to."""
     ours, n_left_out, total = Counter(), Counter(), Counter()
     for (dataset, _, _, detector, task), it in judged.items():
@@ -188,7 +191,7 @@ def compare_slices(judged: dict[tuple[str, ...], Judged], report: dict, failures
     return total
 
 
-def judge_scan(scanbench: str, of: Run, name: str, dataset: Dataset, drive: str, number: int) -> dict[tuple[str, ...], Judged]:
+def judge_scan(scanbench: str, of: Run, name: str, dataset: Dataset, drive: str, number: int) -> dict[ScanKey, Judged]:
     """Judges one scan for all detectors and tasks."""
     read = dataset.read(drive, number)
     scans = [read(slack) for slack in (0.0, -SLACK, SLACK)]
@@ -211,7 +214,7 @@ def judge_scan(scanbench: str, of: Run, name: str, dataset: Dataset, drive: str,
     return judged
 
 
-def compare_run(of: Run, judged: dict[tuple[str, ...], Judged], failures: Failures) -> Counter[str]:
+def compare_run(of: Run, judged: dict[ScanKey, Judged], failures: Failures) -> Counter[str]:
     failures.check(of.scans.keys() == judged.keys(), f"{of.path}: scans.csv has other rows than were judged again")
     common = of.scans.keys() & judged.keys()
     return sum((judged[key].compare(of.matches.get(key, []), of.scans[key], failures) for key in common), Counter())
@@ -244,7 +247,7 @@ def check_source(
     check_damage(of, judged, len(undamaged), failures)
 
 
-def check_damage(of: Run, judged: dict[tuple[str, ...], Judged], n_undamaged: int, failures: Failures) -> None:
+def check_damage(of: Run, judged: dict[ScanKey, Judged], n_undamaged: int, failures: Failures) -> None:
     """Every kind of damage that the rows allow has to be found."""
 
     def is_judged(row: Row) -> bool:
@@ -266,10 +269,10 @@ def check_damage(of: Run, judged: dict[tuple[str, ...], Judged], n_undamaged: in
 
 
 def check_conversion(originals: Run, name: str, converted: Dataset, failures: Failures) -> int:
-    """Holds the scans of data set `name`, as we read them, against the rows of the originals; gives the number of annotations.
+    """Holds the scans of data set `name`, as we read them, against rows of the originals; gives the number of annotations.
 
-    KITTI tracking keeps classes, tracks and boxes, in order, and SemanticKITTI, which numbers the scans of a drive anew, which
-    points are an object.
+    KITTI tracking keeps classes, tracks and boxes, in order, and SemanticKITTI, which numbers the scans of a drive anew,
+    which points are an object.
     """
     keeps_points = (Path(converted.root) / "sequences").is_dir()
     n_annotations, n_of_drive = 0, Counter()

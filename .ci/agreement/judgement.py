@@ -86,7 +86,7 @@ def tall_objects(scan: Scan) -> set[int]:
 
 
 def ground_around_m(extent: Floats, free_m: Floats, slack_m: float) -> float:
-    """The median, of the four sides of an object, of the lower quartile of the points there; infinite if there are too few."""
+    """The median, of the four sides of an object, of the lower quartile of the points there; infinite if they are few."""
     near_m = free_m[indices_around(free_m, extent, GROUND_WITHIN_M + 1.0)]
     along, across = along_across_m(extent, near_m)
     beyond = [np.maximum(np.abs(it) - size / 2, 0) for it, size in ((along, extent[3]), (across, extent[4]))]

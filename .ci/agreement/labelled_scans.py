@@ -1,11 +1,12 @@
-"""Scans with their ground truth, read from the layouts of KITTI and SemanticKITTI, as published and as scanbench writes them.
+"""Scans with their ground truth, read from the layouts of KITTI and SemanticKITTI, as published and as scanbench writes
+them.
 
-Everything is in the frame of the sensor, x forward, y left, z up, in metres. A box is a row of seven numbers: its centre, its
-length along the heading, its width and height, and the yaw.
+Everything is in the frame of the sensor, x forward, y left, z up, in metres. A box is a row of seven numbers: its centre,
+its length along the heading, its width and height, and the yaw.
 
-Programs round differently. So a scan is read as a function of the slack, by which every edge that decides something (face of
-a box, rim of the image, cell, range) is moved out, in metres or pixels: what is the same however edges move does not depend on
-rounding.
+Programs round differently. So a scan is read as a function of the slack, by which every edge that decides something (face
+of a box, rim of the image, cell, range) is moved out, in metres or pixels: what is the same however edges move does not
+depend on rounding.
 """
 
 import json
@@ -130,7 +131,7 @@ def indices_around(points_m: Floats, box: Floats, margin_m: float) -> Indices:
 
 
 def points_of_boxes(points_m: Floats, boxes: list[Floats]) -> Callable[[float], list[Indices]]:
-    """The points of each box by the slack; a point in several belongs to the one of least volume, of equal ones to the first."""
+    """The points of each box by the slack; one in several is of that of least volume, of equal ones of the first."""
     near = []
     for box in boxes:
         indices = indices_around(points_m, box, 1.0)
@@ -210,7 +211,7 @@ def kitti(folder: Path) -> Dataset:
         pixels, size_px = in_camera[:, :2] / np.where(depth == 0, np.nan, depth)[:, None], np.array(image_size_px(images))
 
         def regions(points: list[Indices], slack: float) -> NDArray[np.uint8]:
-            """Outside is what is behind the camera or beside the image; unscorable what is in a DontCare and in no object."""
+            """Outside is what is behind the camera or beside the image; unscorable what is in a DontCare, in no object."""
             if labelled == "per-point" and (file := root / f"point_region/{name}.u8").exists():
                 return np.fromfile(file, np.uint8)
             found = np.full(len(points_m), Region.LABELLED, np.uint8)

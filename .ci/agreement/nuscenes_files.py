@@ -41,7 +41,7 @@ def cloud_of(sample: str) -> str:
 
 
 def records_of(boxes: pd.DataFrame, egos: dict[str, np.ndarray]) -> list[Record]:
-    """Boxes of a table of protocol_numbers.py: what annotations and detections have in common. `egos` are where the car was."""
+    """Boxes of a table of protocol_numbers.py, as annotations and detections have them. `egos` are where the car was."""
     return [
         {"sample_token": it["scan"], "size": [it["width"], it["length"], it["height"]]}
         | pose(egos[it["scan"]] + [it["x"], it["y"], it["z"]], upright(it["yaw"]))
@@ -80,8 +80,8 @@ def write_tables(
             tables["sample_data"].append({"token": f"data{sample}", "is_key_frame": True} | at | of_sample | file)
     last: dict[str, Record] = {}
     for index, given in enumerate(annotations):
-        known = {"attribute_tokens": [], "num_lidar_pts": 0, "num_radar_pts": 0, "visibility_token": "4", "prev": "", "next": ""}
-        record = known | given | {"token": f"label{index}", "instance_token": given["thing"]}
+        known = {"attribute_tokens": [], "num_lidar_pts": 0, "num_radar_pts": 0, "prev": "", "next": ""}
+        record = known | given | {"token": f"label{index}", "instance_token": given["thing"], "visibility_token": "4"}
         if given["thing"] in last:
             record["prev"], last[given["thing"]]["next"] = last[given["thing"]]["token"], record["token"]
         else:

@@ -1,8 +1,9 @@
 """Holds the numbers of `--protocol argoverse2` against av2: protocol_argoverse2.py SCANBENCH FOLDER [LOGS]
 
 On simulated streets: what detectors of ours found there. On made-up logs and, if there are any, on recorded ones: made-up
-detections, and those of a detector of ours. Of boxes with scores alike av2 takes those of the first sweep first, and within a
-sweep those that come first in the table as long as there are few; so it is given tables in the order that scanbench makes.
+detections, and those of a detector of ours. Of boxes with scores alike av2 takes those of the first sweep first, and within
+a sweep those that come first in the table as long as there are few; so it is given tables in the order that scanbench
+makes.
 """
 
 import sys

@@ -1,7 +1,7 @@
 """Numbers of `--protocol` as a run leaves them, held against what a maker's program says of the same boxes.
 
-A table of boxes has a row for each, in the frame of the car of its scan: scan, class, x, y, z, length, width, height, yaw, vx,
-vy, attribute; annotations have n_points, detections a score.
+A table of boxes has a row for each, in the frame of the car of its scan: scan, class, x, y, z, length, width, height, yaw,
+vx, vy, attribute; annotations have n_points, detections a score.
 """
 
 import math
@@ -73,7 +73,9 @@ def numbers_of(folder: Path, protocol: str) -> dict[str, Numbers]:
     return numbers
 
 
-def numbers_of_tables(scanbench: str, data: Path, protocol: str, tables: dict[str, Path], folder: Path) -> dict[str, Numbers]:
+def numbers_of_tables(
+    scanbench: str, data: Path, protocol: str, tables: dict[str, Path], folder: Path
+) -> dict[str, Numbers]:
     """Those of files of detections, by name; each of a pair that differs in its order alone has the same."""
     given = [word for name, path in tables.items() for word in ("--detections", f"{name}={path}")]
     options = ["-d", ",".join(tables), "--protocol", protocol, "--missing-detections", "empty", "-o", folder / "run"]

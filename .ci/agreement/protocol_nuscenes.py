@@ -1,10 +1,11 @@
-"""Holds the numbers of `--protocol nuscenes`, and what is read, against nuscenes-devkit: protocol_nuscenes.py SCANBENCH FOLDER
+"""Holds the numbers of `--protocol nuscenes`, and what is read, against nuscenes-devkit: protocol_nuscenes.py SCANBENCH
+FOLDER
 
-The scenes that `nuscenes-val` has are those of the devkit. Points and boxes of a drawn scene, with a car and a lidar that are
-tilted, are those of the devkit. So are numbers on simulated streets, brought into the layout of nuScenes box by box, of what
-detectors of ours found there; and on a made-up data set, of made-up submissions and of the labels themselves. The devkit
-cannot read a submission without any box. Where scores are alike the devkit takes the last of its list first, and so it is
-given lists in the opposite order of scanbench.
+The scenes that `nuscenes-val` has are those of the devkit. Points and boxes of a drawn scene, with a car and a lidar that
+are tilted, are those of the devkit. So are numbers on simulated streets, brought into the layout of nuScenes box by box, of
+what detectors of ours found there; and on a made-up data set, of made-up submissions and of the labels themselves. The
+devkit cannot read a submission without any box. Where scores are alike the devkit takes the last of its list first, and so
+it is given lists in the opposite order of scanbench.
 """
 
 import math
@@ -152,7 +153,8 @@ def check_reading(scanbench: str, folder: Path) -> None:
         path, of_devkit, _ = tables.get_sample_data(f"data{sample}")
         right, forward, up, intensity = LidarPointCloud.from_file(path).points
         found = points(converted, number)
-        assert np.array_equal(found[:, :3], np.column_stack([forward, -right, up])) and np.allclose(found[:, 3], intensity / 255)
+        assert np.array_equal(found[:, :3], np.column_stack([forward, -right, up]))
+        assert np.allclose(found[:, 3], intensity / 255)
         expected = []
         for it in of_devkit:
             (right, forward, up), (width, length, height), heading = it.center, it.wlh, it.orientation.rotate([1, 0, 0])

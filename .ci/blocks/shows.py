@@ -155,7 +155,7 @@ def compared_detectors(results: list[Result]) -> str:
 
 
 def compared_runs(results: list[Result], *parts: str) -> str:
-    """What each part is worth to each detector: a `compare` for each of them holds a run without it against the whole one."""
+    """What each part is worth to each detector: a `compare` for each holds a run without it against the whole one."""
     found = [differences(it) for it in results if it.command.startswith("scanbench compare ")]
     if len(found) != len(parts):
         raise CommandError(f"{len(parts)} names for {len(found)} comparisons")
@@ -172,7 +172,7 @@ def gain(difference: Row | None) -> str:
 
 
 def ablation_rates(results: list[Result]) -> str:
-    """The F-rate on simulated data and the recall on recorded ones, of variants of a method and of the detectors of a run."""
+    """The F-rate on simulated data and the recall on recorded ones, of variants of a method and of detectors of a run."""
     ablation, *runs = results
     others = [it for run in runs for it in rows(run, "table_objects.csv", source="measured")]
     others = [it | {"variant": f"*{it['detector']}*"} for it in others if it["detector"] != "hierarchical"]

@@ -232,7 +232,9 @@ measured,overall,grid,9,0.5,0.5,0.5,0.4,0.6,12.3,true
 """
 RATES_SHOWN = "| grid | 50.0 | 40.0 to 60.0§ | 50.0 | 50.0 | 50.0 | 40.0 to 60.0§ | 50.0 | 50.0 | 12 |\n\n"
 RATES_SHOWN += "Rates in %, of 9 annotated objects and 9 vehicles."
-BY_DATASET = "source,dataset,origin,detector,no,recall,f_rate\nmeasured,kitti,recorded,grid,{}\nmeasured,kitti,recorded,tree,{}\n"
+BY_DATASET = """source,dataset,origin,detector,no,recall,f_rate
+measured,kitti,recorded,grid,{}\nmeasured,kitti,recorded,tree,{}
+"""
 COMPARED = """| task | detector | slice | metric | before | after | difference | 95 % | detectable |
 | :-- |
 | objects | grid | all | f_rate \\[%] | 1 | 2 | +0.47 | −0.24 to +1.17 | 1.12 |
@@ -281,7 +283,8 @@ SHOWN = {
         "1 claims (holds under some readings: 1).\n\n| claim | printed | here | verdict |\n| :-- | :-- | :-- | :-- |\n"
         "| It leads. | 83 | 1; -1 | holds under some readings (by centre); 1 of 9 settings |"),
     "changes are against the first condition": (
-        "condition-changes grid", {"robustness.csv": CONDITIONS}, "| --: |\n| weather | rain | −10.0 |\n| weather | hail | – |"),
+        "condition-changes grid", {"robustness.csv": CONDITIONS},
+        "| --: |\n| weather | rain | −10.0 |\n| weather | hail | – |"),
     "counts are summed before a ratio is taken": (
         "ablation-rates", {"ablation.csv": ABLATION},
         "| whole | 50.0 | 75.0 |\n\n40 simulated annotations, 4 recorded ones."),

@@ -59,8 +59,9 @@ def problems(texts):
             to = os.path.normpath(Path(file).parent / path) if path else file
             if re.match(r"[a-z+]+:", target):
                 continue
-            if to.startswith("../") or to not in known:
-                found.append(f"{file}: the link {target} leads {'out of the repository' if to.startswith('../') else 'nowhere'}")
+            if to not in known:
+                where = "out of the repository" if to.startswith("../") else "nowhere"
+                found.append(f"{file}: the link {target} leads {where}")
                 continue
             # A folder shows its pages.
             links[file] += [to, *(page for page in pages if str(Path(page).parent) == to)]

@@ -48,7 +48,8 @@ def check_tables(scanbench, scratch: Path):
         given[TURN] = np.column_stack([np.cos(yaw / 2), np.zeros((n, 2)), np.sin(yaw / 2)])
         given["score"] = random.uniform(-3, 3, n)
         given.to_feather(scratch / f"{compression}.feather", compression=compression)
-        run = ["run", root, "-d", "found", "--detections", f"found={scratch / compression}.feather", "-P", "matching.min_points=1"]
+        run = ["run", root, "-d", "found", "-P", "matching.min_points=1"]
+        run += ["--detections", f"found={scratch / compression}.feather"]
         for output in ["csv", "argoverse2"]:
             written = ["--detections-out", scratch / f"{compression}-{output}", "--as", output]
             scanbench(*run, "--no-rrd", "-o", scratch / f"{compression}-run-{output}", *written)

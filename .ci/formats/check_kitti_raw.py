@@ -53,8 +53,8 @@ def write_labels(path: Path, random):
     add = lambda to, **values: [setattr(ElementTree.SubElement(to, name), "text", str(it)) for name, it in values.items()]
     add(tracklets, count=12, item_version=1)
     for _ in range(12):
-        item, name, first = ElementTree.SubElement(tracklets, "item"), random.choice(list(CLASSES)), random.integers(0, N_SCANS)
-        height, width, length = random.uniform(1, 5, 3)
+        item, name = ElementTree.SubElement(tracklets, "item"), random.choice(list(CLASSES))
+        first, (height, width, length) = random.integers(0, N_SCANS), random.uniform(1, 5, 3)
         n_poses = random.integers(1, N_SCANS - first + 1)
         add(item, objectType=name, h=height, w=width, l=length, first_frame=first)
         poses = ElementTree.SubElement(item, "poses")
@@ -100,5 +100,6 @@ def check_read(scanbench, scratch: Path):
     in_camera = image_from_velodyne @ np.column_stack([cloud, np.ones(len(cloud))]).T
     pixels = in_camera[:2] / in_camera[2]
     seen = (in_camera[2] > 0) & (pixels >= 0).all(0) & (pixels[0] < 1242) & (pixels[1] < 375)
-    assert len(regions) == len(seen) and len(set(zip(seen, regions))) == 2 and 50 < seen.sum() < 1000, set(zip(seen, regions))
+    pairs = set(zip(seen, regions, strict=True))
+    assert len(pairs) == 2 and 50 < seen.sum() < 1000, pairs
     return f"{N_SCANS} scans, poses and views of a drawn drive as pykitti has them, {sum(map(len, labels))} boxes"

@@ -17,7 +17,7 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
-OFFICIAL = {"foxglove.PointCloud": PointCloud, "foxglove.SceneUpdate": SceneUpdate, "foxglove.FrameTransform": FrameTransform}
+OFFICIAL = {f"foxglove.{it.__name__}": it for it in (PointCloud, SceneUpdate, FrameTransform)}
 
 POINT_CLOUD_2 = """std_msgs/Header header
 uint32 height
@@ -128,7 +128,8 @@ def check_read(scanbench, scratch: Path):
     """Clouds written by mcap-ros2-support: scanbench finds the same points."""
     random = np.random.default_rng(5)
     expected = []
-    layout = [("z", "<f4", 0, 7), ("y", "<f4", 4, 7), ("ring", "<u2", 8, 4), ("intensity", "<f4", 12, 7), ("x", "<f8", 16, 8)]
+    layout = [("z", "<f4", 0, 7), ("y", "<f4", 4, 7), ("ring", "<u2", 8, 4), ("intensity", "<f4", 12, 7)]
+    layout.append(("x", "<f8", 16, 8))
     names, types, offsets, _ = zip(*layout)
     point = np.dtype({"names": names, "formats": types, "offsets": offsets, "itemsize": 24})
     with open(scratch / "ros.mcap", "wb") as stream:
@@ -141,11 +142,12 @@ def check_read(scanbench, scratch: Path):
             data["x"], data["y"], data["z"], data["intensity"] = cloud.T
             message = {
                 "header": {"stamp": {"sec": 0, "nanosec": number * 10**8}, "frame_id": "lidar"},
-                "fields": [{"name": name, "offset": offset, "datatype": kind, "count": 1} for name, _, offset, kind in layout],
+                "fields": [{"name": it[0], "offset": it[2], "datatype": it[3], "count": 1} for it in layout],
                 "height": n_rows, "width": n_columns, "point_step": 24, "row_step": 24 * n_columns,
                 "is_bigendian": False, "is_dense": True, "data": data.tobytes(),
             }  # fmt: skip
-            writer.write_message("/top", schema, message, log_time=number * 10**8, publish_time=number * 10**8, sequence=number)
+            times = {"log_time": number * 10**8, "publish_time": number * 10**8}
+            writer.write_message("/top", schema, message, sequence=number, **times)
             expected.append(cloud)
         writer.finish()
     scanbench("data", "convert", scratch / "ros.mcap", "-o", scratch / "ros", "--to", "kitti-object")

@@ -60,10 +60,11 @@ def check_read(scanbench, scratch: Path):
         # There, the end of a capture belongs to no scan.
         assert len(expected) <= len(found) and len(expected) > 0.6 * len(found), (len(expected), len(found))
         found = found[: len(expected)]
-        # There, angles are rounded to hundredths of a degree; lasers of the HDLs leave them some centimetres beside the axis.
+        # There, angles are rounded to hundredths of a degree; lasers of the HDLs leave them centimetres beside the axis.
         off = np.abs(found[:, :3] - expected[:, :3])
         distance = np.linalg.norm(expected[:, :2], axis=1)
-        assert (off[:, :2].max(1) < (0.05 if n_banks == 2 else 0.005) + np.radians(0.03) * distance).all(), (name, off.max(0))
+        beside = 0.05 if n_banks == 2 else 0.005
+        assert (off[:, :2].max(1) < beside + np.radians(0.03) * distance).all(), (name, off.max(0))
         assert off[:, 2].max() < {"vlp-16": 0.003, "hdl-32e": 0.02, "hdl-64e": 0.05}[name], (name, off.max(0))
         if n_banks == 1:
             assert np.allclose(found[:, 3] * 255, expected[:, 3], atol=1e-3)

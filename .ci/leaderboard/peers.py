@@ -1,4 +1,4 @@
-"""Other people's detectors: sweeps of their parameters, the runs beside ours, and docs/leaderboard.md. See `.ci/slow peers`."""
+"""Other people's detectors: sweeps, the runs beside ours, and docs/leaderboard.md. Called by `.ci/slow peers`."""
 
 import argparse
 import json
@@ -160,8 +160,8 @@ def versions(manifest):
     foreign = [it["foreign"] for it in manifest["detectors"] if it.get("foreign")]
     texts = dict.fromkeys(f"{it['reported_name']} {it.get('version', DASH)}" for it in foreign)
     machine, commit = manifest["machine"], (manifest.get("git") or {}).get("commit", "")[:10]
-    measured = f"{machine['cpu_model']}, {machine['n_cores']} cores; scanbench {manifest['scanbench_version']}, commit {commit}."
-    return f"{', '.join(texts)}.\n{measured}"
+    program = f"scanbench {manifest['scanbench_version']}, commit {commit}"
+    return f"{', '.join(texts)}.\n{machine['cpu_model']}, {machine['n_cores']} cores; {program}."
 
 
 def write_tables(folder):

@@ -1,7 +1,7 @@
 """What scanbench writes for engines, and what docs/many-machines.md says to their users: check_engines.py SCANBENCH FOLDER
 
-Manifests against the schema of the API; shards and merges as containers, as parallel jobs of GitLab and Buildkite, and as rules
-of Snakemake would run them. Each merged run is compared with the run without shards.
+Manifests against the schema of the API; shards and merges as containers, as parallel jobs of GitLab and Buildkite, and as
+rules of Snakemake would run them. Each merged run is compared with the run without shards.
 """
 
 import os

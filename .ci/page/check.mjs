@@ -1,4 +1,4 @@
-// Opens a report page as its readers do: check.mjs PAGE PICTURES. Everything that is wrong is printed, and makes the check fail.
+// Opens a report page as its readers do: check.mjs PAGE PICTURES. Everything that is wrong is printed, and makes it fail.
 import { statSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
 import { check, check_access, check_width, end, open } from './reader.mjs';

@@ -1,7 +1,8 @@
-"""The real viewer, without a window: viewer.py FILE PICTURE
+"""The real viewer, without a window: viewer.py FILE PICTURE [SECONDS]
 
-Opens FILE, takes a picture of every view of the tab in front, and looks for what has to be there: points and boxes, lines, the
-colours of right and wrong. PICTURE is of the whole viewer, with 256 colours: a fifth of the bytes, and no difference to be seen.
+Opens FILE, takes a picture of every view of the tab in front, and looks for what has to be there: points and boxes, lines,
+the colours of right and wrong, for so many seconds (60 if left out). PICTURE is of the whole viewer, with 256 colours: a
+fifth of the bytes, and no difference to be seen.
 """
 
 import os
@@ -18,7 +19,7 @@ from PIL import Image
 from rerun.experimental import RrdReader, ViewerClient
 
 # Until everything has been drawn.
-PATIENCE_S = 60
+PATIENCE_S = float(sys.argv[3]) if len(sys.argv) > 3 else 60
 # harness/viewer/src/palette.rs
 OUTCOMES = {"matched": (0, 158, 115), "missed": (240, 228, 66), "false": (213, 94, 0)}
 TABS = 1
@@ -31,7 +32,7 @@ def opened(size, *files):
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     with tempfile.NamedTemporaryFile("w+", suffix=".log") as log:
-        command = ["rerun", "--headless", "--window-size", size, "--port", str(port), "--bind", "127.0.0.1", *map(str, files)]
+        command = ["rerun", "--headless", "--window-size", size, "--port", str(port), "--bind", "127.0.0.1", *files]
         environment = os.environ | {"RUST_LOG": "warn", "NO_COLOR": "1"}
         viewer = subprocess.Popen(command, start_new_session=True, stdout=log, stderr=log, env=environment)
         try:
@@ -115,7 +116,7 @@ def problem_of(kind, is_judged, image):
     return None if is_colourful else "no colours in the legend" if kind == "2D" else "no lines", set()
 
 
-def problems_of_views(path, picture, patience_s=PATIENCE_S):
+def problems_of_views(path, picture):
     """What is wrong with the views in front."""
     views = views_in_front(path)
     # Where detectors are compared, each matches something, and one at least is wrong somewhere.
@@ -123,7 +124,7 @@ def problems_of_views(path, picture, patience_s=PATIENCE_S):
     detectors = logs or {title for _, _, title, origin in views if origin == "/world"}
     # A good detector has nothing wrong in the part of one scan that is seen. Of several one has.
     is_wrong_shown = len(detectors) < 2
-    waiting, problems, deadline = views, {}, time.monotonic() + patience_s
+    waiting, problems, deadline = views, {}, time.monotonic() + PATIENCE_S
     with opened("1600x900", path) as (client, _, log), tempfile.TemporaryDirectory() as folder:
         while (waiting or not is_wrong_shown) and time.monotonic() < deadline:
             time.sleep(1.5)
@@ -147,6 +148,6 @@ def problems_of_views(path, picture, patience_s=PATIENCE_S):
 
 
 if __name__ == "__main__":
-    if found := problems_of_views(*sys.argv[1:]):
+    if found := problems_of_views(*sys.argv[1:3]):
         sys.exit(f"{sys.argv[1]}:\n  " + "\n  ".join(found))
     Image.open(sys.argv[2]).convert("RGB").quantize(256).save(sys.argv[2], optimize=True)

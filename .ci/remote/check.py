@@ -1,7 +1,7 @@
 """Scans of a bucket beside the same scans on disk: check.py SCANBENCH FOLDER
 
-A server of S3 on this machine alone (moto) has a thousand small scans. Runs on the bucket and a run on the folder must give the
-same rows. Prints how long each takes. Nothing leaves this machine, and the server ends with the check.
+A server of S3 on this machine alone (moto) has a thousand small scans. Runs on the bucket and a run on the folder must give
+the same rows. Prints how long each takes. Nothing leaves this machine, and the server ends with the check.
 """
 
 import logging

@@ -45,7 +45,8 @@ GALLERY = {
     "run": "run street-narrow --scans 0..20:2 -d hierarchical,paper,pca --no-rrd",
     "sweep": "sweep street-narrow --seed 9001 --sensor vlp-16 --scans 0..20:2 -d paper -P cell_size_m=0.4:1.2:0.2 --no-rrd",
 }
-ADDED = {"Command line": "command-line", "Gallery": "gallery", "Columns of CSV files": "columns", "JSON schemas": "json-schemas"}
+ADDED = {"Command line": "command-line", "Gallery": "gallery", "Columns of CSV files": "columns"}
+ADDED |= {"JSON schemas": "json-schemas"}
 
 
 def staged(src):
@@ -196,7 +197,8 @@ def main(mdbook, program, schemas, rustdoc, folder):
         "src/command-line.md": command_line(program, src),
         "src/gallery.md": gallery(program, src),
         "src/columns.md": (schemas / "columns.md").read_text(encoding="utf-8"),
-        "src/json-schemas.md": "# JSON schemas\n\nJSON Schema 2020-12, generated from the types that write these files.\n\n" + listed,
+        "src/json-schemas.md": "# JSON schemas\n\nJSON Schema 2020-12, generated from the types that write these files.\n\n"
+        + listed,
         "src/rustdoc.md": f"# Documentation of the code\n\n{of_crates}",
         "src/SUMMARY.md": summary(pages),
         "book.toml": BOOK,
