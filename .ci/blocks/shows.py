@@ -85,6 +85,11 @@ def origin_in_words(row: Row) -> str:
     return f"{row['dataset']} (simulated)" if row["origin"] == "simulated" else row["dataset"]
 
 
+def by_task(*heads: str) -> list[str]:
+    """Heads of columns for each task, the first with the name of the task."""
+    return [it for task in TASKS for it in (f"{task}: {heads[0]}", *heads[1:])]
+
+
 def noted(text: str) -> str:
     """A table, and below it what the sign of some of its intervals means."""
     return text + "\n\n§ from fewer than ten blocks of scans: too few for a reliable interval." * ("§" in text)
@@ -116,10 +121,9 @@ def overall_rates(results: list[Result]) -> str:
         lines[row["detector"],] += [percent(row["f_rate"]), within, percent(row["precision"]), percent(row["recall"])]
     for row in of_tasks[0]:
         lines[row["detector"],].append(number(row["fps_mean"], 0 if float(row["fps_mean"] or 0) >= 10 else 1))
-    heads = [it for task in TASKS for it in (f"{task}: F-rate", "95 % interval", "precision", "recall")]
     n_objects, n_vehicles = (it[0]["no"] for it in of_tasks)
-    note = f"Rates in %, of {n_objects} annotated objects and {n_vehicles} vehicles."
-    return noted(table(["detector", *heads, "fps"], lines) + f"\n\n{note}")
+    heads = ["detector", *by_task("F-rate", "95 % interval", "precision", "recall"), "fps"]
+    return noted(f"{table(heads, lines)}\n\nRates in %, of {n_objects} annotated objects and {n_vehicles} vehicles.")
 
 
 def over_seeds(results: list[Result]) -> str:
@@ -132,7 +136,7 @@ def over_seeds(results: list[Result]) -> str:
             rate, lead = ([it[name] for it in runs], [it[first] - it[name] for it in runs])
             cells = [f"{mean(it):.1f} ± {stdev(it):.1f}" for it in (rate, lead)]
             lines[name,] += cells if name != first else [cells[0], ""]
-    return table(["detector", *(it for task in TASKS for it in (f"{task}: F-rate", "lead of the first"))], lines)
+    return table(["detector", *by_task("F-rate", "lead of the first")], lines)
 
 
 def differences(result: Result) -> dict[tuple[str, str], Row]:
@@ -150,8 +154,7 @@ def compared_detectors(results: list[Result]) -> str:
     lines = defaultdict(list)
     for (_, pair), it in (it for result in results[1:] for it in differences(result).items()):
         lines[pair,] += [it["difference"], it["95 %"]]
-    heads = [it for task in TASKS for it in (f"{task}: points", "95 % interval")]
-    return noted(table(["difference of F-rates", *heads], lines))
+    return noted(table(["difference of F-rates", *by_task("points", "95 % interval")], lines))
 
 
 def compared_runs(results: list[Result], *parts: str) -> str:
@@ -320,11 +323,10 @@ def fitness_summary(results: list[Result]) -> str:
         configured = f"always {number(objects[0]['recommended_cell_size_m'], 2)} m"
         name = configured if reading == "as configured" else f"`{reading}`"
         lines[name,] = [str(recommends), str(at_end), *(it for task in TASKS for it in losses(found, task, reading))]
-    heads = [it for task in TASKS for it in (f"{task}: mean lost", "most", "rank")]
     of_task = {(it["task"], it["dataset"]): int(it["no"]) for it in found}
     n_objects, n_vehicles = (sum(n for key, n in of_task.items() if key[0] == it) for it in TASKS)
     note = f"{len({it['dataset'] for it in found})} data sets; {n_objects} annotated objects, {n_vehicles} vehicles."
-    return table(["reading", "recommends", "at an end", *heads], lines) + f"\n\n{note}"
+    return table(["reading", "recommends", "at an end", *by_task("mean lost", "most", "rank")], lines) + f"\n\n{note}"
 
 
 def fitness_by_dataset(results: list[Result], task: str) -> str:

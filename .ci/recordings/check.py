@@ -84,7 +84,7 @@ def problems_of_views(path, picture, seconds=60):
     """What is wrong with the picture of the viewer, of which each is seen by a program of its own."""
     command = [sys.executable, Path(__file__).with_name("viewer.py"), path, picture, str(seconds)]
     ended = subprocess.run(command, stderr=subprocess.PIPE, text=True, check=False, timeout=600)
-    return ended.stderr.splitlines() if ended.returncode else []
+    return (ended.stderr.splitlines() or [f"exit code {ended.returncode}"]) if ended.returncode else []
 
 
 def damaged(path, prefix):
