@@ -18,6 +18,7 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -104,65 +105,60 @@ class Judged:
 
     def compare(self, matches: list[Row], scan_row: Row, failures: Failures) -> Counter[str]:
         """Holds it against rows of matches.csv and the one of scans.csv; how much was compared, and left out."""
-        tally, by_key = Counter({"left out": self.n_left_out}), {}
+        tally, by_key, n_left_out = Counter(), {}, self.n_left_out
 
         def check(is_good: bool, what: object, ours: object, theirs: object) -> None:
             failures.check(is_good, f"{self.name}, {what}: {ours}, the program has {theirs}")
 
-        for row in matches:
-            for side in ("annotation", "detection"):
-                if row[f"{side}_id"]:
-                    key = side, int(row[f"{side}_id"])
-                    check(key in self.keys and key not in by_key, key, "once", "twice, or one that is not there")
-                    by_key[key] = row
+        def same(what: object, ours: object, theirs: object) -> None:
+            check(ours == theirs, what, ours, theirs)
+
+        for row, side in product(matches, ("annotation", "detection")):
+            if row[f"{side}_id"]:
+                key = side, int(row[f"{side}_id"])
+                check(key in self.keys and key not in by_key, key, "once", "twice, or one that is not there")
+                by_key[key] = row
         for key in self.keys:
             (side, idx), row, outcome = key, by_key.get(key), self.outcomes[0].get(key)
             if self.is_alike(key):
                 check((row is None) == (outcome is None), key, outcome, row and row["outcome"])
                 if row is not None and outcome is not None:
-                    tally[side], tally[outcome.kind] = tally[side] + 1, tally[outcome.kind] + 1
+                    tally += Counter([side, outcome.kind])
                     partner = row["detection_id" if side == "annotation" else "annotation_id"]
-                    theirs = row["outcome"], int(partner) if partner else None
-                    check((outcome.kind, outcome.partner) == theirs, key, outcome, (*theirs, row["reason"]))
-                    is_known = outcome.kind != "ignored" or row["reason"] in outcome.reasons
-                    check(is_known, key, outcome, row["reason"])
+                    same(key, (outcome.kind, outcome.partner), (row["outcome"], int(partner) if partner else None))
+                    check(outcome.kind != "ignored" or row["reason"] in outcome.reasons, key, outcome, row["reason"])
             if row is not None and side == "detection":
-                n_points, theirs = self.n_points[idx], row["detection_n_points"]
-                check(n_points == int(theirs), key, n_points, theirs)
+                same(key, str(self.n_points[idx]), row["detection_n_points"])
             if row is not None and side == "annotation":
                 self.compare_annotation(idx, row, outcome, check)
-        self.compare_counts(scan_row, check)
-        return tally
+
+        # What scans.csv counts.
+        same("points", str(len(self.scans[0].points_m)), scan_row["n_points"])
+        for column, (side, kind) in COUNTED.items():
+            ours, theirs = sum(key[0] == side and it.kind == kind for key, it in self.outcomes[0].items()), scan_row[column]
+            if column == "fo" and not self.knows_false:
+                same(column, "", theirs)
+            else:
+                check(theirs != "" and abs(int(theirs) - ours) <= n_left_out, column, ours, theirs)
+        return tally + Counter({"left out": n_left_out})
 
     def compare_annotation(self, idx: int, row: Row, outcome: Outcome | None, check) -> None:
         """What the row says of the object itself, and the cost of its pair."""
-        scan = self.scans[0]
-        annotation = scan.annotations[idx]
+        scan, what = self.scans[0], f"annotation {idx}"
+        annotation, box = scan.annotations[idx], box_of(row, "annotation_")
         for column, regions in (("annotation_n_points", Region), ("annotation_n_points_outside", [Region.OUTSIDE])):
             least, most = self.n_points_of(idx, *regions)
-            check(least <= int(row[column]) <= most, f"annotation {idx}, {column}", (least, most), row[column])
+            check(least <= int(row[column]) <= most, f"{what}, {column}", (least, most), row[column])
         facts = annotation.class_name, "" if annotation.track is None else str(annotation.track)
-        of_row = row["annotation_class"], row["annotation_track"]
-        check(facts == of_row, f"annotation {idx}", facts, of_row)
-        box, position = box_of(row, "annotation_"), [float(row[f"annotation_center_{it}_m"]) for it in "xyz"]
-        check(is_near(annotation.box, box), f"annotation {idx}", annotation.box, box)
-        is_there = np.allclose(scan.center_m(annotation), position, rtol=0, atol=BOX_ROUNDING)
-        check(is_there, f"annotation {idx}", scan.center_m(annotation), position)
+        check(facts == (row["annotation_class"], row["annotation_track"]), what, facts, row)
+        check(is_near(annotation.box, box), what, annotation.box, box)
+        center_m, position = scan.center_m(annotation), [float(row[f"annotation_center_{it}_m"]) for it in "xyz"]
+        check(np.allclose(center_m, position, rtol=0, atol=BOX_ROUNDING), what, center_m, position)
         if outcome is not None and outcome.cost is not None and row["cost"]:
             # Points on the faces of its box may or may not be its own.
             least, most = self.n_points_of(idx, *Region)
             tolerance = COST_ROUNDING + (most - least) / most
-            check(abs(outcome.cost - float(row["cost"])) <= tolerance, f"annotation {idx}", outcome, row["cost"])
-
-    def compare_counts(self, scan_row: Row, check) -> None:
-        n_points = len(self.scans[0].points_m)
-        check(scan_row["n_points"] == str(n_points), "points", n_points, scan_row["n_points"])
-        for column, (side, kind) in COUNTED.items():
-            ours, theirs = sum(key[0] == side and it.kind == kind for key, it in self.outcomes[0].items()), scan_row[column]
-            if column == "fo" and not self.knows_false:
-                check(theirs == "", column, "undefined", theirs)
-            else:
-                check(theirs != "" and abs(int(theirs) - ours) <= self.n_left_out, column, ours, theirs)
+            check(abs(outcome.cost - float(row["cost"])) <= tolerance, what, outcome, row["cost"])
 
     def slices(self) -> Counter[tuple[str, str]]:
         """NO and TP of the slices of its annotations."""
@@ -183,8 +179,8 @@ def compare_slices(judged: dict[ScanKey, Judged], report: dict, failures: Failur
         n_left_out[dataset, task, detector] += it.n_left_out
         total += (of_scan := it.slices())
         ours += Counter({(dataset, task, detector, *key): n for key, n in of_scan.items()})
-    of_row = lambda row: tuple(row[it] for it in ("dataset", "task", "detector", "slice", "metric"))
-    theirs = {of_row(row): row["value"] for row in report["rows"]}
+    columns = ("dataset", "task", "detector", "slice", "metric")
+    theirs = {tuple(row[it] for it in columns): row["value"] for row in report["rows"]}
     for key in ours.keys() | {it for it in theirs if it[3] in SLICES and it[4] in ("no", "tp")}:
         is_same = abs(ours[key] - theirs.get(key, 0)) <= n_left_out[key[:3]]
         failures.check(is_same, f"{' '.join(key)}: {ours[key]}, report.json has {theirs.get(key, 0)}")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The texts of the repository: .ci/checks/texts.py [FOLDER]
+"""The texts of the repository.
 
 Every link leads to a file, and every anchor to a heading. Every page is reachable from README.md by links. Paths of the
 repository that stand in backticks exist. README.md and ARCHITECTURE.md keep to their lengths. Before it looks at the
@@ -99,7 +99,7 @@ def prove():
 
 def main():
     prove()
-    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parents[2])
+    root = Path(__file__).resolve().parents[2]
     command = ["git", "-C", str(root), "ls-files", "--cached", "--others", "--exclude-standard"]
     listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
     files = [file for file in listed if (root / file).is_file()]

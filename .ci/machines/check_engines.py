@@ -21,7 +21,7 @@ HERE = Path(__file__).resolve().parent
 OLDEST_MINOR = 29
 # A name that shells and Kubernetes take to pieces where it is not quoted.
 DATA = "it's $(HOME) $$ data/fleet"
-RUN = ["-d", "pca", "--no-rrd"] if os.environ.get("VIEWER", "1") == "1" else ["-d", "pca"]
+RUN = ["-d", "pca", "--no-rrd"]
 
 
 def same_run(folder, merged):
