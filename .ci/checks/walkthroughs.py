@@ -71,7 +71,8 @@ def main(program, *words):
             found.append(f"{page.name}: no picture")
         problems += found
         print(f"{page.name}: {text.count(chr(10))} lines, {time.monotonic() - begun:.0f} s", flush=True)
-    print("\n".join([*problems, f"{len(pages)} walk-throughs, {len(problems)} problems, {time.monotonic() - started:.0f} s"]))
+    took = f"{len(pages)} walk-throughs, {len(problems)} problems, {time.monotonic() - started:.0f} s"
+    print("\n".join([*problems, took]))
     sys.exit(1 if problems else 0)
 
 
