@@ -31,7 +31,7 @@ SUFFIX = re.compile(r"(-swept|-swept-model|-as-documented)$")
 PAGE = ROOT / "docs/leaderboard.md"
 # What is written between these lines is not to be written by hand.
 SWEPT = re.compile(r"(# Swept: [^\n]*\n).*\Z", re.DOTALL)
-OURS = ["hierarchical", "kd-tree-trained", "kd-tree-tree", "kd-tree-same-walls", "kd-tree", "simple-grid", "paper", "pca"]
+OURS = ["hierarchical", "kd-tree-trained", "kd-tree-tree", "kd-tree", "simple-grid", "paper", "pca"]
 RUNS = {"streets": "streets", "kitti": "{data}/data/kitti_tracking"}
 
 
@@ -133,11 +133,11 @@ def f_rate(numbers, detector, task):
 
 def annotations(numbers, detector):
     n_objects, n_vehicles = (value(numbers, detector, task, "no") for task in ("objects", "vehicles"))
-    return f"{n_objects:.0f} annotated objects and {n_vehicles:.0f} vehicles"
+    return f"{n_objects:.0f} objects and {n_vehicles:.0f} vehicles"
 
 
 def rates(numbers, detectors, recorded):
-    """The best F-rate first. On recorded scans no object can be false, so of objects they give the recall alone."""
+    """The best F-rate first. Of recorded scans the recall of objects alone: none can be false."""
     found = [it for it in detectors if value(numbers, it, "objects", "tp") > 0]
     lines = {}
     for it in sorted(found, key=lambda it: (-value(numbers, it, "objects", "f_rate"), it)):
@@ -155,9 +155,6 @@ def rates(numbers, detectors, recorded):
     heads += ["KITTI: recall of objects", "F-rate of vehicles", "ms", "CPU ms"]
     kitti = f"; KITTI: {annotations(recorded, detectors[0])}" * bool(recorded)
     notes = [f"Rates in %, of {annotations(numbers, detectors[0])}{kitti}."]
-    overheads = [ms for it in detectors if (ms := value(numbers, it, "objects", "overhead_p50_ms")) == ms]
-    if overheads:
-        notes.append(f"Process overhead: {min(overheads):.2f} to {max(overheads):.2f} ms.")
     if nothing := sorted(it for it in detectors if value(numbers, it, "objects", "tp") == 0):
         notes.append(f"Without any match: {', '.join(nothing)}.")
     failed = {it: n for it in detectors if (n := value(numbers, it, "objects", "failed_scans")) > 0}
