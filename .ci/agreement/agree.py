@@ -1,6 +1,4 @@
-"""Scores a run again from its matches.csv, with other people's programs, and fails where they disagree.
-
-    agree.py RUN...
+"""Scores runs again from their matches.csv, with other people's programs, and fails where they disagree: agree.py RUN...
 
 For every scan, detector and task of a run under a box or centre criterion:
   costs       rotated intersection over union by shapely, distances by numpy
@@ -18,7 +16,7 @@ matches.csv has four decimals: a pair within a thousandth of the gate may fall o
 import math
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -31,43 +29,39 @@ from pycocotools.cocoeval import COCOeval
 from shapely import affinity
 from sklearn.metrics import precision_recall_curve
 
-from comparison import Failures
 from judgement import assign
-from labelled_scan import Box, Floats
-from program import Row, Run, row_box
+from labelled_scans import Floats
+from run_directory import Failures, Row, Run, box_of
 
 ROUNDING = 2e-3  # of an intersection over union or of metres, from four decimals of centres, sizes and headings
 NEAR_GATE = 1e-3
 
-def boxes(rows: Iterable[Row], side: str) -> list[Box]:
-    found = []
-    for row in rows:
-        box = row_box(row, side)
-        if box is None:
-            sys.exit(f"{side} {row[f'{side}_id']} of {row['sequence']}/{row['scan']} has no box, but boxes are compared")
-        found.append(box)
-    return found
+
+def of_outcomes(rows: list[Row], *outcomes: str) -> list[Row]:
+    return [it for it in rows if it["outcome"] in outcomes]
 
 
-def footprint(it: Box) -> shapely.Polygon:
-    upright = shapely.box(-it.length_m / 2, -it.width_m / 2, it.length_m / 2, it.width_m / 2)
-    turned = affinity.rotate(upright, it.yaw_rad, origin=(0, 0), use_radians=True)
-    return affinity.translate(turned, *it.center_m[:2])
+def footprint(box: Floats) -> shapely.Polygon:
+    x, y, _, length_m, width_m, _, yaw_rad = box
+    upright = shapely.box(-length_m / 2, -width_m / 2, length_m / 2, width_m / 2)
+    return affinity.translate(affinity.rotate(upright, yaw_rad, origin=(0, 0), use_radians=True), x, y)
 
 
-def measured(criterion: str, first: list[Box], second: list[Box]) -> Floats:
-    """Distance of centres or intersection over union of each of the first boxes (row) and of the second (column)."""
-    if not first or not second:
-        return np.zeros((len(first), len(second)))
+def measured(criterion: str, annotated: list[Row], found: list[Row]) -> Floats:
+    """Distance of centres or intersection over union of the box of each annotation (row) and of each detection (column)."""
+    if not annotated or not found:
+        return np.zeros((len(annotated), len(found)))
+    a, b = ([box_of(it, side) for it in rows] for side, rows in (("annotation_", annotated), ("detection_", found)))
+    if any(it is None for it in a + b):
+        sys.exit(f"a box is missing in {annotated[0]['sequence']}/{annotated[0]['scan']}, but boxes are compared")
     if criterion == "centre":
-        a, b = (np.array([it.center_m[:2] for it in of_side]) for of_side in (first, second))
-        return np.linalg.norm(a[:, None] - b, axis=2)
-    a, b = (np.array([footprint(it) for it in of_side]) for of_side in (first, second))
-    common, sizes = shapely.area(shapely.intersection(a[:, None], b)), [shapely.area(a), shapely.area(b)]
+        return np.linalg.norm(np.array(a)[:, None, :2] - np.array(b)[:, :2], axis=2)
+    plans = [np.array([footprint(it) for it in boxes]) for boxes in (a, b)]
+    common, sizes = shapely.area(shapely.intersection(plans[0][:, None], plans[1])), [shapely.area(it) for it in plans]
     if criterion == "iou-3d":
-        sizes = [np.array([it.volume_m3 for it in of_side]) for of_side in (first, second)]
-        tops = np.minimum.outer([it.top_m for it in first], [it.top_m for it in second])
-        common *= np.maximum(tops - np.maximum.outer([it.bottom_m for it in first], [it.bottom_m for it in second]), 0.0)
+        sizes = [np.prod(np.array(it)[:, 3:6], axis=1) for it in (a, b)]
+        bottoms, tops = ([[box[2] + half * box[5] for box in it] for it in (a, b)] for half in (-0.5, 0.5))
+        common *= np.maximum(np.minimum.outer(*tops) - np.maximum.outer(*bottoms), 0.0)
     return common / (np.add.outer(*sizes) - common)
 
 
@@ -85,10 +79,9 @@ def check_assignments(run: Run, failures: Failures) -> None:
         return
     n_pairs, n_near, worst = 0, 0, 0.0
     for key, rows in run.matches.items():
-        annotated = [it for it in rows if it["outcome"] in ("matched", "missed")]
+        annotated, matched = of_outcomes(rows, "matched", "missed"), of_outcomes(rows, "matched")
         found = [it for it in rows if it["detection_id"] != ""]
-        matched = [it for it in annotated if it["outcome"] == "matched"]
-        values = measured(criterion, boxes(annotated, "annotation"), boxes(found, "detection"))
+        values = measured(criterion, annotated, found)
         costs = values if criterion == "centre" else 1 - values
         ours = [float(it["cost"]) for it in matched]
         theirs = [costs[annotated.index(it), found.index(it)] for it in matched]
@@ -108,31 +101,16 @@ def check_assignments(run: Run, failures: Failures) -> None:
           f"{n_near} scans left out with a pair at the gate")
 
 
-def report_values(run: Run) -> dict[tuple[str, ...], Any]:
-    rows = run.report["rows"] + run.report["overall"]
-    of_all = (it for it in rows if it["slice"] == "all")
-    return {(it["dataset"], it["task"], it["detector"], it["metric"]): it["value"] for it in of_all}
-
-
-def interpolated(recalls: Floats, precisions: Floats, positions: Floats) -> float:
-    best = [max((p for r, p in zip(recalls, precisions) if r >= at - 1e-9), default=0.0) for at in positions]
-    return float(np.mean(best))
-
-
-Overlaps = Callable[[list[Row], list[Row]], Floats]
-
-
-def coco_ap(images: Sequence[tuple[list[Row], list[Row]]], overlaps: Overlaps) -> float:
+def coco_ap(of_scans: list[list[Row]], overlaps: Callable[[list[Row], list[Row]], Floats]) -> float:
     """AP over 101 points at one threshold by COCOeval; `overlaps` are of annotations (row) and detections of an image."""
-    of_all = {"category_id": 1, "bbox": [0, 0, 1, 1]}
     gts: list[dict[str, Any]] = []
     dts: list[dict[str, Any]] = []
-    for image_id, (annotations, detections) in enumerate(images, start=1):
-        for row in annotations:
-            gt = {"id": len(gts) + 1, "image_id": image_id, "area": 1, "iscrowd": 0, "ignore": 0, "row": row}
-            gts.append(gt | of_all)
-        for row in detections:
-            dts.append({"image_id": image_id, "score": float(row["detection_score"]), "row": row, **of_all})
+    for image_id, rows in enumerate(of_scans, start=1):
+        of_all = {"image_id": image_id, "category_id": 1, "bbox": [0, 0, 1, 1]}
+        for row in of_outcomes(rows, "matched", "missed"):
+            gts.append({"id": len(gts) + 1, "area": 1, "iscrowd": 0, "ignore": 0, "row": row} | of_all)
+        for row in of_outcomes(rows, "matched", "false"):
+            dts.append({"score": float(row["detection_score"]), "row": row} | of_all)
     if not dts:
         return 0.0
 
@@ -144,8 +122,8 @@ def coco_ap(images: Sequence[tuple[list[Row], list[Row]]], overlaps: Overlaps) -
 
     with redirect_stdout(StringIO()):
         truth = COCO()
-        truth.dataset = {"images": [{"id": i + 1} for i in range(len(images))], "annotations": gts,
-                         "categories": [{"id": 1}], "info": {}}
+        images = [{"id": i + 1} for i in range(len(of_scans))]
+        truth.dataset = {"images": images, "annotations": gts, "categories": [{"id": 1}], "info": {}}
         truth.createIndex()
         evaluation = Eval(truth, truth.loadRes(dts), "bbox")
         evaluation.params.iouThrs = np.array([0.5])
@@ -156,64 +134,54 @@ def coco_ap(images: Sequence[tuple[list[Row], list[Row]]], overlaps: Overlaps) -
     return float(np.mean(evaluation.eval["precision"][0, :, 0, 0, 0]))
 
 
-def check_scores(run: Run, failures: Failures) -> None:
-    values = report_values(run)
-    grouped: dict[tuple[str, ...], list[list[Row]]] = defaultdict(list)
-    for (dataset, _, _, detector, task), of_scan in run.matches.items():
-        grouped[dataset, task, detector].append(of_scan)
-    for key, of_scans in grouped.items():
-        check_counts(run, key, values, of_scans, failures)
-        ours = [values[*key, it] for it in ("ap_101_points", "ap_r40") if values.get((*key, it)) is not None]
-        if len(ours) == 2:
-            check_average_precision(run, key, ours, of_scans, failures)
-
-
-def n_of(outcome: str, of_scans: list[list[Row]]) -> int:
-    return sum(row["outcome"] == outcome for rows in of_scans for row in rows)
-
-
-def check_counts(
-    run: Run, key: tuple[str, ...], values: dict[tuple[str, ...], Any], of_scans: list[list[Row]], failures: Failures
-) -> None:
-    tp, mo, fo = (n_of(it, of_scans) for it in ("matched", "missed", "false"))
-    no = tp + mo
-    failures.check((values[*key, "no"], values[*key, "tp"]) == (no, tp), f"{run.name} {key}: NO or TP differ")
-    if values[*key, "fo"] is not None:
-        failures.check(values[*key, "fo"] == fo, f"{run.name} {key}: FO differs")
-        f_rate = 2 * tp / (2 * tp + mo + fo) if no + fo else None
-        failures.check(values[*key, "f_rate"] == f_rate, f"{run.name} {key}: F-rate {values[*key, 'f_rate']}, {f_rate}")
-
-
-def curve_precisions(of_scans: list[list[Row]]) -> list[float]:
-    """AP over 101 points and R40, interpolated on the curve of sklearn."""
-    judged = [it for rows in of_scans for it in rows if it["outcome"] in ("matched", "false")]
-    tp, mo = n_of("matched", of_scans), n_of("missed", of_scans)
+def sklearn_ap(rows: list[Row], positions: Floats) -> float:
+    """The average precision at these recalls, interpolated on the curve of sklearn."""
+    judged, tp = of_outcomes(rows, "matched", "false"), len(of_outcomes(rows, "matched"))
     if tp == 0:
-        return [0.0, 0.0]
+        return 0.0
     scores = np.array([float(it["detection_score"]) for it in judged])
     precisions, recalls, _ = precision_recall_curve([it["outcome"] == "matched" for it in judged], scores)
     # sklearn ends the curve at precision 1 and recall 0, where nothing is detected; its recall is of what was matched.
-    curve = recalls[:-1] * tp / (tp + mo), precisions[:-1]
-    return [interpolated(*curve, np.linspace(0, 1, 101)), interpolated(*curve, np.arange(1, 41) / 40)]
+    precisions, recalls = precisions[:-1], recalls[:-1] * tp / len(of_outcomes(rows, "matched", "missed"))
+    return float(np.mean([max(precisions[recalls >= at - 1e-9], default=0.0) for at in positions]))
+
+
+def check_scores(run: Run, failures: Failures) -> None:
+    values: dict[str, dict[str, Any]] = defaultdict(dict)
+    for it in run.report["rows"] + run.report["overall"]:
+        if it["slice"] == "all":
+            values["/".join((it["dataset"], it["task"], it["detector"]))][it["metric"]] = it["value"]
+    grouped: dict[str, list[list[Row]]] = defaultdict(list)
+    for (dataset, _, _, detector, task), of_scan in run.matches.items():
+        grouped["/".join((dataset, task, detector))].append(of_scan)
+    for name, of_scans in grouped.items():
+        of_report, rows = values[name], [row for of_scan in of_scans for row in of_scan]
+        tp, mo, fo = (len(of_outcomes(rows, it)) for it in ("matched", "missed", "false"))
+        no = tp + mo
+        failures.check((of_report["no"], of_report["tp"]) == (no, tp), f"{run.name} {name}: NO or TP differ")
+        if of_report["fo"] is not None:
+            failures.check(of_report["fo"] == fo, f"{run.name} {name}: FO differs")
+            f_rate = 2 * tp / (2 * tp + mo + fo) if no + fo else None
+            failures.check(of_report["f_rate"] == f_rate, f"{run.name} {name}: F-rate {of_report['f_rate']}, {f_rate}")
+        if None not in (ours := (of_report.get("ap_101_points"), of_report.get("ap_r40"))):
+            check_average_precision(run, name, ours, of_scans, failures)
 
 
 def check_average_precision(
-    run: Run, key: tuple[str, ...], ours: list[float], of_scans: list[list[Row]], failures: Failures
+    run: Run, name: str, ours: tuple[float, float], of_scans: list[list[Row]], failures: Failures
 ) -> None:
-    for name, a, b in zip(("101", "R40"), ours, curve_precisions(of_scans)):
-        failures.check(abs(a - b) < 1e-9, f"{run.name} {key}: AP {name} {a}, from sklearn's curve {b}")
-    images = [([it for it in rows if it["outcome"] in ("matched", "missed")],
-               [it for it in rows if it["outcome"] in ("matched", "false")]) for rows in of_scans]
-    given = coco_ap(images, lambda gts, dts: np.array([[float(gt is dt) for dt in dts] for gt in gts]))
-    failures.check(abs(given - ours[0]) < 0.005, f"{run.name} {key}: AP {ours[0]}, pycocotools given our pairs {given}")
-    line = f"  {run.name} {'/'.join(key)}: AP 101 {100 * ours[0]:.2f} (pycocotools given our pairs {100 * given:.2f}"
+    rows = [row for of_scan in of_scans for row in of_scan]
+    for metric, a, positions in zip(("101", "R40"), ours, (np.linspace(0, 1, 101), np.arange(1, 41) / 40)):
+        b = sklearn_ap(rows, positions)
+        failures.check(abs(a - b) < 1e-9, f"{run.name} {name}: AP {metric} {a}, from sklearn's curve {b}")
+    given = coco_ap(of_scans, lambda gts, dts: np.array([[float(gt is dt) for dt in dts] for gt in gts]))
+    failures.check(abs(given - ours[0]) < 0.005, f"{run.name} {name}: AP {ours[0]}, pycocotools given our pairs {given}")
+    line = f"  {run.name} {name}: AP 101 {100 * ours[0]:.2f} (pycocotools given our pairs {100 * given:.2f}"
     criterion, gate = criterion_of(run)
     if criterion in ("bev-iou", "iou-3d"):
         # Half of COCO's threshold stands for our gate.
-        own = coco_ap(
-            images, lambda gts, dts: 0.5 / gate * measured(criterion, boxes(gts, "annotation"), boxes(dts, "detection"))
-        )
-        failures.check(abs(own - ours[0]) < 0.03, f"{run.name} {key}: AP {ours[0]}, pycocotools {own}")
+        own = coco_ap(of_scans, lambda gts, dts: 0.5 / gate * measured(criterion, gts, dts))
+        failures.check(abs(own - ours[0]) < 0.03, f"{run.name} {name}: AP {ours[0]}, pycocotools {own}")
         line += f", with pairs of its own {100 * own:.2f}"
     print(f"{line}), R40 {100 * ours[1]:.2f}")
 

@@ -7,50 +7,39 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from labelled_scan import Annotation, Floats, Indices, LabelledScan, Region
+from labelled_scans import Floats, Indices, Region, Scan, along_across_m, indices_around
 
 MIN_IOU = 0.5
 MIN_POINTS = 20
 MAX_RANGE_M = 80.0
-
 TASKS = ("objects", "vehicles")
 VEHICLES = ("car", "van", "truck", "bus")
 # Neither right nor wrong among vehicles.
 AMBIGUOUS = ("tram", "trailer", "misc")
 
-
-@dataclass(frozen=True)
-class Detections:
-    """What a detector found in a scan: the detection of every point (-1 for none), and the class of every detection."""
-
-    of_point: Indices
-    classes: list[str]
+# Objects are tall if they reach so far above the ground around them.
+TALL_M = 3.10
+# Vehicles, persons and cycles never are.
+MAY_BE_TALL = ("pole", "tree", "hedge", "fence", "street-furniture", "misc")
+# Without a box these may go on above the field of view.
+MAY_BE_CUT_OFF = ("pole", "tree")
+GROUND_WITHIN_M = 2.0
+MIN_POINTS_OF_SIDE = 4
+EDGE_BEYOND_M = 20.0
+EDGE_IS_REACHED_BY = 20
+EDGE_MARGIN_RAD = math.radians(0.8)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one annotation or detection."""
+    """What became of one annotation or detection; it is ignored for any of the reasons."""
 
     kind: str
     partner: int | None = None
     cost: float | None = field(default=None, compare=False)
-    # Why it is ignored: any of these.
     reasons: frozenset[str] = field(default=frozenset(), compare=False)
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """Of every annotation and every detection; `None` is not asked for by the task."""
-
-    annotations: list[Outcome | None]
-    detections: list[Outcome | None]
-
-
-COUNTS = Outcome("counts")
-TALL = frozenset(["tall"])
 
 
 def assign(costs: Floats) -> list[tuple[int, int]]:
@@ -65,95 +54,111 @@ def assign(costs: Floats) -> list[tuple[int, int]]:
     return [(int(row), int(column)) for row, column in zip(rows, columns) if not np.isnan(costs[row, column])]
 
 
-def exclusion(scan: LabelledScan, annotation: Annotation, task: str, is_tall: bool) -> Outcome | None:
-    """Why an annotation is ignored; `COUNTS` if it is to be found, `None` if it is background."""
-    if task == "vehicles" and annotation.class_name not in (*VEHICLES, *AMBIGUOUS):
+def tall_objects(scan: Scan) -> set[int]:
+    """The annotations that reach more than 3.10 m above the ground around them, or that end where the field of view does.
+
+    Written from the documentation of `harness/evaluation/src/matching/height_above_ground.rs`.
+    """
+    is_free = ~np.isin(np.arange(len(scan.points_m)), np.concatenate([[-1], *(it.points for it in scan.annotations)]))
+    free_m = np.asfortranarray(scan.points_m[is_free])
+    # The elevation that a few points far away reach.
+    is_far = scan.range_m >= EDGE_BEYOND_M + scan.slack
+    elevations_rad = np.sort(np.arctan2(scan.points_m[is_far, 2], scan.range_m[is_far]))
+    edge_rad = elevations_rad[-EDGE_IS_REACHED_BY] if len(elevations_rad) >= EDGE_IS_REACHED_BY else math.inf
+    tall = set()
+    for idx, it in enumerate(scan.annotations):
+        if it.class_name not in MAY_BE_TALL or (it.box is None and len(it.points) == 0):
+            continue
+        extent = it.box
+        if extent is None:
+            of_object_m = scan.points_m[it.points]
+            low, high = of_object_m.min(axis=0), of_object_m.max(axis=0)
+            extent = np.array([*(low + high) / 2, *(high - low), 0.0])
+            highest = it.points[np.argmax(of_object_m[:, 2])]
+            elevation_rad = math.atan2(scan.points_m[highest, 2], scan.range_m[highest])
+            is_cut_off = elevation_rad >= edge_rad - EDGE_MARGIN_RAD + scan.slack / EDGE_BEYOND_M
+            if it.class_name in MAY_BE_CUT_OFF and is_cut_off:
+                tall.add(idx)
+        bottom_m, top_m = extent[2] - extent[5] / 2, extent[2] + extent[5] / 2
+        if top_m - min(bottom_m, ground_around_m(extent, free_m, scan.slack)) > TALL_M + scan.slack:
+            tall.add(idx)
+    return tall
+
+
+def ground_around_m(extent: Floats, free_m: Floats, slack_m: float) -> float:
+    """The median, of the four sides of an object, of the lower quartile of the points there; infinite if they are few."""
+    near_m = free_m[indices_around(free_m, extent, GROUND_WITHIN_M + 1.0)]
+    along, across = along_across_m(extent, near_m)
+    beyond = [np.maximum(np.abs(it) - size / 2, 0) for it, size in ((along, extent[3]), (across, extent[4]))]
+    is_near = np.hypot(*beyond) <= GROUND_WITHIN_M + slack_m
+    of_sides = []
+    for is_ahead in (along >= slack_m, along < slack_m):
+        for is_left in (across >= slack_m, across < slack_m):
+            heights_m = np.sort(near_m[is_near & is_ahead & is_left, 2])
+            if len(heights_m) >= MIN_POINTS_OF_SIDE:
+                of_sides.append(heights_m[len(heights_m) // 4])
+    return float(np.median(of_sides)) if of_sides else math.inf
+
+
+def exclusion(scan: Scan, idx: int, task: str, is_tall: bool) -> str | None:
+    """Why an annotation is ignored; "" if it is to be found, `None` if it is background."""
+    it = scan.annotations[idx]
+    if task == "vehicles" and it.class_name not in (*VEHICLES, *AMBIGUOUS):
         return None
     # Of several the first counts, so that what is tall would count but for its height.
     reasons = {
-        "ambiguous class": task == "vehicles" and annotation.class_name in AMBIGUOUS,
-        "too few points": annotation.n_points < MIN_POINTS,
-        "beyond range": math.hypot(*scan.center_m(annotation)[:2]) > MAX_RANGE_M + scan.slack,
-        "unscorable": 2 * scan.n_points_in(annotation, Region.UNSCORABLE) >= annotation.n_points,
+        "ambiguous class": task == "vehicles" and it.class_name in AMBIGUOUS,
+        "too few points": len(it.points) < MIN_POINTS,
+        "beyond range": math.hypot(*scan.center_m(it)[:2]) > MAX_RANGE_M + scan.slack,
+        "unscorable": 2 * scan.n_points_in(it, Region.UNSCORABLE) >= len(it.points),
         "tall": task == "objects" and is_tall,
     }
-    first = [reason for reason, holds in reasons.items() if holds][:1]
-    return Outcome("ignored", reasons=frozenset(first)) if first else COUNTS
+    return next((reason for reason, holds in reasons.items() if holds), "")
 
 
-def shared_points(scan: LabelledScan, detections: Detections) -> Indices:
-    """How many points each annotation (row) and detection (column) share."""
-    n_detections = len(detections.classes)
-    shared = np.zeros((len(scan.annotations), n_detections), np.int64)
-    for row, annotation in enumerate(scan.annotations):
-        found = detections.of_point[annotation.point_indices]
-        shared[row] = np.bincount(found[found >= 0], minlength=n_detections)
-    return shared
+def judge(
+    scan: Scan, tall: set[int], of_point: Indices, classes: list[str], task: str, unmatched: str
+) -> dict[tuple[str, int], Outcome]:
+    """What became of every annotation and detection that the task asks for, by side and index.
 
+    `of_point` is the detection of every point, -1 for none, `classes` those of the detections, and `unmatched` what a
+    detection is that matches nothing: "false", or "unknowable".
+    """
+    n_points_of_each = lambda mask: np.bincount(of_point[mask & (of_point >= 0)], minlength=len(classes))
+    n_points, is_on_ignored = n_points_of_each(True), np.zeros(len(scan.points_m), bool)
+    outcomes = {}
+    exclusions = [exclusion(scan, idx, task, idx in tall) for idx in range(len(scan.annotations))]
+    for idx, reason in enumerate(exclusions):
+        if reason is not None:
+            outcomes["annotation", idx] = Outcome("ignored", reasons=frozenset([reason])) if reason else Outcome("missed")
+        if reason:
+            is_on_ignored[scan.annotations[idx].points] = True
 
-def admissible_costs(scan: LabelledScan, detections: Detections) -> Floats:
-    """1 - IoU of each annotation (row) and detection (column), NaN for what is no pair."""
-    shared = shared_points(scan, detections)
-    n_of_annotation = np.array([it.n_points for it in scan.annotations])
-    union = n_of_annotation[:, None] + points_of_each(detections)[None, :] - shared
-    iou: Floats = shared / np.maximum(union, 1)
-    return np.where(iou >= MIN_IOU, 1.0 - iou, np.nan)
-
-
-def points_of_each(detections: Detections, among: NDArray[np.bool_] | None = None) -> Indices:
-    """How many points each detection has, of all or of those `among` which to count."""
-    is_counted = detections.of_point >= 0
-    if among is not None:
-        is_counted = is_counted & among
-    return np.bincount(detections.of_point[is_counted], minlength=len(detections.classes))
-
-
-def ignored_detections(scan: LabelledScan, detections: Detections, ignored: list[Annotation]) -> list[Outcome | None]:
-    """For every detection why it is neither right nor false if it matches nothing: half of its points are not judged."""
-    is_on_ignored = np.zeros(len(scan.points_m), bool)
-    for annotation in ignored:
-        is_on_ignored[annotation.point_indices] = True
+    # A detection that matches nothing is neither right nor false if half of its points are not judged.
     of_reason = {
         "on ignored annotation": is_on_ignored,
         "outside labelled region": scan.regions == Region.OUTSIDE,
         "beyond range": scan.range_m > MAX_RANGE_M + scan.slack,
     }
+    is_half = {reason: 2 * n_points_of_each(mask) >= n_points for reason, mask in of_reason.items()}
     of_any = np.any([*of_reason.values(), scan.regions == Region.UNSCORABLE], axis=0)
-    n_points = points_of_each(detections)
-    is_half = {reason: 2 * points_of_each(detections, mask) >= n_points for reason, mask in of_reason.items()}
-    is_half_of_any = 2 * points_of_each(detections, of_any) >= n_points
-    outcomes: list[Outcome | None] = []
-    for idx in range(len(n_points)):
-        reasons = frozenset(reason for reason in of_reason if is_half[reason][idx]) or frozenset(["on ignored points"])
-        outcomes.append(Outcome("ignored", reasons=reasons) if is_half_of_any[idx] else None)
+    is_half_of_any = 2 * n_points_of_each(of_any) >= n_points
+    is_left = np.array([task == "objects" or it == "vehicle" for it in classes], bool)
+    for idx in np.flatnonzero(is_left):
+        reasons = frozenset(it for it in of_reason if is_half[it][idx]) or frozenset(["on ignored points"])
+        outcomes["detection", int(idx)] = Outcome("ignored", reasons=reasons) if is_half_of_any[idx] else Outcome(unmatched)
+
+    found = [of_point[it.points] for it in scan.annotations]
+    shared = np.array([np.bincount(it[it >= 0], minlength=len(classes)) for it in found]).reshape(-1, len(classes))
+    union = np.array([len(it) for it in found])[:, None] + n_points - shared
+    iou = shared / np.maximum(union, 1)
+    costs = np.where(iou >= MIN_IOU, 1.0 - iou, np.nan)
+    # Detections that are left over may find tall annotations; both are ignored all the same.
+    for reason, kind, reasons in (("", "matched", frozenset()), ("tall", "ignored", frozenset(["tall"]))):
+        may_pair = np.array([it == reason for it in exclusions], bool)[:, None] & is_left
+        for annotation_idx, detection_idx in assign(np.where(may_pair, costs, np.nan)):
+            cost = float(costs[annotation_idx, detection_idx])
+            outcomes["annotation", annotation_idx] = Outcome(kind, detection_idx, cost, reasons)
+            outcomes["detection", detection_idx] = Outcome(kind, annotation_idx, cost, reasons)
+            is_left[detection_idx] = False
     return outcomes
-
-
-def judge(scan: LabelledScan, tall: frozenset[int], detections: Detections, task: str, unmatched: str) -> Judgement:
-    """Judges one scan; `unmatched` says what a detection is that matches nothing: "false", or "unknowable".
-
-    Detections that are left over may find tall annotations; both are ignored all the same.
-    """
-    exclusions = [exclusion(scan, it, task, idx in tall) for idx, it in enumerate(scan.annotations)]
-    is_asked = np.array([task == "objects" or it == "vehicle" for it in detections.classes], bool)
-    costs = admissible_costs(scan, detections)
-    counts = np.array([it is COUNTS for it in exclusions], bool)
-    pairs = assign(np.where(counts[:, None] & is_asked, costs, np.nan))
-    annotations = [Outcome("missed") if it is COUNTS else it for it in exclusions]
-    ignored = [it for it, excluded in zip(scan.annotations, exclusions) if excluded is not None and excluded.kind == "ignored"]
-    found: list[Outcome | None] = [
-        (ignored_outcome or Outcome(unmatched)) if asked else None
-        for asked, ignored_outcome in zip(is_asked, ignored_detections(scan, detections, ignored))
-    ]
-    is_left_over = is_asked.copy()
-    for annotation_idx, detection_idx in pairs:
-        cost = float(costs[annotation_idx, detection_idx])
-        annotations[annotation_idx] = Outcome("matched", detection_idx, cost)
-        found[detection_idx] = Outcome("matched", annotation_idx, cost)
-        is_left_over[detection_idx] = False
-    is_tall = np.array([it is not None and it.reasons == TALL for it in exclusions], bool)
-    for annotation_idx, detection_idx in assign(np.where(is_tall[:, None] & is_left_over, costs, np.nan)):
-        cost = float(costs[annotation_idx, detection_idx])
-        annotations[annotation_idx] = Outcome("ignored", detection_idx, cost, TALL)
-        found[detection_idx] = Outcome("ignored", annotation_idx, cost, TALL)
-    return Judgement(annotations, found)

@@ -7,6 +7,7 @@ FOLDER has CASE.labels.txt and CASE.results.txt for every case (lines of KITTI's
 file), and gets CASE.kit.csv: the averages that the kit's precisions at 41 recalls have. Nothing of the kit is kept.
 """
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -22,7 +23,6 @@ DRIVER = r"""
 #define main main_of_the_kit
 #include "evaluate_object.cpp"
 #undef main
-#include <chrono>
 
 static void print(int kind, const char *plane, const char *level, const char *what, const vector<double> &values) {
   double r11 = 0, r40 = 0;
@@ -48,7 +48,6 @@ int main(int, char **arguments) {
   double (*overlaps[3])(tDetection, tGroundtruth, int32_t) = {imageBoxOverlap, groundBoxOverlap, box3DOverlap};
   const char *planes[3] = {"2d", "bev", "3d"}, *levels[3] = {"easy", "moderate", "hard"};
   FILE *nowhere = fopen("/dev/null", "w");
-  auto start = chrono::steady_clock::now();
   for (int plane = 0; plane < 3; plane++)
     for (int kind = 0; kind < 3; kind++)
       for (int level = 0; seen[plane][kind] && level < 3; level++) {
@@ -58,60 +57,44 @@ int main(int, char **arguments) {
         print(kind, planes[plane], levels[level], "ap", precision);
         if (!similarity.empty()) print(kind, planes[plane], levels[level], "aos", similarity);
       }
-  fprintf(stderr, "%.3f s\n", chrono::duration<double>(chrono::steady_clock::now() - start).count());
 }
 """
 
 
-def built(kit: Path, demand: str, folder: Path) -> Path:
-    text = (kit / "evaluate_object.cpp").read_text()
-    lines = [
-        f"const double MIN_OVERLAP[3][3] = {DEMANDS[demand]};" if it.startswith("const double MIN_OVERLAP") else it
-        for it in text.splitlines()
-    ]
-    source = folder / demand
+def built(kit: Path, demand: str, source: Path) -> Path:
     source.mkdir()
-    (source / "evaluate_object.cpp").write_text("\n".join(lines))
+    text = re.sub(r"(?m)^const double MIN_OVERLAP.*$", f"const double MIN_OVERLAP[3][3] = {DEMANDS[demand]};",
+                  (kit / "evaluate_object.cpp").read_text())
+    (source / "evaluate_object.cpp").write_text(text)
     (source / "mail.h").write_text((kit / "mail.h").read_text())
     (source / "driver.cpp").write_text(DRIVER)
-    program = source / "driver"
-    subprocess.run(["g++", "-O3", "-DNDEBUG", "-w", "-o", program, source / "driver.cpp"], check=True)
-    return program
+    subprocess.run(["g++", "-O3", "-DNDEBUG", "-w", "-o", source / "driver", source / "driver.cpp"], check=True)
+    return source / "driver"
 
 
-def split(text: str, folder: Path, n_scans: int) -> None:
-    folder.mkdir()
-    scans: list[list[str]] = [[] for _ in range(n_scans)]
-    for it in text.splitlines():
-        scan, _track, rest = it.split(" ", 2)
-        scans[int(scan)].append(rest)
-    for scan, lines in enumerate(scans):
-        (folder / f"{scan:06}.txt").write_text("".join(f"{it}\n" for it in lines))
-
-
-def n_scans_of(texts: list[str]) -> int:
-    return 1 + max(int(it.split(" ", 1)[0]) for text in texts for it in text.splitlines())
-
-
-def write_numbers(programs: dict[str, Path], labels: Path) -> None:
-    texts = [labels.read_text(), labels.with_name(labels.name.replace(".labels.", ".results.")).read_text()]
+def write_numbers(programs: dict[str, Path], labels: Path, workplace: Path) -> None:
+    results = labels.with_name(labels.name.replace(".labels.", ".results."))
+    lines = {name: [it.split(" ", 2) for it in path.read_text().splitlines()]
+             for name, path in (("labels", labels), ("results", results))}  # fmt: skip
+    n_scans = 1 + max(int(scan) for of_file in lines.values() for scan, *_ in of_file)
+    for name, of_file in lines.items():
+        (workplace / name).mkdir(exist_ok=True)
+        for number in range(n_scans):
+            text = "".join(f"{rest}\n" for scan, _track, rest in of_file if int(scan) == number)
+            (workplace / name / f"{number:06}.txt").write_text(text)
     numbers = "demand,class,plane,difficulty,average,r11,r40\n"
-    with tempfile.TemporaryDirectory() as workplace:
-        folders = [Path(workplace) / "labels", Path(workplace) / "results"]
-        for text, folder in zip(texts, folders, strict=True):
-            split(text, folder, n_scans_of(texts))
-        for demand, program in programs.items():
-            command = [program, *folders, str(n_scans_of(texts))]
-            printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-            numbers += "".join(f"{demand},{it}\n" for it in printed.splitlines())
+    for demand, program in programs.items():
+        command = [program, workplace / "labels", workplace / "results", str(n_scans)]
+        printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        numbers += "".join(f"{demand},{it}\n" for it in printed.splitlines())
     labels.with_name(labels.name.replace(".labels.txt", ".kit.csv")).write_text(numbers)
 
 
 def main(kit: Path, folder: Path) -> None:
     with tempfile.TemporaryDirectory() as workplace:
-        programs = {demand: built(kit, demand, Path(workplace)) for demand in DEMANDS}
+        programs = {demand: built(kit, demand, Path(workplace, demand)) for demand in DEMANDS}
         for labels in sorted(folder.glob("*.labels.txt")):
-            write_numbers(programs, labels)
+            write_numbers(programs, labels, Path(workplace))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,9 @@
-"""Holds the numbers of `--protocol argoverse2` against av2.
+"""Holds the numbers of `--protocol argoverse2` against av2: protocol_argoverse2.py SCANBENCH FOLDER [LOGS]
 
-    protocol_argoverse2.py SCANBENCH FOLDER [LOGS]
-
-On simulated streets, brought into the layout of Argoverse 2 box by box: what detectors of ours found there. On a made-up data set of logs
-and, if there is one, a recorded one: tables of detections with distinct scores, with scores alike, of one
-class, of nothing, and the labels themselves; one of them shuffled. Of boxes with scores alike av2 takes those of the first sweep first, and
-within a sweep those that come first in the table as long as there are few; so it is given tables in the order that scanbench makes.
+On simulated streets: what detectors of ours found there. On made-up logs and, if there are any, on recorded ones: made-up
+detections, and those of a detector of ours. Of boxes with scores alike av2 takes those of the first sweep first, and within
+a sweep those that come first in the table as long as there are few; so it is given tables in the order that scanbench
+makes.
 """
 
 import sys
@@ -16,51 +14,21 @@ import numpy as np
 import pandas as pd
 from av2.evaluation.detection.utils import DetectionCfg
 
-from program import Program
-from protocol_numbers import check_order, compare, found_by_ours, numbers_of_tables, numbers_on_streets
+from protocol_numbers import CENTER, Numbers, cases, compare, found_by_ours, made_things, numbers_of_tables, on_streets
 
 CATEGORIES = ["REGULAR_VEHICLE", "PEDESTRIAN", "BOLLARD", "BICYCLIST", "STOP_SIGN", "LARGE_VEHICLE", "ANIMAL"]
-POSE = ["tx_m", "ty_m", "tz_m", "qw", "qx", "qy", "qz"]
-SIDES = ["length_m", "width_m", "height_m"]
 METRICS = {"AP": "ap", "ATE": "ate_m", "ASE": "ase", "AOE": "aoe_rad", "CDS": "cds"}
+# Columns of av2 beside ours.
+COLUMNS = {"category": "class", "num_interior_pts": "n_points", "score": "score"}
+COLUMNS |= {f"t{it}_m": it for it in CENTER} | {f"{it}_m": it for it in ("length", "width", "height")}
 
 
-def boxes(random: np.random.Generator, n: int, reach: float = 170.0) -> pd.DataFrame:
-    yaw = random.uniform(-np.pi, np.pi, n)
-    table = pd.DataFrame({name: random.uniform(-reach, reach, n) for name in ("tx_m", "ty_m")})
-    table["tz_m"] = random.uniform(-1, 2, n)
+def as_av2(boxes: pd.DataFrame) -> pd.DataFrame:
+    table = pd.DataFrame({theirs: boxes[ours] for theirs, ours in COLUMNS.items() if ours in boxes}).reset_index(drop=True)
+    scan, yaw = boxes["scan"].str.split("/", expand=True).reset_index(drop=True), boxes["yaw"].to_numpy()
+    table["log_id"], table["timestamp_ns"] = scan[0], scan[1].astype(int)
     table["qw"], table["qx"], table["qy"], table["qz"] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
-    for name in SIDES:
-        table[name] = random.uniform(0.5, 5, n)
-    return table
-
-
-def make(root: Path) -> pd.DataFrame:
-    """Logs with labels and clouds; returns the labels."""
-    random = np.random.default_rng(11)
-    logs = []
-    for log in ("log-a", "log-b"):
-        folder = root / log
-        (folder / "sensors/lidar").mkdir(parents=True)
-        sweeps = []
-        for number in range(6):
-            time_ns = 315_000_000_000_000_000 + number * 100_000_000
-            # One sweep has more pedestrians than are evaluated.
-            categories = random.choice(CATEGORIES, 80).tolist() + ["PEDESTRIAN"] * (120 if number == 2 else 0)
-            table = boxes(random, len(categories))
-            table.insert(0, "category", categories)
-            table.insert(0, "track_uuid", [f"{log}-{index}" for index in range(len(table))])
-            table.insert(0, "timestamp_ns", time_ns)
-            table["num_interior_pts"] = random.integers(0, 40, len(table)) * (random.random(len(table)) < 0.9)
-            sweeps.append(table)
-            cloud = np.repeat(table[POSE[:3]].to_numpy(), 30, axis=0) + random.uniform(-0.2, 0.2, (30 * len(table), 3))
-            points = pd.DataFrame(cloud.astype(np.float16), columns=["x", "y", "z"])
-            points["intensity"], points["laser_number"], points["offset_ns"] = np.uint8(9), np.uint8(0), np.int32(0)
-            points.to_feather(folder / f"sensors/lidar/{time_ns}.feather")
-        labels = pd.concat(sweeps, ignore_index=True)
-        labels.to_feather(folder / "annotations.feather")
-        logs.append(labels.assign(log_id=log))
-    return pd.concat(logs, ignore_index=True)
+    return table.astype({it: int for it in ("num_interior_pts",) if it in table and table[it].notna().all()})
 
 
 def labels_of(root: Path) -> pd.DataFrame:
@@ -68,92 +36,74 @@ def labels_of(root: Path) -> pd.DataFrame:
     tables = []
     for path in sorted(root.glob("*/annotations.feather")):
         sweeps = {int(it.stem) for it in path.parent.glob("sensors/lidar/*.feather")}
-        table = pd.read_feather(path)
-        tables.append(table[table["timestamp_ns"].isin(sweeps)].assign(log_id=path.parent.name))
-    return pd.concat(tables, ignore_index=True)
+        table = pd.read_feather(path).rename(columns={theirs: ours for theirs, ours in COLUMNS.items()})
+        table["scan"] = path.parent.name + "/" + table["timestamp_ns"].astype(str)
+        table["yaw"] = 2 * np.arctan2(table["qz"], table["qw"])
+        tables.append(table[table["timestamp_ns"].isin(sweeps)])
+    return pd.concat(tables, ignore_index=True).assign(vx=0.0, vy=0.0, attribute="")
 
 
-def noisy(labels: pd.DataFrame, seed: int) -> pd.DataFrame:
-    """Some of the labels, moved and turned, and others that are not there."""
-    random = np.random.default_rng(seed)
-    found = labels.sample(frac=1.6, replace=True, random_state=seed).reset_index(drop=True)
-    n = len(found)
-    for name in POSE[:3]:
-        found[name] += random.normal(0, 0.8, n) + (random.random(n) < 0.2) * random.uniform(-15, 15, n)
-    for name in SIDES:
-        found[name] *= random.uniform(0.7, 1.4, n)
-    yaw = 2 * np.arctan2(found["qz"], found["qw"]) + random.choice([0.0, np.pi, 0.3], n)
-    found["qw"], found["qx"], found["qy"], found["qz"] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
-    return found.assign(score=random.uniform(0, 1, n))
+def make(root: Path) -> None:
+    """Two logs with labels and clouds; one sweep of each has more pedestrians than are evaluated."""
+    random = np.random.default_rng(11)
+    labels = made_things(["log-a", "log-b"], CATEGORIES, [0.1 * it for it in range(6)], 170.0, 11)
+    labels["scan"] = labels["drive"] + "/" + (315 * 10**15 + labels["number"] * 10**8).astype(str)
+    crowd = labels[labels["number"] == 2].sample(n=2 * 240, replace=True, random_state=11)
+    crowd[CENTER] += random.uniform(-20, 20, (len(crowd), 3))
+    labels = pd.concat([labels, crowd.assign(**{"class": "PEDESTRIAN"})], ignore_index=True)
+    for log, of_log in as_av2(labels).groupby("log_id"):
+        (root / log / "sensors/lidar").mkdir(parents=True)
+        of_log = of_log.drop(columns="log_id").reset_index(drop=True)
+        of_log["track_uuid"] = [f"{log}-{index}" for index in of_log.index]
+        of_log.to_feather(root / log / "annotations.feather")
+        for time_ns, sweep in of_log.groupby("timestamp_ns"):
+            cloud = np.repeat(sweep[["tx_m", "ty_m", "tz_m"]].to_numpy(), 30, axis=0)
+            cloud = (cloud + random.uniform(-0.2, 0.2, cloud.shape)).astype(np.float16)
+            points = pd.DataFrame(cloud, columns=["x", "y", "z"])
+            points["intensity"], points["laser_number"], points["offset_ns"] = np.uint8(9), np.uint8(0), np.int32(0)
+            points.to_feather(root / log / f"sensors/lidar/{time_ns}.feather")
 
 
-def in_order(found: pd.DataFrame) -> pd.DataFrame:
-    """As scanbench ranks the boxes of a sweep."""
-    yaw = 2 * np.arctan2(found["qz"], found["qw"])
-    keyed = found.assign(minus=-found["score"], yaw=(yaw + np.pi) % (2 * np.pi) - np.pi)
-    return keyed.sort_values(["minus", *POSE[:3], *SIDES, "yaw"], kind="stable")[found.columns]
-
-
-def av2_numbers(found: pd.DataFrame, labels: pd.DataFrame) -> dict[tuple[str, str], float]:
+def av2_numbers(found: pd.DataFrame, labels: pd.DataFrame) -> Numbers:
     # The table would be rounded to three decimals.
     av2_eval.NUM_DECIMALS = 15
     config = DetectionCfg(eval_only_roi_instances=False)
-    columns = ["log_id", "timestamp_ns", "category", *POSE, *SIDES]
-    _, _, metrics = av2_eval.evaluate(found[[*columns, "score"]], labels[[*columns, "num_interior_pts"]], config, n_jobs=1)
-    numbers = {}
-    for category, row in metrics.iterrows():
-        for theirs, ours in METRICS.items():
-            numbers["all" if category == "AVERAGE_METRICS" else str(category), ours] = float(row[theirs])
-    return numbers
-
-
-def check(program: Program, root: Path, labels: pd.DataFrame, folder: Path) -> None:
-    distinct, alike = noisy(labels, 1), noisy(labels, 2)
-    alike["score"] = (alike["score"] * 10).round() / 10
-    truth = labels[labels["num_interior_pts"] > 0].assign(score=1.0)
-    cases = {
-        "distinct": distinct,
-        "distinct-shuffled": distinct.sample(frac=1, random_state=3),
-        "alike": in_order(alike),
-        "alike-shuffled": alike.sample(frac=1, random_state=3),
-        "cars": distinct[distinct["category"] == "REGULAR_VEHICLE"],
-        "truth": in_order(truth),
+    _, _, metrics = av2_eval.evaluate(found, labels, config, n_jobs=1)
+    return {
+        ("all" if category == "AVERAGE_METRICS" else str(category), ours): float(row[theirs])
+        for category, row in metrics.iterrows()
+        for theirs, ours in METRICS.items()
     }
-    folder.mkdir()
-    columns = ["log_id", "timestamp_ns", "category", "score", *POSE, *SIDES]
-    for name, found in cases.items():
-        found[columns].reset_index(drop=True).to_feather(folder / f"{name}.feather")
-    results = {name: folder / f"{name}.feather" for name in cases}
-    results["ours"] = found_by_ours(program, root, "argoverse2", folder)
-    ours = numbers_of_tables(program, root, "argoverse2", results, folder)
-    cases["ours"] = pd.read_feather(results["ours"])
-    theirs = {name: av2_numbers(found, labels) for name, found in cases.items() if name != "alike-shuffled"}
+
+
+def check(scanbench: str, root: Path, folder: Path) -> None:
+    folder.mkdir(parents=True)
+    labels = labels_of(root)
+    found = {name: as_av2(it.drop(columns="n_points")) for name, it in cases(labels, "REGULAR_VEHICLE").items()}
+    tables = {name: folder / f"{name}.feather" for name in found}
+    for name, it in found.items():
+        it.to_feather(tables[name])
+    tables["ours"] = found_by_ours(scanbench, root, "argoverse2", folder)
+    ours = numbers_of_tables(scanbench, root, "argoverse2", tables, folder)
+    found["ours"] = pd.read_feather(tables["ours"])
+    theirs = {name: av2_numbers(it, as_av2(labels)) for name, it in found.items() if name != "alike-shuffled"}
     compare("argoverse2", root.name, "av2", ours, theirs, 100)
-    check_order(ours, ("distinct", "alike"))
 
 
-def check_streets(program: Program, folder: Path) -> None:
+def check_streets(scanbench: str, folder: Path) -> None:
     """Detectors of ours on simulated streets, whose boxes are written as the tables of Argoverse 2."""
-    ours = numbers_on_streets(program, "argoverse2", "REGULAR_VEHICLE", folder)
-    # Its rows are in the order in which scanbench ranks boxes.
-    rows = pd.read_csv(folder / "streets/protocol_boxes.csv")
-    rows = rows.assign(log_id=rows["dataset"] + "/" + rows["sequence"].astype(str), timestamp_ns=rows["scan"], category=rows["class"])
-    rows = rows.assign(num_interior_pts=rows["n_points"], qw=np.cos(rows["yaw_rad"] / 2), qx=0.0, qy=0.0, qz=np.sin(rows["yaw_rad"] / 2))
-    rows = rows.rename(columns={f"center_{axis}_m": f"t{axis}_m" for axis in "xyz"})
+    ours, boxes = on_streets(scanbench, "argoverse2", "REGULAR_VEHICLE", folder)
     theirs = {}
-    for name, of_detector in rows.groupby("detector"):
-        kinds = {kind: it.reset_index(drop=True) for kind, it in of_detector.groupby("kind")}
-        theirs[name] = av2_numbers(kinds["detection"], kinds["annotation"].astype({"num_interior_pts": int}))
+    for name, of_detector in boxes.groupby("detector"):
+        kinds = {kind: as_av2(it) for kind, it in of_detector.groupby("kind")}
+        theirs[name] = av2_numbers(kinds["detection"], kinds["annotation"])
     compare("argoverse2", "simulated streets", "av2", ours, theirs, 50)
 
 
-def main(program: Program, folder: Path, recorded: list[str]) -> None:
-    made = folder / "argoverse2"
-    check(program, made, make(made), folder / "made")
-    check_streets(program, folder)
-    for root in map(Path, recorded):
-        check(program, root, labels_of(root), folder / "recorded")
-
-
 if __name__ == "__main__":
-    main(Program(Path(sys.argv[1])), Path(sys.argv[2]), sys.argv[3:])
+    scanbench, folder = sys.argv[1], Path(sys.argv[2])
+    make(folder / "argoverse2")
+    check(scanbench, folder / "argoverse2", folder / "made")
+    check_streets(scanbench, folder)
+    for root in sys.argv[3:]:
+        check(scanbench, Path(root), folder / "recorded")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The texts of the repository: .ci/checks/texts.py [FOLDER]
+"""The texts of the repository.
 
 Every link leads to a file, and every anchor to a heading. Every page is reachable from README.md by links. Paths of the
 repository that stand in backticks exist. README.md and ARCHITECTURE.md keep to their lengths. Before it looks at the
@@ -17,23 +17,33 @@ FENCE = re.compile(r"^(```|~~~).*?^\1[ \t]*$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\[(?:[^\[\]]|\[[^\[\]]*\]\([^()]*\))*\]\(([^()\s]+)(?:\s+\"[^\"]*\")?\)")
 IMAGE = re.compile(r"!\[[^\[\]]*\]\(([^()\s]+)\)")
 CODE = re.compile(r"`([^`\n]+)`")
+RIGHT = {
+    "README.md": "# Top\n\n[page](docs/page.md#a-heading-1), ![picture](docs/picture.png), `docs/page.md`, [it](#top)\n"
+    "\n[![within](docs/picture.png)](docs/page.md)\n\n```sh\n[no](link) `docs/none`\n```\n",
+    "docs/page.md": "# A heading\n\n## A heading\n\n[up](../README.md) [net](https://example.org/x)\n",
+    "docs/picture.png": "",
+}
+# What is found if a text is changed so.
+WRONG = {
+    "leads nowhere": ("README.md", "docs/page.md#", "docs/pag.md#"),
+    "leads out of": ("docs/page.md", "../README.md", "../../README.md"),
+    "has no heading": ("README.md", "#a-heading-1", "#a-heading-2"),
+    "there is no `docs/pages.md`": ("README.md", "`docs/page.md`", "`docs/pages.md`"),
+    "the link docs/pictur.png": ("README.md", "[![within](docs/picture.png)]", "[![within](docs/pictur.png)]"),
+    "no page leads here": ("docs/left.md", "", "# Left alone\n"),
+    "lines, 130 at most": ("README.md", "# Top\n", "# Top\n" + 130 * "\n"),
+}
 
 
-def without_fences(text):
-    return FENCE.sub("", text)
-
-
-def anchors(text):
+def anchors(prose):
     """The anchors that GitHub gives to the headings of a page."""
-    found = {}
-    for heading in re.findall(r"^#{1,6}\s+(.*?)\s*#*$", without_fences(text), re.MULTILINE):
+    found = []
+    for heading in re.findall(r"^#{1,6}\s+(.*?)\s*#*$", prose, re.MULTILINE):
         plain = re.sub(r"\[([^\[\]]*)\]\([^()]*\)", r"\1", heading).replace("`", "").replace("*", "")
         slug = re.sub(r"[^\w\- ]", "", plain.lower()).replace(" ", "-")
-        n_before = found.get(slug, 0)
-        found[slug] = n_before + 1
-        if n_before:
-            found[f"{slug}-{n_before}"] = 1
-    return set(found)
+        n_before = found.count(slug)
+        found += [slug, f"{slug}-{n_before}"] if n_before else [slug]
+    return found
 
 
 def problems(texts):
@@ -41,25 +51,20 @@ def problems(texts):
     found = []
     known = {*texts, *(str(folder) for file in texts for folder in Path(file).parents)}
     top = {Path(file).parts[0] for file in texts if len(Path(file).parts) > 1}
-    pages = {file: text for file, text in texts.items() if file.endswith(".md")}
+    pages = {file: FENCE.sub("", text) for file, text in texts.items() if file.endswith(".md")}
     links = {file: [] for file in pages}
-
-    for file, text in pages.items():
-        prose = without_fences(text)
+    for file, prose in pages.items():
         for target in LINK.findall(prose) + IMAGE.findall(prose):
-            if re.match(r"[a-z+]+:", target):
-                continue
             path, _, anchor = target.partition("#")
             to = os.path.normpath(Path(file).parent / path) if path else file
-            if to.startswith("../"):
-                found.append(f"{file}: the link {target} leads out of the repository")
+            if re.match(r"[a-z+]+:", target):
                 continue
             if to not in known:
-                found.append(f"{file}: the link {target} leads nowhere")
+                where = "out of the repository" if to.startswith("../") else "nowhere"
+                found.append(f"{file}: the link {target} leads {where}")
                 continue
-            links[file].append(to)
             # A folder shows its pages.
-            links[file] += [page for page in pages if str(Path(page).parent) == to]
+            links[file] += [to, *(page for page in pages if str(Path(page).parent) == to)]
             if anchor and to in pages and anchor not in anchors(pages[to]):
                 found.append(f"{file}: {to} has no heading #{anchor}")
         for code in CODE.findall(prose):
@@ -75,9 +80,8 @@ def problems(texts):
             reached.add(page)
             to_visit.extend(links[page])
     found += [f"{page}: no page leads here from README.md" for page in sorted(set(pages) - reached)]
-
     for file, most in MOST_LINES.items():
-        n_lines = pages.get(file, "").count("\n")
+        n_lines = texts.get(file, "").count("\n")
         if n_lines > most:
             found.append(f"{file}: {n_lines} lines, {most} at most")
     return found
@@ -85,45 +89,24 @@ def problems(texts):
 
 def prove():
     """Ends the program unless right texts pass, and texts that are wrong in one way each fail."""
-    right = {
-        "README.md": "# Top\n\n[page](docs/page.md#a-heading-1), ![picture](docs/picture.png), `docs/page.md`, [it](#top)\n"
-        "\n[![within](docs/picture.png)](docs/page.md)\n\n```sh\n[no](link) `docs/none`\n```\n",
-        "docs/page.md": "# A heading\n\n## A heading\n\n[up](../README.md) [net](https://example.org/x)\n",
-        "docs/picture.png": "",
-    }
-    wrong = {
-        "leads nowhere": ("README.md", "docs/page.md#", "docs/pag.md#"),
-        "leads out of": ("docs/page.md", "../README.md", "../../README.md"),
-        "has no heading": ("README.md", "#a-heading-1", "#a-heading-2"),
-        "there is no `docs/pages.md`": ("README.md", "`docs/page.md`", "`docs/pages.md`"),
-        "the link docs/pictur.png": ("README.md", "[![within](docs/picture.png)]", "[![within](docs/pictur.png)]"),
-        "no page leads here": ("docs/left.md", "", "# Left alone\n"),
-        "lines, 130 at most": ("README.md", "# Top\n", "# Top\n" + 130 * "\n"),
-    }
-    for expected, change in [(None, None), *wrong.items()]:
-        texts = dict(right)
-        if change:
-            file, before, after = change
-            texts[file] = texts[file].replace(before, after) if before else after
-        found = problems(texts)
-        is_seen = any(expected in it for it in found) if expected else not found
-        if not is_seen:
-            sys.exit(f"the check does not recognise {expected or 'right texts'}: {found}")
+    if found := problems(RIGHT):
+        sys.exit(f"right texts are not recognised: {found}")
+    for expected, (file, before, after) in WRONG.items():
+        found = problems(RIGHT | {file: RIGHT.get(file, "").replace(before, after)})
+        if not any(expected in it for it in found):
+            sys.exit(f"the check does not recognise {expected}: {found}")
 
 
 def main():
     prove()
-    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parents[2])
-    listed = subprocess.run(
-        ["git", "-C", str(root), "ls-files", "--cached", "--others", "--exclude-standard"],
-        check=True, capture_output=True, text=True,
-    )
-    files = [file for file in listed.stdout.splitlines() if (root / file).is_file()]
+    root = Path(__file__).resolve().parents[2]
+    command = ["git", "-C", str(root), "ls-files", "--cached", "--others", "--exclude-standard"]
+    listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+    files = [file for file in listed if (root / file).is_file()]
     texts = {file: (root / file).read_text(encoding="utf-8") if file.endswith(".md") else "" for file in files}
     found = problems(texts)
     print("\n".join(found))
-    n_pages = sum(file.endswith(".md") for file in files)
-    print(f"{n_pages} pages, {len(found)} problems")
+    print(f"{sum(file.endswith('.md') for file in files)} pages, {len(found)} problems")
     sys.exit(1 if found else 0)
 
 

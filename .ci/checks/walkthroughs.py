@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the commands of docs/walkthroughs/: walkthroughs.py PROGRAM [--write] [PAGE…]
+"""Runs the commands of docs/walkthroughs/: walkthroughs.py PROGRAM [--write]
 
 All ```sh blocks of a page are one script for bash, in an empty folder, with the folder of PROGRAM first on PATH. Its first
 failure ends the check. What a block prints has every line of the ```text block below it, where `…` stands for anything and
@@ -56,26 +56,24 @@ def run(page, text, folder, program):
 
 
 def main(program, *words):
-    started, problems = time.monotonic(), []
-    names = [it for it in words if it != "--write"] or sorted(it.name for it in FOLDER.glob("*.md"))
-    for name in names:
-        text = (FOLDER / name).read_text(encoding="utf-8")
+    started, problems, pages = time.monotonic(), [], sorted(FOLDER.glob("*.md"))
+    for page in pages:
+        text, begun = page.read_text(encoding="utf-8"), time.monotonic()
         with tempfile.TemporaryDirectory() as folder:
-            begun = time.monotonic()
-            found = run(name, text, folder, Path(program).resolve())
+            found = run(page.name, text, folder, Path(program).resolve())
             for file, picture in PICTURE.findall(text) if not found else []:
                 made = Path(folder, file).read_bytes()
                 if "--write" in words:
                     (FOLDER / picture).write_bytes(made)
                 elif (FOLDER / picture).read_bytes() != made:
-                    found.append(f"{name}: {picture} is not what the commands made; --write takes it")
-            if not PICTURE.search(text) and "](../" not in text.rpartition("![")[2]:
-                found.append(f"{name}: no picture")
+                    found.append(f"{page.name}: {picture} is not what the commands made; --write takes it")
+        if not PICTURE.search(text) and "](../" not in text.rpartition("![")[2]:
+            found.append(f"{page.name}: no picture")
         problems += found
-        print(f"{name}: {text.count(chr(10))} lines, {time.monotonic() - begun:.0f} s", flush=True)
-    problems.append(f"{len(names)} walk-throughs, {len(problems)} problems, {time.monotonic() - started:.0f} s")
-    print("\n".join(problems))
-    sys.exit(1 if len(problems) > 1 else 0)
+        print(f"{page.name}: {text.count(chr(10))} lines, {time.monotonic() - begun:.0f} s", flush=True)
+    took = f"{len(pages)} walk-throughs, {len(problems)} problems, {time.monotonic() - started:.0f} s"
+    print("\n".join([*problems, took]))
+    sys.exit(1 if problems else 0)
 
 
 if __name__ == "__main__":

@@ -1,24 +1,23 @@
 """Recordings as the Python libraries of their makers read and write them, against what scanbench does."""
 
-import csv
 import json
-import struct
 from collections import Counter
 from pathlib import Path
 
-import numpy
+import numpy as np
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from mcap_ros2.writer import Writer as RosWriter
 
-from made_labels import boxes, points
+from converted import boxes, points
+from program import rows
 
 # The makers' own classes, to hold the descriptions that scanbench writes against.
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
-OFFICIAL = {"foxglove.PointCloud": PointCloud, "foxglove.SceneUpdate": SceneUpdate, "foxglove.FrameTransform": FrameTransform}
+OFFICIAL = {f"foxglove.{it.__name__}": it for it in (PointCloud, SceneUpdate, FrameTransform)}
 
 POINT_CLOUD_2 = """std_msgs/Header header
 uint32 height
@@ -71,17 +70,17 @@ def check_written(scanbench, scratch: Path):
             if schema.name == "foxglove.PointCloud":
                 names = [(field.name, field.offset, field.type) for field in official.fields]
                 assert names[:4] == [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7)], names
-                rows = numpy.frombuffer(official.data, numpy.uint8).reshape(-1, official.point_stride)
-                assert numpy.array_equal(rows[:, :16].copy().view("<f4"), points(scratch / "narrow", n_clouds))
+                octets = np.frombuffer(official.data, np.uint8).reshape(-1, official.point_stride)
+                assert np.array_equal(octets[:, :16].copy().view("<f4"), points(scratch / "narrow", n_clouds))
                 n_clouds += 1
             if schema.name == "foxglove.SceneUpdate":
-                labels = boxes(scratch / f"narrow/training/label_2/{n_clouds:06}.txt")
+                labels = boxes(scratch / "narrow", n_clouds)
                 for entity, (_, label) in zip(official.entities, labels, strict=True):
                     if not entity.cubes:
                         continue
                     at, size = entity.cubes[0].pose.position, entity.cubes[0].size
                     found = [at.x, at.y, at.z, size.x, size.y, size.z]
-                    assert numpy.allclose(found, label[:6], atol=1e-4), (found, label)
+                    assert np.allclose(found, label[:6], atol=1e-4), (found, label)
                     n_boxes += 1
     assert n_clouds == 3 and n_boxes > 10
     metadata = next(iter(make_reader(open(scratch / "narrow.mcap", "rb")).iter_metadata()))
@@ -92,8 +91,7 @@ def check_written(scanbench, scratch: Path):
 def check_results(scanbench, scratch: Path):
     """The recording of a run: as many messages and entities as rows of its CSV files, with the same outcomes and numbers."""
     scanbench("run", "training-narrow", "--simulated-scans", "3", "--no-rrd", "--mcap", "-o", scratch / "run")
-    with open(scratch / "run/scans.csv") as scans, open(scratch / "run/matches.csv") as matches:
-        scans, matches = list(csv.DictReader(scans)), list(csv.DictReader(matches))
+    scans, matches = rows(scratch / "run/scans.csv"), rows(scratch / "run/matches.csv")
     key = lambda row: f"/{row['detector']}/{row['task']}"
     outcomes, numbers = Counter(), {}
     with open(scratch / "run/run.mcap", "rb") as stream:
@@ -121,46 +119,38 @@ def check_results(scanbench, scratch: Path):
     assert sum(map(len, numbers.values())) == len(scans)
     for row in scans:
         number = numbers[key(row)].pop(0)
-        assert [str(number[it]) for it in ["scan", "no", "tp", "mo", "fo"]] == [row[it] for it in ["scan", "no", "tp", "mo", "fo"]]
+        assert all(str(number[it]) == row[it] for it in ("scan", "no", "tp", "mo", "fo"))
         assert abs(number["latency_ms"] - float(row["latency_ms"])) < 1e-3
     return f"{len(scans)} rows of scans.csv and {len(matches)} of matches.csv found by mcap"
 
 
 def check_read(scanbench, scratch: Path):
     """Clouds written by mcap-ros2-support: scanbench finds the same points."""
-    random = numpy.random.default_rng(5)
+    random = np.random.default_rng(5)
     expected = []
+    layout = [("z", "<f4", 0, 7), ("y", "<f4", 4, 7), ("ring", "<u2", 8, 4), ("intensity", "<f4", 12, 7)]
+    layout.append(("x", "<f8", 16, 8))
+    names, types, offsets, _ = zip(*layout)
+    point = np.dtype({"names": names, "formats": types, "offsets": offsets, "itemsize": 24})
     with open(scratch / "ros.mcap", "wb") as stream:
         writer = RosWriter(stream)
         schema = writer.register_msgdef("sensor_msgs/msg/PointCloud2", POINT_CLOUD_2)
         for number in range(4):
             n_rows, n_columns = 16, 500 + number
-            cloud = random.normal(0, 20, (n_rows, n_columns, 4)).astype("<f4")
-            data = b"".join(
-                b"".join(struct.pack("<ffHxxfd", *[z, y], 7, i, x) for x, y, z, i in row) for row in cloud.tolist()
-            )
-            fields = [("z", 0, 7), ("y", 4, 7), ("ring", 8, 4), ("intensity", 12, 7), ("x", 16, 8)]
-            writer.write_message(
-                topic="/top",
-                schema=schema,
-                log_time=number * 10**8,
-                publish_time=number * 10**8,
-                sequence=number,
-                message={
-                    "header": {"stamp": {"sec": 0, "nanosec": number * 10**8}, "frame_id": "lidar"},
-                    "height": n_rows,
-                    "width": n_columns,
-                    "fields": [{"name": n, "offset": o, "datatype": t, "count": 1} for n, o, t in fields],
-                    "is_bigendian": False,
-                    "point_step": 24,
-                    "row_step": 24 * n_columns,
-                    "data": data,
-                    "is_dense": True,
-                },
-            )
-            expected.append(cloud.reshape(-1, 4))
+            cloud = random.normal(0, 20, (n_rows * n_columns, 4)).astype("<f4")
+            data = np.full(len(cloud), 7, point)
+            data["x"], data["y"], data["z"], data["intensity"] = cloud.T
+            message = {
+                "header": {"stamp": {"sec": 0, "nanosec": number * 10**8}, "frame_id": "lidar"},
+                "fields": [{"name": it[0], "offset": it[2], "datatype": it[3], "count": 1} for it in layout],
+                "height": n_rows, "width": n_columns, "point_step": 24, "row_step": 24 * n_columns,
+                "is_bigendian": False, "is_dense": True, "data": data.tobytes(),
+            }  # fmt: skip
+            times = {"log_time": number * 10**8, "publish_time": number * 10**8}
+            writer.write_message("/top", schema, message, sequence=number, **times)
+            expected.append(cloud)
         writer.finish()
     scanbench("data", "convert", scratch / "ros.mcap", "-o", scratch / "ros", "--to", "kitti-object")
     for number, cloud in enumerate(expected):
-        assert numpy.array_equal(points(scratch / "ros", number), cloud)
+        assert np.array_equal(points(scratch / "ros", number), cloud)
     return f"{sum(map(len, expected))} points written by mcap-ros2-support"
