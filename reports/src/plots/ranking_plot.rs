@@ -197,6 +197,6 @@ mod tests {
         check_holds(&panel.inline(), &["61.0 %", "undefined", "F-rate (%)", "f-d0"]);
         let few =
             ranking_plot("Task objects", "F-rate (%), intervals from only 4 blocks", &[row(Some(61.04))]);
-        check_holds(&few.inline(), &["F-rate (%)\n", "\nintervals from only 4 blocks\n"]);
+        check_holds(&few.inline(), &[">F-rate (%)</text>", ">intervals from only 4 blocks</text>"]);
     }
 }

@@ -8,6 +8,7 @@ use detector::params::paper::PAPER_TOML;
 use evaluation::run::config::config_schema;
 use evaluation::run::detector_list::{DETECTORS, ListedDetector};
 
+use crate::cli::help_text::OUTPUT;
 use crate::commands::failure::Failure;
 use crate::commands::standard_streams::print_result;
 
@@ -18,8 +19,8 @@ pub struct ParamsArgs {
     /// Detectors; all that are built in if none is named
     #[arg(value_name = "NAME", value_parser = DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>())]
     pub detectors: Vec<String>,
-    /// Prints what scanbench.toml may hold, as a JSON schema for editors
-    #[arg(long, conflicts_with = "detectors")]
+    /// Print what scanbench.toml may hold, as a JSON schema for editors
+    #[arg(long, conflicts_with = "detectors", help_heading = OUTPUT)]
     pub schema: bool,
 }
 

@@ -55,7 +55,7 @@ fn a_worse_run_is_accepted_only_by_name() {
     let history = workplace.read("golden/SCORES.md");
     let accept = ["baseline", "accept", "worse", "-b", "golden", "--why", "fewer is more"];
     let ended = workplace.end_with(&accept, 100, &[]);
-    ended.check_stdout(&[" losses:\n- ", ": worse\n"]);
+    ended.check_stdout(&[" losses, in tolerances:\n- ", ": worse\n"]);
     assert!(!ended.stdout.contains("FAILED") && !ended.stdout.contains("PASSED"), "{ended:#?}");
     ended.check_stderr(&["--worse accepts the run all the same"]);
     assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");

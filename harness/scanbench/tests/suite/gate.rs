@@ -159,7 +159,7 @@ fn a_verdict_is_short_unless_all_of_it_is_asked_for() {
     };
     let brief = print("gate worse -b golden --allow-drift");
     assert!(brief.lines().count() <= 30 && brief.starts_with("FAILED: worse\n"), "{brief}");
-    assert!(brief.contains(" losses:\n") && brief.contains("All gains:\n"), "{brief}");
+    assert!(brief.contains(" losses, in tolerances:\n") && brief.contains("All gains:\n"), "{brief}");
     let command = "gate worse --baseline golden --allow-drift=true --full";
     let said = brief.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.ends_with(&format!(" In full: scanbench {command}")), "{brief}");

@@ -89,7 +89,7 @@ fn named((what, most): (&str, usize), changes: Vec<Change>) -> Vec<String> {
     let head = match changes.len() {
         0 => return Vec::new(),
         n if n <= most => format!("All {what}:"),
-        n => format!("The {most} largest of {n} {what}, measured in tolerances:"),
+        n => format!("The {most} largest of {n} {what}, in tolerances:"),
     };
     let named = changes.into_iter().take(most).map(|it| format!("- {}", it.text));
     [head].into_iter().chain(named).collect()

@@ -123,7 +123,11 @@ mod tests {
         };
         check("{'descr': '<i4', 'fortran_order': False, 'shape': (4, 3)}", "\"<i4\"; allowed are f4 and f8");
         check("{'descr': '<f4', 'fortran_order': False, 'shape': (12,)}", "not points by columns");
-        check("{'descr': '<f4', 'fortran_order': False, 'shape': (6, 2)}", "too few");
+        check(
+            "{'descr': '<f4', 'fortran_order': False, 'shape': (6, 2)}",
+            "with 3 to 1023 values; it may be transposed",
+        );
+        check("{'descr': '<f4', 'fortran_order': False, 'shape': (2000, 2)}", "with 3 to 1023 values");
         check("{'descr': '<f4', 'fortran_order': False, 'shape': (5, 3)}", "but has 48 bytes");
         check("{'descr': '<f4', 'fortran_order': True, 'shape': (4294967295, 3)}", "but has 48 bytes");
         check("{'descr': '<f4', 'shape': (4, 3)}", "has the fortran_order \"\"");
