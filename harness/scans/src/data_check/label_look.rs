@@ -9,7 +9,7 @@ use super::empty_boxes::NEAR_M;
 use super::label_correction::Correction;
 use super::label_suspicion::{LabelSuspicion, TakenFor};
 use super::seen_vehicles::{SeenVehicle, SeenVehicles, is_vehicle};
-use crate::annotation::{LabeledArea, LabeledScan};
+use crate::annotation::{LabeledScan, PointRegion};
 use crate::dataset::proposal_list::ProposalList;
 
 /// Of fewer vehicles nothing is said.
@@ -39,6 +39,8 @@ const MOST_HIDDEN: (usize, f64) = (2, 0.2);
 const FEWEST_OF_SECTOR: usize = 15;
 /// Boxes within this angle, in degrees, and this share of the points elsewhere: only a part may be labelled.
 const SECTOR: (f64, f64) = (120.0, 0.4);
+/// Directions in three quarters of which there are labelled points, where these are all round.
+const N_DIRECTIONS: usize = 36;
 
 /// What the labels of a few scans look like.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -246,12 +248,10 @@ fn holes_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
         .then_some(LabelSuspicion::Holes { n_empty, n_vehicles })
 }
 
-/// Of scans that are said to be labelled all round.
+/// Where points are said to be labelled all round, and only some of them are near boxes.
 fn sector_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
-    let all_round = || scans.iter().filter(|it| it.labeled_area == LabeledArea::Everywhere);
-    let centers = all_round().flat_map(|it| &it.annotations).filter_map(|it| Some(it.bounding_box?.center_m));
     let azimuth_deg = |[x_m, y_m, _]: [f32; 3]| f64::from(y_m).atan2(f64::from(x_m)).to_degrees();
-    let mut azimuths_deg: Vec<f64> = centers.map(azimuth_deg).collect();
+    let mut azimuths_deg: Vec<f64> = boxes(scans).map(|it| azimuth_deg(it.center_m)).collect();
     azimuths_deg.sort_by(f64::total_cmp);
     let n_boxes = azimuths_deg.len();
     if n_boxes < FEWEST_OF_SECTOR {
@@ -262,15 +262,22 @@ fn sector_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
     let gaps = azimuths_deg.iter().zip(next_deg).map(|(at_deg, next_deg)| (next_deg - at_deg, next_deg));
     let (gap_deg, first_deg) = gaps.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let width_deg = 360.0 - gap_deg;
-    let points = || all_round().flat_map(|it| it.cloud.positions_m());
-    let is_elsewhere = |it: &[f32; 3]| (azimuth_deg(*it) - first_deg).rem_euclid(360.0) > width_deg;
-    let share_elsewhere = points().filter(is_elsewhere).count() as f64 / points().count().max(1) as f64;
+    let (mut n_points, mut n_elsewhere, mut is_seen) = (0_usize, 0_usize, [false; N_DIRECTIONS]);
+    for scan in scans {
+        let labelled = scan.cloud.positions_m().zip(&scan.point_regions);
+        for (position_m, _) in labelled.filter(|(_, region)| **region == PointRegion::Labeled) {
+            let from_first_deg = (azimuth_deg(position_m) - first_deg).rem_euclid(360.0);
+            n_points += 1;
+            n_elsewhere += usize::from(from_first_deg > width_deg);
+            let direction = from_first_deg / 360.0 * N_DIRECTIONS as f64;
+            is_seen[(direction as usize).min(N_DIRECTIONS - 1)] = true;
+        }
+    }
+    let is_all_round = is_seen.iter().filter(|it| **it).count() >= N_DIRECTIONS * 3 / 4;
+    let share_elsewhere = n_elsewhere as f64 / n_points.max(1) as f64;
     let (most_deg, least_share) = SECTOR;
-    (width_deg <= most_deg && share_elsewhere >= least_share).then_some(LabelSuspicion::Sector {
-        width_deg,
-        share_elsewhere,
-        n_boxes,
-    })
+    (width_deg <= most_deg && is_all_round && share_elsewhere >= least_share)
+        .then_some(LabelSuspicion::Sector { width_deg, share_elsewhere, n_boxes })
 }
 
 /// Whether most labels of `scans` are as `list` has them.
