@@ -38,7 +38,7 @@ const MOST_HIDDEN: (usize, f64) = (2, 0.2);
 /// Fewer boxes may lie to one side by chance.
 const FEWEST_OF_SECTOR: usize = 15;
 /// Boxes within this angle, in degrees, and this share of the points elsewhere: only a part may be labelled.
-const SECTOR: (f64, f64) = (120.0, 0.4);
+const SECTOR: (f64, f64) = (150.0, 0.4);
 /// Directions in three quarters of which there are labelled points, where these are all round.
 const N_DIRECTIONS: usize = 36;
 
