@@ -1,16 +1,18 @@
 //! The last lines that a detector printed.
 
 use std::collections::VecDeque;
-use std::io::{BufRead as _, BufReader, Read};
+use std::io::{ErrorKind, Read};
 use std::os::fd::{AsFd, OwnedFd};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use rustix::event::{PollFd, PollFlags, poll};
+
 /// Lines that are kept.
 const MOST_LINES: usize = 20;
 /// Of each line this many bytes.
-const MOST_LINE_BYTES: u64 = 400;
+const MOST_LINE_BYTES: usize = 400;
 /// How long is waited for the last of them: whoever the detector left behind may hold the pipe for ever.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
@@ -58,13 +60,14 @@ impl LastWords {
     /// Waits until all is read that was printed before, a second at most.
     pub fn catch_up(&self) {
         let ends = Instant::now() + LONGEST_WAIT;
-        let mut n_empty = 0;
-        // Twice, so that the reader has kept what it took last.
-        while n_empty < 2 && Instant::now() < ends {
-            let n_left = self.pipe.as_ref().and_then(|it| rustix::io::ioctl_fionread(it).ok()).unwrap_or(0);
-            n_empty = if n_left == 0 { n_empty + 1 } else { 0 };
-            std::thread::sleep(Duration::from_millis(2));
+        while self.is_behind() && Instant::now() < ends {
+            std::thread::sleep(Duration::from_millis(1));
         }
+    }
+
+    fn is_behind(&self) -> bool {
+        let _kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        self.pipe.as_ref().is_some_and(|it| rustix::io::ioctl_fionread(it).is_ok_and(|n_left| n_left > 0))
     }
 
     /// Waits until nobody can print any more, a second at most.
@@ -73,31 +76,44 @@ impl LastWords {
     }
 }
 
-fn keep(printed: impl Read, token: &str, kept: &Mutex<Kept>) {
-    let mut printed = BufReader::new(printed);
-    let mut line = Vec::new();
+fn keep(mut printed: impl Read + AsFd, token: &str, kept: &Mutex<Kept>) {
+    let (mut line, mut bytes) = (Vec::new(), [0; 4096]);
     loop {
-        line.clear();
-        // Lines without an end are taken in pieces.
-        match printed.by_ref().take(MOST_LINE_BYTES).read_until(b'\n', &mut line) {
-            Ok(1..) => {}
-            Ok(0) | Err(_) => return,
-        }
-        let text = String::from_utf8_lossy(&line);
+        let waited = poll(&mut [PollFd::new(&printed, PollFlags::IN)], None);
+        // What is taken from the pipe is kept before anybody looks: an empty pipe means that all is kept.
         let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(of_supervisor) = text.strip_prefix(token) {
-            if kept.of_supervisor.len() < MOST_LINES {
-                kept.of_supervisor.push(printable(of_supervisor.trim()));
+        let n_read = match waited.map_err(Into::into).and_then(|_| printed.read(&mut bytes)) {
+            Ok(n_read) => n_read,
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            Err(_) => 0,
+        };
+        for byte in &bytes[..n_read] {
+            line.push(*byte);
+            // Lines without an end are taken in pieces.
+            if *byte == b'\n' || line.len() == MOST_LINE_BYTES {
+                kept.add(&line, token);
+                line.clear();
             }
-            continue;
         }
-        if text.trim().is_empty() {
-            continue;
+        if n_read == 0 {
+            return kept.add(&line, token);
         }
-        if kept.lines.len() == MOST_LINES {
-            kept.lines.pop_front();
+    }
+}
+
+impl Kept {
+    fn add(&mut self, line: &[u8], token: &str) {
+        let text = String::from_utf8_lossy(line);
+        if let Some(of_supervisor) = text.strip_prefix(token) {
+            if self.of_supervisor.len() < MOST_LINES {
+                self.of_supervisor.push(printable(of_supervisor.trim()));
+            }
+        } else if !text.trim().is_empty() {
+            if self.lines.len() == MOST_LINES {
+                self.lines.pop_front();
+            }
+            self.lines.push_back(printable(text.trim_end()));
         }
-        kept.lines.push_back(printable(text.trim_end()));
     }
 }
 

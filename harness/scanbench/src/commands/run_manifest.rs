@@ -195,7 +195,13 @@ pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> Dataset
         skipped_scans: opened.skipped.borrow().clone(),
         seen: opened.first_look.seen.clone(),
         label_points: opened.first_look.label_points.clone(),
-        doubts: opened.first_look.suspicions.iter().map(ToString::to_string).collect(),
+        doubts: opened
+            .first_look
+            .suspicions
+            .iter()
+            .filter(|it| it.is_doubt())
+            .map(ToString::to_string)
+            .collect(),
         classes: opened.classes.written(),
         n_points_left_out: opened.points_left_out.n_points_in(&opened.scan_indices) as u64,
         selection: selection.map(str::to_owned),

@@ -33,6 +33,13 @@ pub enum FrameSuspicion {
     Labels(LabelSuspicion),
 }
 
+impl FrameSuspicion {
+    /// Whether numbers are in doubt. Objects may lie to one side in truth: whoever labelled them knows.
+    pub fn is_doubt(&self) -> bool {
+        !matches!(self, Self::Labels(LabelSuspicion::Sector { .. }))
+    }
+}
+
 impl fmt::Display for FrameSuspicion {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
