@@ -1,5 +1,6 @@
 //! How files are opened, and written whole or not at all.
 
+pub mod shown_text;
 pub mod causes;
 pub mod archive;
 pub mod regular_file;
