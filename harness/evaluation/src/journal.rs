@@ -1,15 +1,18 @@
 //! What work has done so far, in a file that grows with it and outlives whatever ends the program.
 //!
 //! The first line says what it belongs to; every other one is a result. A line is written at once, so that a program that
-//! is ended in the middle loses what it was doing and nothing else.
+//! is ended in the middle loses what it was doing and nothing else. Each begins with a checksum of all that the file has up
+//! to its end: a line that is changed, doubled, lost or out of place is found, and nothing from there on is believed.
 
 use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
-use std::io::{self, BufRead as _, BufReader, Seek as _, Write as _};
+use std::io::{self, BufRead as _, BufReader, Read, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use reports::files::new_file::open_to_add;
+use reports::files::regular_file::{BoundedLines, RegularFile};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -20,12 +23,23 @@ pub type JournalIdentity = Map<String, Value>;
 /// What a journal is of, such as `sweep`.
 pub type JournalKind = &'static str;
 
+/// The longest line that is read, in bytes.
+const MOST_OF_LINE: u64 = 1 << 30;
+
 /// An open journal, which no other program can open.
 #[derive(Debug)]
 pub struct Journal {
-    file: Mutex<File>,
+    end: Mutex<JournalEnd>,
     path: PathBuf,
     n_entries: AtomicUsize,
+    damaged_line: Option<usize>,
+}
+
+/// Where the next line goes.
+#[derive(Debug)]
+struct JournalEnd {
+    file: File,
+    checksum: LineChecksum,
 }
 
 /// Why a journal cannot be worked with.
@@ -42,7 +56,7 @@ pub enum JournalError {
         differences: Vec<String>,
     },
     /// Its first line says nothing.
-    #[error("{path:?} is not the journal of a {kind}; remove it")]
+    #[error("{path:?} is not the journal of a {kind}, or is damaged; start again with --overwrite")]
     NoJournal {
         /// What it should be of.
         kind: JournalKind,
@@ -79,8 +93,8 @@ pub enum OtherJournal {
 impl Journal {
     /// Opens the journal at `path`, or begins it, and hands the results that are in it to `on_entry`.
     ///
-    /// Whatever stands from the first damaged line on, as a program that is ended in the middle of a line leaves it, is cut
-    /// off, and is to be done again.
+    /// Whatever stands from the first line on that is damaged, or that `on_entry` takes for none of this work, is cut off, and
+    /// is to be done again.
     ///
     /// # Errors
     ///
@@ -90,11 +104,10 @@ impl Journal {
         kind: JournalKind,
         identity: &JournalIdentity,
         other: OtherJournal,
-        on_entry: impl FnMut(Entry),
+        mut on_entry: impl FnMut(Entry) -> bool,
     ) -> Result<Self, JournalError> {
         let refused = |source| JournalError::Io { path: path.to_owned(), source };
-        let mut options = File::options();
-        let file = options.read(true).append(true).create(true).open(path).map_err(refused)?;
+        let file = open_to_add(path).map_err(refused)?;
         match file.try_lock() {
             Ok(()) => {}
             // Not every file system knows locks.
@@ -104,36 +117,39 @@ impl Journal {
             }
             Err(TryLockError::Error(source)) => return Err(refused(source)),
         }
-        let mut reader = BufReader::new(&file);
-        let mut head = Vec::new();
-        reader.read_until(b'\n', &mut head).map_err(refused)?;
-        let differences = head.ends_with(b"\n").then(|| differences(&head, identity));
+        let mut lines = SoundLines::of(&file);
+        let head = lines.next_line().map_err(refused)?;
+        let has_head = head.is_some() || lines.damaged_line().is_some();
+        let differences = head.as_deref().map(|it| differences(it, identity));
         let is_ours = match (differences, other) {
             (Some(Some(differences)), _) if differences.is_empty() => true,
             (Some(Some(differences)), OtherJournal::Refuse) => {
                 return Err(JournalError::Another { kind, path: path.to_owned(), differences });
             }
             // Not to destroy what was never ours.
-            (Some(None), OtherJournal::Refuse) => {
+            _ if has_head && other == OtherJournal::Refuse => {
                 return Err(JournalError::NoJournal { kind, path: path.to_owned() });
             }
             _ => false,
         };
-        if is_ours {
-            let mut n_entries = 0;
-            let mut on_entry = on_entry;
-            let counted = |entry| {
-                n_entries += 1;
-                on_entry(entry);
-            };
-            let n_bytes = each_sound_entry(&mut reader, counted).map_err(refused)?;
-            file.set_len(head.len() as u64 + n_bytes).map_err(refused)?;
-            let n_entries = n_entries.into();
-            return Ok(Self { file: Mutex::new(file), path: path.to_owned(), n_entries });
+        if !is_ours {
+            let end = JournalEnd { file, checksum: LineChecksum::default() }.into();
+            let journal = Self { end, path: path.to_owned(), n_entries: 0.into(), damaged_line: None };
+            journal.restart(identity)?;
+            return Ok(journal);
         }
-        let journal = Self { file: Mutex::new(file), path: path.to_owned(), n_entries: 0.into() };
-        journal.restart(identity)?;
-        Ok(journal)
+        let mut n_entries = 0;
+        lines
+            .each_entry(|entry| {
+                let is_sound = on_entry(entry);
+                n_entries += usize::from(is_sound);
+                is_sound
+            })
+            .map_err(refused)?;
+        let (n_bytes, damaged_line, checksum) = (lines.n_bytes, lines.damaged_line(), lines.checksum);
+        file.set_len(n_bytes).map_err(refused)?;
+        let end = JournalEnd { file, checksum }.into();
+        Ok(Self { end, path: path.to_owned(), n_entries: n_entries.into(), damaged_line })
     }
 
     /// Hands all results to `on_entry` once more.
@@ -143,13 +159,17 @@ impl Journal {
     /// [`JournalError::Io`] if the file cannot be read.
     pub fn each_entry<Entry: DeserializeOwned>(
         &self,
-        on_entry: impl FnMut(Entry),
+        mut on_entry: impl FnMut(Entry),
     ) -> Result<(), JournalError> {
-        let file = File::open(&self.path).map_err(|source| self.refused(source))?;
-        let mut reader = BufReader::new(file);
-        let head = reader.read_until(b'\n', &mut Vec::new());
-        head.and_then(|_| each_sound_entry(&mut reader, on_entry)).map_err(|source| self.refused(source))?;
-        Ok(())
+        let file = RegularFile::open(&self.path).map_err(|source| self.refused(source))?;
+        let mut lines = SoundLines::of(file);
+        let read = lines.next_line().and_then(|_| {
+            lines.each_entry(|entry| {
+                on_entry(entry);
+                true
+            })
+        });
+        read.map_err(|source| self.refused(source))
     }
 
     /// Adds a result.
@@ -168,19 +188,27 @@ impl Journal {
         self.n_entries.load(Ordering::Relaxed)
     }
 
+    /// The number of the first line that was not believed when it was opened; `None` if all were, or if only the last one
+    /// was not written to its end.
+    pub fn damaged_line(&self) -> Option<usize> {
+        self.damaged_line
+    }
+
     fn restart(&self, identity: &JournalIdentity) -> Result<(), JournalError> {
         {
-            let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-            file.set_len(0).and_then(|()| file.rewind()).map_err(|source| self.refused(source))?;
+            let mut end = self.end.lock().unwrap_or_else(PoisonError::into_inner);
+            end.file.set_len(0).and_then(|()| end.file.rewind()).map_err(|source| self.refused(source))?;
         }
         self.add_line(identity)
     }
 
     fn add_line(&self, value: &impl Serialize) -> Result<(), JournalError> {
-        let mut line = serde_json::to_vec(value).expect("a journal holds numbers and text alone");
+        let mut end = self.end.lock().unwrap_or_else(PoisonError::into_inner);
+        let content = serde_json::to_vec(value).expect("a journal holds numbers and text alone");
+        let mut line = format!("{:08x} ", end.checksum.add(&content)).into_bytes();
+        line.extend(content);
         line.push(b'\n');
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.write_all(&line).map_err(|source| self.refused(source))
+        end.file.write_all(&line).map_err(|source| self.refused(source))
     }
 
     fn refused(&self, source: io::Error) -> JournalError {
@@ -216,20 +244,94 @@ fn add_differences(table: &str, one: &JournalIdentity, other: &JournalIdentity, 
     }
 }
 
-/// Hands the results up to the first damaged line to `on_entry`, and returns how many bytes they take.
-fn each_sound_entry<Entry: DeserializeOwned>(
-    reader: &mut impl io::BufRead,
-    mut on_entry: impl FnMut(Entry),
-) -> io::Result<u64> {
-    let (mut line, mut n_bytes) = (Vec::new(), 0);
-    loop {
-        line.clear();
-        reader.read_until(b'\n', &mut line)?;
-        match serde_json::from_slice(&line) {
-            Ok(entry) if line.ends_with(b"\n") => on_entry(entry),
-            _ => return Ok(n_bytes),
+/// A checksum of the contents of all lines so far.
+#[derive(Debug, Clone, Default)]
+struct LineChecksum(crc32fast::Hasher);
+
+impl LineChecksum {
+    /// That of all contents up to `content`.
+    fn add(&mut self, content: &[u8]) -> u32 {
+        self.0.update(content);
+        self.0.clone().finalize()
+    }
+}
+
+/// The lines of a journal up to the first one that is damaged.
+struct SoundLines<R> {
+    reader: BufReader<BoundedLines<R>>,
+    checksum: LineChecksum,
+    n_lines: usize,
+    // That the sound ones take.
+    n_bytes: u64,
+    state: LineState,
+}
+
+/// The line behind the sound ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum LineState {
+    /// Not looked at, or not there.
+    Unread,
+    /// The last one, of which only the beginning was written.
+    Half,
+    /// Not as it was written.
+    Damaged,
+}
+
+impl<R: Read> SoundLines<R> {
+    fn of(reader: R) -> Self {
+        let reader = BufReader::new(BoundedLines::new(reader, MOST_OF_LINE));
+        let state = LineState::Unread;
+        Self { reader, checksum: LineChecksum::default(), n_lines: 0, n_bytes: 0, state }
+    }
+
+    /// The content of the next line; `None` if it is damaged or there is none.
+    fn next_line(&mut self) -> io::Result<Option<Vec<u8>>> {
+        let mut line = Vec::new();
+        match self.reader.read_until(b'\n', &mut line) {
+            Ok(_) => {}
+            Err(error) if error.kind() == io::ErrorKind::FileTooLarge => {
+                self.state = LineState::Damaged;
+                return Ok(None);
+            }
+            Err(error) => return Err(error),
         }
-        n_bytes += line.len() as u64;
+        let Some(whole) = line.strip_suffix(b"\n") else {
+            self.state = if line.is_empty() { LineState::Unread } else { LineState::Half };
+            return Ok(None);
+        };
+        let mut checksum = self.checksum.clone();
+        let sound = whole
+            .split_at_checked(9)
+            .filter(|(before, content)| *before == format!("{:08x} ", checksum.add(content)).as_bytes());
+        let Some((_, content)) = sound else {
+            self.state = LineState::Damaged;
+            return Ok(None);
+        };
+        self.checksum = checksum;
+        self.n_lines += 1;
+        self.n_bytes += line.len() as u64;
+        Ok(Some(content.to_vec()))
+    }
+
+    /// Hands the results of the lines that are left to `on_entry`, up to one that it does not take.
+    fn each_entry<Entry: DeserializeOwned>(
+        &mut self,
+        mut on_entry: impl FnMut(Entry) -> bool,
+    ) -> io::Result<()> {
+        loop {
+            let before = (self.checksum.clone(), self.n_lines, self.n_bytes);
+            let Some(content) = self.next_line()? else { return Ok(()) };
+            if !serde_json::from_slice(&content).is_ok_and(&mut on_entry) {
+                (self.checksum, self.n_lines, self.n_bytes) = before;
+                self.state = LineState::Damaged;
+                return Ok(());
+            }
+        }
+    }
+
+    /// The number of the line that is damaged, from 1; `None` if none is.
+    fn damaged_line(&self) -> Option<usize> {
+        (self.state == LineState::Damaged).then_some(self.n_lines + 1)
     }
 }
 
@@ -256,7 +358,10 @@ mod tests {
 
     fn open_or(path: &Path, seed: u64, other: OtherJournal) -> Result<(Journal, Vec<String>), JournalError> {
         let mut entries = Vec::new();
-        let journal = Journal::open(path, "sweep", &identity(seed), other, |it| entries.push(it))?;
+        let journal = Journal::open(path, "sweep", &identity(seed), other, |it| {
+            entries.push(it);
+            true
+        })?;
         Ok((journal, entries))
     }
 
@@ -289,7 +394,7 @@ mod tests {
         for n_bytes in [whole.len() - 1, whole.len() - 20] {
             std::fs::write(&path, &whole[..n_bytes]).unwrap();
             let (journal, entries) = open(&path, 1).unwrap();
-            assert!(entries.is_empty(), "{n_bytes}");
+            assert!(entries.is_empty() && journal.damaged_line().is_none(), "{n_bytes}");
             journal.add(&entry(7)).unwrap();
             drop(journal);
             assert_eq!(open(&path, 1).unwrap().1, [entry(7)]);
@@ -298,6 +403,69 @@ mod tests {
         std::fs::write(&path, &whole[..10]).unwrap();
         assert!(open(&path, 1).unwrap().1.is_empty());
         assert!(open(&path, 1).unwrap().1.is_empty());
+    }
+
+    #[test]
+    fn a_line_that_is_not_as_it_was_written_is_not_believed_nor_what_follows() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sweep.unfinished");
+        let (journal, _) = open(&path, 1).unwrap();
+        (0..4).for_each(|it| journal.add(&entry(it)).unwrap());
+        drop(journal);
+        let whole = std::fs::read_to_string(&path).unwrap();
+        let lines: Vec<&str> = whole.lines().collect();
+        let check = |changed: &[&str], expected: &[usize], damaged_line: usize| {
+            std::fs::write(&path, changed.join("\n") + "\n").unwrap();
+            let (journal, entries) = open(&path, 1).unwrap();
+            assert_eq!(entries, expected.iter().map(|it| entry(*it)).collect::<Vec<_>>(), "{changed:#?}");
+            assert_eq!(journal.damaged_line(), Some(damaged_line), "{changed:#?}");
+            // What is done again fits what was kept.
+            journal.add(&entry(9)).unwrap();
+            drop(journal);
+            let (journal, entries) = open(&path, 1).unwrap();
+            assert_eq!(entries.len(), expected.len() + 1);
+            assert_eq!(journal.damaged_line(), None);
+        };
+        let flipped = lines[2].replace("point 1", "point 7");
+        check(&[lines[0], lines[1], &flipped, lines[3], lines[4]], &[0], 3);
+        check(&[lines[0], lines[1], lines[2], lines[2], lines[3], lines[4]], &[0, 1], 4);
+        check(&[lines[0], lines[1], lines[3], lines[4]], &[0], 3);
+        check(&[lines[0], lines[2], lines[1], lines[3], lines[4]], &[], 2);
+        check(&[lines[0], lines[1], "", lines[2]], &[0], 3);
+        // The checksum itself, every bit of every byte of a line.
+        for byte_idx in 0..lines[2].len() {
+            let mut bytes = lines[2].as_bytes().to_vec();
+            bytes[byte_idx] ^= 1;
+            let Ok(changed) = String::from_utf8(bytes) else { continue };
+            check(&[lines[0], lines[1], &changed, lines[3]], &[0], 3);
+        }
+    }
+
+    #[test]
+    fn a_result_that_is_none_of_the_work_is_cut_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sweep.unfinished");
+        let (journal, _) = open(&path, 1).unwrap();
+        (0..4).for_each(|it| journal.add(&entry(it)).unwrap());
+        drop(journal);
+        let before_the_third = |it: String| it < entry(2);
+        let journal =
+            Journal::open(&path, "sweep", &identity(1), OtherJournal::Refuse, before_the_third).unwrap();
+        assert_eq!((journal.n_entries(), journal.damaged_line()), (2, Some(4)));
+        drop(journal);
+        assert_eq!(open(&path, 1).unwrap().1, [entry(0), entry(1)]);
+    }
+
+    #[test]
+    fn a_damaged_head_is_refused_and_can_be_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sweep.unfinished");
+        drop(open(&path, 1).unwrap());
+        let head = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, head.replacen("[1]", "[2]", 1)).unwrap();
+        assert!(matches!(open(&path, 1), Err(JournalError::NoJournal { .. })));
+        assert!(open_or(&path, 1, OtherJournal::Discard).is_ok());
+        assert!(open(&path, 1).is_ok());
     }
 
     #[test]

@@ -117,6 +117,22 @@ pub enum RemoteError {
         /// Why.
         reason: String,
     },
+    /// An archive that would become far larger than archives of scans do.
+    #[error(
+        "{path:?} has {}, and would become {} where at most {} are taken; if that is right, add --unpack-at-most {}",
+        in_bytes(*.n_archive_bytes), in_bytes(*.n_bytes), in_bytes(*.n_most_bytes),
+        .n_bytes.div_ceil(1_000_000_000)
+    )]
+    Growth {
+        /// The archive.
+        path: PathBuf,
+        /// Its size in bytes.
+        n_archive_bytes: u64,
+        /// That of its files.
+        n_bytes: u64,
+        /// The most that is taken.
+        n_most_bytes: u64,
+    },
     /// The user asked for an end.
     #[error("interrupted after {n_done} of {n_files} files; the same command goes on from there")]
     Interrupted {

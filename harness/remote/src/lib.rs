@@ -5,9 +5,11 @@
 //! [`transfer`] says how.
 
 pub mod error;
+mod local_file;
 pub mod address;
 pub mod sums;
 pub mod space;
+pub mod patience;
 pub mod store;
 pub mod transfer;
 pub mod session;

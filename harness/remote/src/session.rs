@@ -3,15 +3,18 @@
 use std::collections::BTreeSet;
 use std::fs::FileType;
 use std::future::Future;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use futures_util::{StreamExt as _, TryStreamExt as _};
 use tokio::runtime::Runtime;
 
 use crate::RemoteError;
+use crate::local_file::create;
+use crate::patience::{Look, Patience, Wait};
 use crate::space::check_space;
 use crate::store::{RemoteFile, Store};
 use crate::sums::{SUMS_FILE, Sums, read_sums, sums_text};
@@ -41,8 +44,10 @@ pub struct FetchPlan<'a> {
     pub sums: SumPolicy,
     /// The option of the program that chooses the folder, for errors.
     pub folder_option: &'static str,
-    /// Told of every byte that arrives.
+    /// Told of every byte that arrives and was never there before.
     pub on_bytes: &'a (dyn Fn(u64) + Sync),
+    /// Told of a server that is slow.
+    pub on_slow: OnSlow<'a>,
 }
 
 /// What is missing of some files.
@@ -59,21 +64,22 @@ pub struct Session<'a> {
     // Nothing but None while it is dropped.
     runtime: Option<Runtime>,
     interrupted: &'a AtomicBool,
+    patience: Patience,
 }
 
 impl<'a> Session<'a> {
-    /// Begins one, which ends once `interrupted` is set.
+    /// Begins one, which ends once `interrupted` is set, or when a server takes more than `patience`.
     ///
     /// # Errors
     ///
     /// [`RemoteError::Unreachable`] if the system gives no thread for it.
-    pub fn new(interrupted: &'a AtomicBool) -> Result<Self, RemoteError> {
+    pub fn new(interrupted: &'a AtomicBool, patience: Patience) -> Result<Self, RemoteError> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| RemoteError::Unreachable {
             url: "the network".to_owned(),
             reason: error.to_string(),
         })?;
-        Ok(Self { runtime: Some(runtime), interrupted })
+        Ok(Self { runtime: Some(runtime), interrupted, patience })
     }
 
     /// All files at the address of `store`, sorted by name: those below it, or the one that it names.
@@ -81,8 +87,8 @@ impl<'a> Session<'a> {
     /// # Errors
     ///
     /// [`RemoteError::Nothing`] if there are none, and what servers say.
-    pub fn all(&self, store: &Store) -> Result<Vec<RemoteFile>, RemoteError> {
-        self.run(store.all(), (&AtomicUsize::new(0), 0))
+    pub fn all(&self, store: &Store, on_slow: OnSlow<'_>) -> Result<Vec<RemoteFile>, RemoteError> {
+        self.run(store, store.all(), &Going { on_slow, ..Going::default() })
     }
 
     /// The names of the folders at the address of `store`, sorted.
@@ -90,8 +96,8 @@ impl<'a> Session<'a> {
     /// # Errors
     ///
     /// What servers say.
-    pub fn folders(&self, store: &Store) -> Result<Vec<String>, RemoteError> {
-        self.run(store.folders(), (&AtomicUsize::new(0), 0))
+    pub fn folders(&self, store: &Store, on_slow: OnSlow<'_>) -> Result<Vec<String>, RemoteError> {
+        self.run(store, store.folders(), &Going { on_slow, ..Going::default() })
     }
 
     /// The files at `names` below the address of `store`, sorted by name; of a name that ends in `/`, all below that folder.
@@ -99,8 +105,13 @@ impl<'a> Session<'a> {
     /// # Errors
     ///
     /// [`RemoteError::Nothing`] if one is not there, and what servers say.
-    pub fn named(&self, store: &Store, names: &[String]) -> Result<Vec<RemoteFile>, RemoteError> {
-        self.run(store.named(names), (&AtomicUsize::new(0), 0))
+    pub fn named(
+        &self,
+        store: &Store,
+        names: &[String],
+        on_slow: OnSlow<'_>,
+    ) -> Result<Vec<RemoteFile>, RemoteError> {
+        self.run(store, store.named(names), &Going { on_slow, ..Going::default() })
     }
 
     /// Fetches those of `files` that are not in the folder yet.
@@ -122,11 +133,11 @@ impl<'a> Session<'a> {
             SumPolicy::CheckAndKeep => read_sums(plan.into)?,
         };
         let found = Mutex::new(known.clone());
-        let n_done = AtomicUsize::new(0);
-        let so_far = SoFar { known: &known, found: &found, n_done: &n_done };
+        let going = Going { n_done: AtomicUsize::new(0), n_files: files.len(), on_slow: plan.on_slow };
+        let so_far = SoFar { known: &known, found: &found, n_done: &going.n_done };
         let transfers = files.iter().map(|file| fetch_one(store, file, plan, &so_far));
         let transfers = futures_util::stream::iter(transfers).buffer_unordered(N_AT_A_TIME);
-        let fetched = self.run(transfers.try_collect::<()>(), (&n_done, files.len()));
+        let fetched = self.run(store, transfers.try_collect::<()>(), &going);
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         if plan.sums == SumPolicy::CheckAndKeep && found != known {
             // Also of what has arrived before something went wrong.
@@ -135,15 +146,28 @@ impl<'a> Session<'a> {
         fetched
     }
 
-    /// Does `work`, of whose files some are done.
+    /// Does `work` with `store`, as long as that gets on.
     fn run<T>(
         &self,
+        store: &Store,
         work: impl Future<Output = Result<T, RemoteError>>,
-        (n_done, n_files): (&AtomicUsize, usize),
+        going: &Going<'_>,
     ) -> Result<T, RemoteError> {
         let end = async {
-            while !self.interrupted.load(Ordering::Relaxed) {
+            let mut wait = Wait::begin(&store.progress, self.patience, Instant::now());
+            loop {
                 tokio::time::sleep(GLANCE).await;
+                if self.interrupted.load(Ordering::Relaxed) {
+                    let n_done = going.n_done.load(Ordering::Relaxed);
+                    return RemoteError::Interrupted { n_done, n_files: going.n_files };
+                }
+                match wait.look(Instant::now()) {
+                    Look::Well => {}
+                    Look::Slow(sentence) => (going.on_slow)(&sentence),
+                    Look::Over(reason) => {
+                        return RemoteError::Unreachable { url: store.address().shown(), reason };
+                    }
+                }
             }
         };
         let runtime = self.runtime.as_ref().expect("it is there until it is dropped");
@@ -151,9 +175,7 @@ impl<'a> Session<'a> {
             let (work, end) = (std::pin::pin!(work), std::pin::pin!(end));
             match futures_util::future::select(work, end).await {
                 futures_util::future::Either::Left((done, _)) => done,
-                futures_util::future::Either::Right(_) => {
-                    Err(RemoteError::Interrupted { n_done: n_done.load(Ordering::Relaxed), n_files })
-                }
+                futures_util::future::Either::Right((error, _)) => Err(error),
             }
         })
     }
@@ -165,6 +187,22 @@ impl Drop for Session<'_> {
             // A checksum of a large file would be waited for.
             runtime.shutdown_background();
         }
+    }
+}
+
+/// Told of a server that is slow, in a sentence.
+pub type OnSlow<'a> = &'a dyn Fn(&str);
+
+/// How far work is, and who is told that it is slow.
+struct Going<'a> {
+    n_done: AtomicUsize,
+    n_files: usize,
+    on_slow: OnSlow<'a>,
+}
+
+impl Default for Going<'_> {
+    fn default() -> Self {
+        Self { n_done: AtomicUsize::new(0), n_files: 0, on_slow: &|_| {} }
     }
 }
 
@@ -188,6 +226,7 @@ async fn fetch_one(
     {
         so_far.found.lock().unwrap_or_else(PoisonError::into_inner).insert(file.name.clone(), sum);
     }
+    store.progress.answer();
     so_far.n_done.fetch_add(1, Ordering::Relaxed);
     Ok(())
 }
@@ -259,6 +298,8 @@ fn transfer_of<'a>(
 pub(crate) fn write_sums(folder: &Path, sums: &Sums) -> Result<(), RemoteError> {
     let path = folder.join(SUMS_FILE);
     let partial = folder.join(format!(".{SUMS_FILE}.partial-{}", std::process::id()));
-    let written = std::fs::write(&partial, sums_text(sums)).and_then(|()| std::fs::rename(&partial, &path));
+    let written = create(&partial)
+        .and_then(|mut it| it.write_all(sums_text(sums).as_bytes()))
+        .and_then(|()| std::fs::rename(&partial, &path));
     written.map_err(|error| RemoteError::write(&path, error))
 }

@@ -15,6 +15,7 @@ use object_store::{
 
 use crate::RemoteError;
 use crate::address::{Address, Scheme};
+use crate::patience::Progress;
 use crate::sums::{SUMS_FILE, Sums, parse_sums};
 
 /// A server that does not take a connection so long is not there.
@@ -80,6 +81,7 @@ impl RemoteFile {
 pub struct Store {
     objects: Arc<dyn ObjectStore>,
     address: Address,
+    pub(crate) progress: Progress,
 }
 
 impl Store {
@@ -102,7 +104,7 @@ impl Store {
         }
         let objects = open_objects(address, access)
             .map_err(|error| RemoteError::Address { address: address.shown(), problem: error.to_string() })?;
-        Ok(Self { objects, address: address.clone() })
+        Ok(Self { objects, address: address.clone(), progress: Progress::default() })
     }
 
     /// What it was opened with.
@@ -211,7 +213,7 @@ impl Store {
         {
             return self.of_sums(path, name, sums).await;
         }
-        let listed: Vec<ObjectMeta> = match self.objects.list(Some(path)).try_collect().await {
+        let listed: Vec<ObjectMeta> = match self.listed(path).await {
             Ok(listed) => listed,
             // A server without WebDAV.
             Err(_) if self.address.scheme() == Scheme::Http => Vec::new(),
@@ -238,6 +240,10 @@ impl Store {
         let mut is_folder = is_folder.into_iter();
         files.retain(|_| is_folder.next() != Some(true));
         Ok(files)
+    }
+
+    async fn listed(&self, path: &Path) -> Result<Vec<ObjectMeta>, object_store::Error> {
+        self.objects.list(Some(path)).inspect_ok(|_| self.progress.answer()).try_collect().await
     }
 
     /// The files that the checksums of the folder `path` name, and the file of the checksums.
@@ -279,7 +285,10 @@ impl Store {
             let reason = "it is too large for a list of checksums".to_owned();
             return Err(RemoteError::Unreachable { url, reason });
         }
-        let bytes = result.bytes().await.map_err(|error| RemoteError::of_store(&url, &error))?;
+        let came = result.into_stream().inspect_ok(|it| self.progress.bytes(it.len() as u64));
+        let pieces: Vec<_> = came.try_collect().await.map_err(|error| RemoteError::of_store(&url, &error))?;
+        let bytes = pieces.concat();
+        self.progress.answer();
         parse_sums(&url, &String::from_utf8_lossy(&bytes)).map(Some)
     }
 
@@ -287,7 +296,10 @@ impl Store {
     async fn head(&self, path: &Path, remedy: &'static str) -> Result<RemoteFile, RemoteError> {
         let name = path.filename().unwrap_or_default().to_owned();
         let error = match self.objects.head(path).await {
-            Ok(meta) => return Ok(remote_file(name, meta)),
+            Ok(meta) => {
+                self.progress.answer();
+                return Ok(remote_file(name, meta));
+            }
             Err(error) => error,
         };
         // Links may be signed for reading alone: its first byte says how large it is, too.

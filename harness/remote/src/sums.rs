@@ -8,6 +8,7 @@ use object_store::path::Path as ObjectPath;
 use sha2::{Digest as _, Sha256};
 
 use crate::RemoteError;
+use crate::local_file::{open, read_text};
 
 /// The name of the file with the checksums of all files below its folder.
 pub const SUMS_FILE: &str = "SHA256SUMS";
@@ -49,7 +50,7 @@ pub fn sums_text(sums: &Sums) -> String {
 /// [`RemoteError::Sums`]; [`RemoteError::Write`] if the file cannot be read.
 pub fn read_sums(folder: &Path) -> Result<Sums, RemoteError> {
     let path = folder.join(SUMS_FILE);
-    match std::fs::read_to_string(&path) {
+    match read_text(&path) {
         Ok(text) => parse_sums(&path.display().to_string(), &text),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Sums::new()),
         Err(error) => Err(RemoteError::write(&path, error)),
@@ -58,7 +59,7 @@ pub fn read_sums(folder: &Path) -> Result<Sums, RemoteError> {
 
 /// SHA-256 of the file at `path`, in lower-case hexadecimal.
 pub(crate) fn sha256_of(path: &Path) -> io::Result<String> {
-    let mut file = std::fs::File::open(path)?;
+    let mut file = open(path)?;
     let mut sum = RunningSum::default();
     let mut buffer = vec![0; 1 << 20];
     loop {

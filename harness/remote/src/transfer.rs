@@ -4,7 +4,7 @@
 //! attempt goes on at its end, also after an interruption, but never with another object. The file gets its name once its
 //! size is right, its checksum, if one is known, and it is on the disk.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -12,6 +12,7 @@ use std::time::{Duration, SystemTime};
 use futures_util::StreamExt as _;
 
 use crate::RemoteError;
+use crate::local_file::open_to_add;
 use crate::store::{RemoteFile, Store};
 use crate::sums::{RunningSum, sha256_of};
 
@@ -49,7 +50,7 @@ pub(crate) struct Transfer<'a> {
     pub expected: Option<ExpectedSum>,
     /// Whether its checksum is to be found out.
     pub is_summed: bool,
-    /// Told of every byte that arrives.
+    /// Told of every byte that arrives and was never there before.
     pub on_bytes: &'a (dyn Fn(u64) + Sync),
 }
 
@@ -108,10 +109,13 @@ impl Transfer<'_> {
     /// The partial file, once no other program writes to it.
     async fn locked(&self, partial: &Path) -> Result<File, RemoteError> {
         loop {
-            let file = OpenOptions::new().append(true).create(true).open(partial);
+            let file = open_to_add(partial);
             let file = file.map_err(|error| RemoteError::write(partial, error))?;
             match file.try_lock() {
-                Err(TryLockError::WouldBlock) => tokio::time::sleep(PATIENCE).await,
+                Err(TryLockError::WouldBlock) => {
+                    let _busy = self.store.progress.busy();
+                    tokio::time::sleep(PATIENCE).await;
+                }
                 // Some disks know no locks.
                 Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
             }
@@ -129,36 +133,52 @@ impl Transfer<'_> {
         }
     }
 
-    /// Appends what is missing to `partial`, in as many attempts as bring something, and a few more.
+    /// Appends what is missing to `partial`, in as many attempts as get further than all before, and a few more.
     async fn fill(&self, file: &mut File, partial: &Path) -> Result<(), RemoteError> {
+        let write = |error| RemoteError::write(partial, error);
         let (mut n_in_vain, mut pause) = (0, FIRST_PAUSE);
+        // A longer one is none of the object.
+        let n_kept = file.metadata().map_err(write)?.len();
+        let mut n_most = if n_kept > self.file.n_bytes { 0 } else { n_kept };
+        let mut begins_anew = false;
         loop {
-            let write = |error| RemoteError::write(partial, error);
-            let n_before = file.metadata().map_err(write)?.len();
-            let error = match self.attempt(file, partial, n_before).await {
+            let (n_before, n_most_before) = (file.metadata().map_err(write)?.len(), n_most);
+            let error = match self.attempt(file, partial, (n_before, &mut n_most)).await {
                 Ok(()) => return Ok(()),
                 Err(error) => error,
             };
-            let n_now = file.metadata().map_err(write)?.len();
-            if n_now > n_before {
+            if n_most > n_most_before {
                 (n_in_vain, pause) = (0, FIRST_PAUSE);
             }
             n_in_vain += 1;
-            match &error {
-                RemoteError::Unreachable { .. } if n_in_vain > N_ATTEMPTS => return Err(error),
-                RemoteError::Unreachable { reason, .. } => {
-                    if n_before > 0 && WITHOUT_RANGES.iter().any(|it| reason.contains(it)) {
-                        file.set_len(0).map_err(write)?;
-                    }
-                }
-                _ => return Err(error),
+            let RemoteError::Unreachable { url, reason } = error else { return Err(error) };
+            if n_before > 0 && WITHOUT_RANGES.iter().any(|it| reason.contains(it)) {
+                file.set_len(0).map_err(write)?;
+                begins_anew = true;
+            }
+            if n_in_vain > N_ATTEMPTS {
+                let reason = if begins_anew {
+                    let n_bytes = self.file.n_bytes;
+                    format!(
+                        "it sends the file from its beginning alone, and never got beyond byte {n_most} of {n_bytes}"
+                    )
+                } else {
+                    reason
+                };
+                return Err(RemoteError::Unreachable { url, reason });
             }
             tokio::time::sleep(pause).await;
             pause *= 2;
         }
     }
 
-    async fn attempt(&self, file: &mut File, partial: &Path, n_kept: u64) -> Result<(), RemoteError> {
+    /// Fetches what is behind the `n_kept` bytes that are there; `n_most` is how far any attempt got.
+    async fn attempt(
+        &self,
+        file: &mut File,
+        partial: &Path,
+        (n_kept, n_most): (u64, &mut u64),
+    ) -> Result<(), RemoteError> {
         let write = |error| RemoteError::write(partial, error);
         let url = || self.store.shown(&self.file.location);
         let mut n_kept = n_kept;
@@ -183,7 +203,11 @@ impl Transfer<'_> {
         while let Some(bytes) = stream.next().await {
             let bytes = bytes.map_err(|it| of_store(&it))?;
             file.write_all(&bytes).map_err(write)?;
-            (self.on_bytes)(bytes.len() as u64);
+            n_kept += bytes.len() as u64;
+            let n_new = n_kept.saturating_sub(*n_most);
+            *n_most += n_new;
+            self.store.progress.bytes(n_new);
+            (self.on_bytes)(n_new);
         }
         let n_bytes = file.metadata().map_err(write)?.len();
         if n_bytes == self.file.n_bytes {
@@ -197,6 +221,7 @@ impl Transfer<'_> {
     async fn finish(&self, file: File, partial: PathBuf) -> Result<Option<String>, RemoteError> {
         let sum = self.sum_of(partial.clone()).await?;
         let (modified, path) = (self.file.modified, self.path.clone());
+        let _busy = self.store.progress.busy();
         let named = in_background(move || {
             if let Some(modified) = modified {
                 // Its time tells the next run that it is still the object; without it, it is fetched again.
@@ -215,6 +240,7 @@ impl Transfer<'_> {
             return Ok(None);
         }
         let of_path = path.clone();
+        let _busy = self.store.progress.busy();
         let found = in_background(move || sha256_of(&of_path)).await;
         let found = found.map_err(|error| RemoteError::write(&path, error))?;
         let Some(ExpectedSum { sha256, stated }) = self.expected.clone().filter(|it| it.sha256 != found)

@@ -1,5 +1,6 @@
 //! Archives that were fetched, as files.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, Read, Write as _};
 use std::path::{Path, PathBuf};
@@ -8,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use zip::ZipArchive;
 
 use crate::RemoteError;
+use crate::local_file::{create, open, read_text};
 use crate::session::write_sums;
 use crate::space::check_space;
 use crate::sums::{RunningSum, SUMS_FILE, read_sums, sha256_of};
@@ -29,13 +31,20 @@ pub struct UnpackPlan<'a> {
     pub wanted: &'a [String],
     /// The option of the program that chooses the folder, for errors.
     pub folder_option: &'static str,
+    /// The files may have so many bytes; without it, so many as archives of scans and labels do.
+    pub n_most_bytes: Option<u64>,
     /// Ends the work once it is set.
     pub interrupted: &'a AtomicBool,
 }
 
+/// Archives of labels of points are a sixtieth of what is in them, and those of scans a half.
+const MAX_GROWTH: u64 = 200;
+/// So many bytes are taken of an archive of any size.
+const ALWAYS_TAKEN_BYTES: u64 = 1 << 26;
+
 /// Whether `archive` has been unpacked and removed: what says so has its size.
 pub fn is_unpacked(archive: &Path, n_bytes: u64) -> bool {
-    let text = std::fs::read_to_string(record_of(archive)).unwrap_or_default();
+    let text = read_text(&record_of(archive)).unwrap_or_default();
     text.split_whitespace().nth(1).and_then(|it| it.parse().ok()) == Some(n_bytes)
 }
 
@@ -52,9 +61,11 @@ fn record_of(archive: &Path) -> PathBuf {
 /// [`RemoteError::Archive`] if it is damaged; [`RemoteError::NoRoom`]; [`RemoteError::Write`].
 pub fn unpack(archive: &Path, plan: &UnpackPlan<'_>) -> Result<Unpacked, RemoteError> {
     let damaged = |reason: String| RemoteError::Archive { path: archive.to_path_buf(), reason };
-    let file = File::open(archive).map_err(|error| RemoteError::write(archive, error))?;
+    let file = open(archive).map_err(|error| RemoteError::write(archive, error))?;
     let mut zip = ZipArchive::new(file).map_err(|error| damaged(error.to_string()))?;
+    let n_archive_bytes = std::fs::metadata(archive).map_or(0, |it| it.len());
     let members = members(&mut zip, plan).map_err(damaged)?;
+    check_growth(archive, &members, n_archive_bytes, plan.n_most_bytes)?;
     let n_missing = members.iter().filter(|it| !it.is_there(plan.into)).map(|it| it.n_bytes).sum();
     check_space(plan.into, n_missing, plan.folder_option)?;
     let mut sums = read_sums(plan.into)?;
@@ -65,7 +76,7 @@ pub fn unpack(archive: &Path, plan: &UnpackPlan<'_>) -> Result<Unpacked, RemoteE
         }
         if !member.is_there(plan.into) || !sums.contains_key(&member.name) {
             let packed = zip.by_index(member.index).map_err(|error| damaged(error.to_string()))?;
-            let sum = write_member(packed, &plan.into.join(&member.name), archive)?;
+            let sum = write_member(packed, member, plan.into, archive)?;
             sums.insert(member.name.clone(), sum);
         }
         unpacked.n_files += 1;
@@ -73,9 +84,9 @@ pub fn unpack(archive: &Path, plan: &UnpackPlan<'_>) -> Result<Unpacked, RemoteE
     }
     sums.remove(&archive.file_name().unwrap_or_default().to_string_lossy().into_owned());
     write_sums(plan.into, &sums)?;
-    let n_bytes = std::fs::metadata(archive).map_or(0, |it| it.len());
     let written = sha256_of(archive).and_then(|sum| {
-        std::fs::write(record_of(archive), format!("{sum} {n_bytes}\n"))?;
+        let record = record_of(archive);
+        create(&record)?.write_all(format!("{sum} {n_archive_bytes}\n").as_bytes())?;
         std::fs::remove_file(archive)
     });
     written.map_err(|error| RemoteError::write(archive, error))?;
@@ -90,6 +101,43 @@ struct Member {
     n_bytes: u64,
 }
 
+/// The bytes of the archive that a member takes, and its name.
+type Extent = (u64, u64, String);
+
+/// Fails if `members` are far larger than an archive of `n_archive_bytes` should have, or than `n_most_bytes`.
+fn check_growth(
+    archive: &Path,
+    members: &[Member],
+    n_archive_bytes: u64,
+    n_most_bytes: Option<u64>,
+) -> Result<(), RemoteError> {
+    let n_bytes = members.iter().fold(0_u64, |sum, it| sum.saturating_add(it.n_bytes));
+    let usual = n_archive_bytes.saturating_mul(MAX_GROWTH).max(ALWAYS_TAKEN_BYTES);
+    let n_most_bytes = n_most_bytes.unwrap_or(usual);
+    if n_bytes <= n_most_bytes {
+        return Ok(());
+    }
+    let path = archive.to_path_buf();
+    Err(RemoteError::Growth { path, n_archive_bytes, n_bytes, n_most_bytes })
+}
+
+/// Fails if two members share bytes of the archive: then a few of these may stand for any number of files.
+fn check_apart(mut extents: Vec<Extent>) -> Result<(), String> {
+    extents.sort();
+    match extents.array_windows().find(|[(_, end, _), (begin, _, _)]| end > begin) {
+        Some([(_, _, one), (_, _, other)]) => Err(format!("{one} and {other} overlap in it")),
+        None => Ok(()),
+    }
+}
+
+/// Fails if `name` cannot stand in a list of files, a name in each line.
+fn check_name(name: &str) -> Result<(), String> {
+    match name.chars().find(|it| it.is_control() || matches!(it, '\u{2028}' | '\u{2029}')) {
+        Some(_) => Err(format!("the name {} has a control character", name.escape_debug())),
+        None => Ok(()),
+    }
+}
+
 impl Member {
     fn is_there(&self, folder: &Path) -> bool {
         let found = std::fs::symlink_metadata(folder.join(&self.name));
@@ -98,28 +146,46 @@ impl Member {
 }
 
 fn members(zip: &mut ZipArchive<File>, plan: &UnpackPlan<'_>) -> Result<Vec<Member>, String> {
-    let mut members = Vec::new();
+    let (mut members, mut extents, mut names) = (Vec::new(), Vec::new(), BTreeSet::new());
     for index in 0..zip.len() {
         let packed = zip.by_index_raw(index).map_err(|error| error.to_string())?;
+        let named = || packed.name().map(|it| it.escape_debug().to_string()).unwrap_or_default();
+        let begin = packed.data_start().unwrap_or_else(|| packed.header_start());
+        let end = begin.saturating_add(packed.compressed_size());
+        extents.push((packed.header_start(), end, named()));
         if packed.is_dir() || packed.is_symlink() {
             continue;
         }
-        let named = || packed.name().map(|it| it.escape_debug().to_string()).unwrap_or_default();
         let path = packed.enclosed_name().ok_or_else(|| format!("the path {} leads out of it", named()))?;
         let parts: Vec<String> =
             path.components().map(|it| it.as_os_str().to_string_lossy().into_owned()).collect();
         let name = parts.join("/");
+        check_name(&name)?;
+        if !names.insert(name.clone()) {
+            return Err(format!("it has {} twice", named()));
+        }
         let is_wanted = plan.wanted.is_empty() || plan.wanted.iter().any(|it| name.contains(it.as_str()));
         if is_wanted && name != SUMS_FILE && !name.is_empty() {
             members.push(Member { index, name, n_bytes: packed.size() });
         }
     }
+    check_apart(extents)?;
     Ok(members)
 }
 
 /// Writes one file of an archive, and returns its checksum.
-fn write_member(mut packed: impl Read, path: &Path, archive: &Path) -> Result<String, RemoteError> {
+fn write_member(
+    packed: impl Read,
+    member: &Member,
+    folder: &Path,
+    archive: &Path,
+) -> Result<String, RemoteError> {
+    let path = &folder.join(&member.name);
     let write = |error| RemoteError::write(path, error);
+    let damaged = |reason: String| RemoteError::Archive { path: archive.to_path_buf(), reason };
+    // One byte more than announced, so that a file that goes on is noticed.
+    let mut packed = packed.take(member.n_bytes.saturating_add(1));
+    let mut n_written = 0;
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(|error| RemoteError::write(folder, error))?;
     let partial = path.with_file_name(format!(
@@ -127,22 +193,25 @@ fn write_member(mut packed: impl Read, path: &Path, archive: &Path) -> Result<St
         path.file_name().unwrap_or_default().to_string_lossy(),
         std::process::id()
     ));
-    let mut file = File::create(&partial).map_err(write)?;
+    let mut file = create(&partial).map_err(write)?;
     let mut sum = RunningSum::default();
     let mut buffer = vec![0; 1 << 18];
     let copied = loop {
         match packed.read(&mut buffer) {
-            Ok(0) => break Ok(()),
+            Ok(0) if n_written == member.n_bytes => break Ok(()),
+            Ok(0) => {
+                let (name, expected) = (&member.name, member.n_bytes);
+                break Err(damaged(format!("{name} has {n_written} bytes, and should have {expected}")));
+            }
             Ok(n_bytes) => {
+                n_written += n_bytes as u64;
                 sum.add(&buffer[..n_bytes]);
                 if let Err(error) = file.write_all(&buffer[..n_bytes]) {
                     break Err(write(error));
                 }
             }
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => {
-                break Err(RemoteError::Archive { path: archive.to_path_buf(), reason: error.to_string() });
-            }
+            Err(error) => break Err(damaged(error.to_string())),
         }
     };
     let named =

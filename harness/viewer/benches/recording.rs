@@ -24,7 +24,7 @@ use scans::dataset::scan_selection::ScanSelection;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 use viewer::run_recording::{RunRecording, RunRecordingOptions};
-use viewer::{FirstTab, Opening, PointChoice, StreamOptions, ViewerChoice};
+use viewer::{ExistingRecording, FirstTab, Opening, PointChoice, StreamOptions, ViewerChoice};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Cargo starts benchmarks in the folder of their package; paths are meant from the root.
@@ -77,6 +77,7 @@ fn record(
         stream: StreamOptions {
             name: "benchmark".to_owned(),
             file: file.to_owned(),
+            existing: ExistingRecording::Replace,
             viewer: ViewerChoice::None,
             opening: Opening {
                 shown_task: Task::Objects,

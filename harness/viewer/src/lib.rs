@@ -38,7 +38,7 @@ pub use error::StreamError;
 pub use recording_axis::RecordingAxis;
 pub use scan_views::{DetectorView, ScanView, TaskView};
 pub use session::{Stream, StreamEnding};
-pub use stream_options::{FirstTab, Opening, StreamOptions};
+pub use stream_options::{ExistingRecording, FirstTab, Opening, StreamOptions};
 pub use viewer::{ServedRecording, ViewerChoice, ViewerState, ViewerUrl};
 
 /// Version of the Rerun library; a viewer of this version opens the recordings.

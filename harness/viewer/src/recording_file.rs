@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use reports::files::new_file::create_file;
 use rerun::external::re_log_encoding::{EncodeError, Encoder, EncodingOptions};
 use rerun::external::re_log_types::LogMsg;
 use rerun::sink::{LogSink, SinkFlushError};
@@ -29,14 +30,26 @@ enum FileState {
 }
 
 impl RecordingFile {
-    /// Creates the file, or empties it, and writes its header.
+    /// Creates the file, in place of one that is there, and writes its header.
     ///
     /// # Errors
     ///
     /// [`StreamError::Create`] if it cannot be created, [`StreamError::Write`] if it cannot be written.
     pub fn create(path: &Path) -> Result<Self, StreamError> {
-        let file =
-            File::create(path).map_err(|source| StreamError::Create { path: path.to_owned(), source })?;
+        Self::begin(path, create_file(path))
+    }
+
+    /// Writes to what is at `path`: a device or a pipe.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::create`].
+    pub fn write_to(path: &Path) -> Result<Self, StreamError> {
+        Self::begin(path, File::options().write(true).open(path))
+    }
+
+    fn begin(path: &Path, file: std::io::Result<File>) -> Result<Self, StreamError> {
+        let file = file.map_err(|source| StreamError::Create { path: path.to_owned(), source })?;
         let options = EncodingOptions::PROTOBUF_COMPRESSED;
         let mut encoder = Encoder::new_eager(rerun::build_info().version, options, BufWriter::new(file))
             .map_err(|error| write_error(path, &error))?;

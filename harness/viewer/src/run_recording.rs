@@ -17,7 +17,7 @@ use super::drive_frame::DriveFrame;
 use super::error::StreamError;
 use super::scan_views::{DetectorView, ScanView, TaskView};
 use super::session::Stream;
-use super::stream_options::StreamOptions;
+use super::stream_options::{ExistingRecording, StreamOptions};
 use super::viewer::ViewerState;
 
 /// An open recording that follows a run.
@@ -36,10 +36,19 @@ pub struct RunRecording {
 pub struct RunRecordingOptions {
     /// How it is streamed, to a file in the directory of the run unless it goes elsewhere.
     pub stream: StreamOptions,
-    /// A file of the user's choice that is written instead, and appears once it is complete.
-    pub elsewhere: Option<PathBuf>,
+    /// A file that is written instead, and appears once it is complete.
+    pub elsewhere: Option<RecordingPath>,
     /// Every so many scans are recorded.
     pub every: u32,
+}
+
+/// The path of a recording that appears once it is complete.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RecordingPath {
+    /// One that the user has named: a link stays one, and a device or a pipe is written to.
+    Named(PathBuf),
+    /// One in the directory of a run, where a link is replaced.
+    InRun(PathBuf),
 }
 
 /// Why a run cannot be recorded.
@@ -64,9 +73,12 @@ impl RunRecording {
     /// [`StreamError`] if the file cannot be written, or the viewer or the server not be started.
     pub fn begin(options: RunRecordingOptions, detectors: &[&str]) -> Result<Self, StreamError> {
         let RunRecordingOptions { mut stream, elsewhere, every } = options;
-        let elsewhere = elsewhere.as_deref().map(RecordingElsewhere::begin).transpose()?;
+        let elsewhere = elsewhere.map(RecordingElsewhere::begin).transpose()?;
         if let Some(elsewhere) = &elsewhere {
             elsewhere.path().clone_into(&mut stream.file);
+            if elsewhere.unfinished.is_none() {
+                stream.existing = ExistingRecording::WriteTo;
+            }
         }
         Ok(Self {
             stream: Stream::open(&stream, detectors)?,
@@ -172,15 +184,17 @@ struct RecordingElsewhere {
 }
 
 impl RecordingElsewhere {
-    fn begin(file: &Path) -> Result<Self, StreamError> {
-        let create_error = |source| StreamError::Create { path: file.to_owned(), source };
-        if file.is_dir() {
-            return Err(create_error(std::io::ErrorKind::IsADirectory.into()));
-        }
-        // A link stays one, and a device is not replaced by a file.
-        let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
-        if file.exists() && !file.is_file() {
-            return Ok(Self { file, unfinished: None });
+    fn begin(path: RecordingPath) -> Result<Self, StreamError> {
+        let (file, is_named) = match path {
+            RecordingPath::Named(file) => (file.canonicalize().unwrap_or(file), true),
+            RecordingPath::InRun(file) => (file, false),
+        };
+        let create_error = |source| StreamError::Create { path: file.clone(), source };
+        let there = if is_named { file.metadata() } else { file.symlink_metadata() };
+        match there {
+            Ok(it) if it.is_dir() => return Err(create_error(std::io::ErrorKind::IsADirectory.into())),
+            Ok(it) if is_named && !it.is_file() => return Ok(Self { file, unfinished: None }),
+            _ => {}
         }
         let folder = file.parent().filter(|it| !it.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = tempfile::Builder::new();

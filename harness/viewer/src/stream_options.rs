@@ -13,14 +13,26 @@ use super::viewer::ViewerChoice;
 pub struct StreamOptions {
     /// The name of the recording in the viewer.
     pub name: String,
-    /// The file, always written; one that exists is overwritten.
+    /// The file, always written.
     pub file: PathBuf,
+    /// What becomes of what is there.
+    pub existing: ExistingRecording,
     /// A viewer that gets the same at the same time.
     pub viewer: ViewerChoice,
     /// How it opens.
     pub opening: Opening,
     /// Which points of a scan are drawn.
     pub points: PointChoice,
+}
+
+/// What becomes of what is at the path of a recording.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ExistingRecording {
+    /// It goes, be it a file or a link.
+    #[default]
+    Replace,
+    /// It is written to: a device, or a pipe.
+    WriteTo,
 }
 
 /// Which tab of a recording is in front when it is opened.

@@ -23,7 +23,7 @@ use super::recording_axis::RecordingAxis;
 use super::run_recording::{RecordingError, task_views};
 use super::scan_views::{DetectorView, ScanView};
 use super::session::Stream;
-use super::stream_options::{FirstTab, Opening, StreamOptions};
+use super::stream_options::{ExistingRecording, FirstTab, Opening, StreamOptions};
 use super::viewer::ViewerChoice;
 
 /// The file in the directory.
@@ -47,6 +47,7 @@ pub fn record_sweep(
     let options = StreamOptions {
         name: directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         file: directory.path_of(SWEEP_RRD),
+        existing: ExistingRecording::Replace,
         viewer: ViewerChoice::None,
         opening: Opening {
             shown_task,

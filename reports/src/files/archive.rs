@@ -5,9 +5,14 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::regular_file::read_text;
+
 /// Version of the layout of `report.json`, `manifest.json` and the CSV files; raised when a reader of the old layout
 /// would misread the new one.
 pub const SCHEMA: u32 = 1;
+
+/// The largest JSON file of a run, in bytes: that of a year of drives has some megabytes.
+const MOST_OF_JSON: u64 = 1 << 28;
 
 /// Why a file of a run cannot be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -91,7 +96,7 @@ pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, ArchiveEr
     }
 
     let damaged = |source| ArchiveError::Json { path: path.to_path_buf(), source };
-    let text = std::fs::read_to_string(path)
+    let text = read_text(path, MOST_OF_JSON)
         .map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
     // The version is looked at first, so that a newer file is called newer and not damaged.
     let SchemaOnly { schema } = serde_json::from_str(&text).map_err(damaged)?;

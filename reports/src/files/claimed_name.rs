@@ -4,6 +4,7 @@ use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::files::new_file::open_to_add;
 use crate::files::unfinished::{Kind, Unfinished};
 use crate::files::whole_file::folder_of;
 
@@ -47,7 +48,7 @@ impl Drop for ClaimedName {
 /// The file `path`, made if it is not there, and locked.
 fn locked(path: &Path) -> io::Result<File> {
     loop {
-        let file = File::options().write(true).create(true).truncate(false).open(path)?;
+        let file = open_to_add(path)?;
         match file.try_lock() {
             // Not every file system knows locks.
             Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => {

@@ -8,7 +8,11 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::files::archive::ArchiveError;
+use crate::files::regular_file::{BoundedLines, RegularFile};
 use crate::files::whole_file::WholeFile;
+
+/// The longest line of a CSV file that is read, in bytes.
+pub const MOST_OF_LINE: u64 = 1 << 20;
 
 /// A row of a CSV file.
 pub trait CsvRow: Serialize + DeserializeOwned {
@@ -186,8 +190,8 @@ pub fn read_rows<Row: CsvRow>(path: &Path) -> Result<Vec<Row>, ArchiveError> {
 ///
 /// As [`read_rows`].
 pub fn each_row<Row: CsvRow>(path: &Path, on_row: impl FnMut(Row)) -> Result<(), ArchiveError> {
-    let file = std::fs::File::open(path)
-        .map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
+    let file =
+        RegularFile::open(path).map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
     each_row_of(file, path, on_row)
 }
 
@@ -202,7 +206,7 @@ pub fn each_row_of<Row: CsvRow>(
     mut on_row: impl FnMut(Row),
 ) -> Result<(), ArchiveError> {
     let bad_row = |source| ArchiveError::Csv { path: path.to_path_buf(), source };
-    let mut reader = csv::Reader::from_reader(reader);
+    let mut reader = csv::Reader::from_reader(BoundedLines::new(reader, MOST_OF_LINE));
     let columns = reader.headers().map_err(bad_row)?;
     if !columns.iter().eq(Row::COLUMNS.iter().copied()) {
         return Err(ArchiveError::Columns {

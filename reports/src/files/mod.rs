@@ -1,7 +1,10 @@
-//! How files are read, and written whole or not at all.
+//! How files are opened, and written whole or not at all.
 
+pub mod shown_text;
 pub mod causes;
 pub mod archive;
+pub mod regular_file;
+pub mod new_file;
 pub mod unfinished;
 pub mod whole_file;
 pub mod hidden_folder;

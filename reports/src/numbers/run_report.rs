@@ -7,6 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::files::archive::{ArchiveError, SCHEMA, read_json};
+use crate::files::shown_text::printable_name;
 use crate::numbers::blocks::Interval;
 use crate::numbers::number_record::NumberRecord;
 use crate::vocabulary::metric::Metric;
@@ -230,8 +231,10 @@ impl TryFrom<ReportRecord> for RunReport {
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct RowRecord {
+    #[serde(deserialize_with = "printable_name")]
     dataset: String,
     task: Task,
+    #[serde(deserialize_with = "printable_name")]
     detector: String,
     slice: Slice,
     metric: String,

@@ -39,7 +39,7 @@ pub(super) fn given_classes(directory: &Path, manifest: &Manifest) -> Result<Giv
 /// Nothing where everything is labelled.
 pub(super) fn agreement_of(directory: &Path) -> Result<Vec<AgreementRow>, ArchiveError> {
     let path = directory.join(AGREEMENT_CSV);
-    if path.is_file() { read_rows(&path) } else { Ok(Vec::new()) }
+    if path.exists() { read_rows(&path) } else { Ok(Vec::new()) }
 }
 
 /// Those on data sets that have labels.

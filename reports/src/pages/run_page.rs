@@ -1,6 +1,5 @@
 //! The page of a run.
 
-use std::io::ErrorKind;
 use std::path::Path;
 
 use super::agreement::agreement;
@@ -19,6 +18,7 @@ use super::task_tables::task_tables;
 use super::times::times;
 use super::worst::worst;
 use crate::files::archive::ArchiveError;
+use crate::files::new_file::make_folder;
 use crate::files::whole_file::write_whole;
 use crate::plots::pdf::figure_files;
 use crate::rows::error_row::ErrorRow;
@@ -89,13 +89,8 @@ impl RunPage {
     ///
     /// [`ArchiveError::Write`] if they cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), ArchiveError> {
-        let folder = directory.join(FIGURES);
-        match std::fs::create_dir(&folder) {
-            Err(source) if source.kind() != ErrorKind::AlreadyExists => {
-                return Err(ArchiveError::Write { path: folder, source });
-            }
-            _ => {}
-        }
+        let folder = make_folder(directory, FIGURES)
+            .map_err(|source| ArchiveError::Write { path: directory.join(FIGURES), source })?;
         for figure in &self.figures {
             for (name, content) in figure_files(&figure.file_stem, &figure.svg)? {
                 write_whole(&folder.join(name), &content)?;

@@ -7,10 +7,15 @@ use maud::{Markup, html};
 use super::document::{Section, document};
 use super::markup::wide_picture;
 use crate::files::archive::ArchiveError;
+use crate::files::csv_rows::MOST_OF_LINE;
+use crate::files::regular_file::{BoundedLines, RegularFile, read_text};
 use crate::files::whole_file::write_whole;
 use crate::run_folder::run_directory::{
     REPORT_HTML, SWEEP_BEST_TXT, SWEEP_CSV, SWEEP_PROTOCOLS_CSV, SWEEP_TIMES_CSV,
 };
+
+/// The largest plot or text that becomes part of the page, in bytes.
+const MOST_OF_PLOT: u64 = 1 << 26;
 
 /// A kind of plots that a sweep leaves.
 struct PlotKind {
@@ -72,7 +77,7 @@ impl SweepPage {
         let names = names_of_plots(directory)?;
         let plots = names.into_iter().map(|name| {
             let path = directory.join(&name);
-            let svg = std::fs::read_to_string(&path).map_err(|source| ArchiveError::Read { path, source })?;
+            let svg = read_text(&path, MOST_OF_PLOT).map_err(|source| ArchiveError::Read { path, source })?;
             Ok((name, svg))
         });
         let plots = plots.collect::<Result<Vec<_>, ArchiveError>>()?;
@@ -81,7 +86,7 @@ impl SweepPage {
         let [times, protocols] = [Table::read_if_there(&times)?, Table::read_if_there(&protocols)?];
         let best = directory.join(SWEEP_BEST_TXT);
         let best = if best.is_file() {
-            std::fs::read_to_string(&best).map_err(|source| ArchiveError::Read { path: best, source })?
+            read_text(&best, MOST_OF_PLOT).map_err(|source| ArchiveError::Read { path: best, source })?
         } else {
             String::new()
         };
@@ -167,9 +172,9 @@ struct Table {
 impl Table {
     fn read(path: &Path) -> Result<Self, ArchiveError> {
         let bad_row = |source| ArchiveError::Csv { path: path.to_path_buf(), source };
-        let file = std::fs::File::open(path)
+        let file = RegularFile::open(path)
             .map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
-        let mut reader = csv::Reader::from_reader(file);
+        let mut reader = csv::Reader::from_reader(BoundedLines::new(file, MOST_OF_LINE));
         let words = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
         let heads = words(reader.headers().map_err(bad_row)?);
         let rows = reader.records().map(|it| it.map(|it| words(&it)).map_err(bad_row));

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
+use crate::files::shown_text::printable_name;
 use crate::vocabulary::task::Task;
 
 row! {
@@ -10,10 +11,12 @@ row! {
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
     pub struct AgreementRow {
         /// The data set.
+        #[serde(deserialize_with = "printable_name")]
         pub dataset: String,
         /// What is asked for.
         pub task: Task,
         /// The detector.
+        #[serde(deserialize_with = "printable_name")]
         pub detector: String,
         /// The one that it is compared with.
         pub other: String,

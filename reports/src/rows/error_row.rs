@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
+use crate::files::shown_text::printable_name;
 use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -14,10 +15,12 @@ row! {
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
     pub struct ErrorRow {
         /// Id of the data set, or the name of an [`Extent`](crate::vocabulary::extent::Extent) of several.
+        #[serde(deserialize_with = "printable_name")]
         pub dataset: String,
         /// The task.
         pub task: Task,
         /// Name of the detector.
+        #[serde(deserialize_with = "printable_name")]
         pub detector: String,
         /// Which objects: all, those of a class, or those in a bin of range.
         pub slice: Slice,

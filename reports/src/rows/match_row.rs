@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
+use crate::files::shown_text::printable_name;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
 use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
 use crate::vocabulary::criterion::CriterionKind;
@@ -47,12 +48,15 @@ row! {
     #[derive(Serialize, Deserialize)]
     struct MatchRecord {
         /// Id of the data set.
+        #[serde(deserialize_with = "printable_name")]
         dataset: String,
         /// The drive that the scan belongs to.
+        #[serde(deserialize_with = "printable_name")]
         sequence: String,
         /// Number of the scan within the drive.
         scan: u32,
         /// Name of the detector.
+        #[serde(deserialize_with = "printable_name")]
         detector: String,
         /// `objects` or `vehicles`.
         task: Task,

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
+use crate::files::shown_text::printable_name;
 use crate::rows::counts::Counts;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::task::Task;
@@ -146,14 +147,17 @@ row! {
     #[derive(Serialize, Deserialize)]
     struct ScanRecord {
         /// Id of the data set.
+        #[serde(deserialize_with = "printable_name")]
         dataset: String,
         /// The drive that the scan belongs to.
+        #[serde(deserialize_with = "printable_name")]
         sequence: String,
         /// Number of the scan within the drive.
         scan: u32,
         /// When it was taken, in seconds since the first scan of the drive.
         time_s: Option<Fixed<3>>,
         /// Name of the detector.
+        #[serde(deserialize_with = "printable_name")]
         detector: String,
         /// `objects` or `vehicles`.
         task: Task,

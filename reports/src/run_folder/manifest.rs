@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::files::archive::{ArchiveError, pretty_json, read_json};
+use crate::files::shown_text::printable_name;
 use crate::numbers::pools::{Pool, pools};
 use crate::numbers::tally::{Processors, Tally};
 use crate::run_folder::partial_entry::PartialEntry;
@@ -96,6 +97,7 @@ pub struct IgnoreRule {
 #[serde(deny_unknown_fields)]
 pub struct DatasetEntry {
     /// The name used in tables and files.
+    #[serde(deserialize_with = "printable_name")]
     pub id: String,
     /// The format's name, such as `kitti-tracking`.
     pub format: String,
@@ -243,6 +245,7 @@ pub enum AnnotatedClasses {
 #[serde(deny_unknown_fields)]
 pub struct DetectorEntry {
     /// The name used in tables and files.
+    #[serde(deserialize_with = "printable_name")]
     pub name: String,
     /// Every parameter with its value.
     pub parameters: serde_json::Value,

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::files::archive::ArchiveError;
 use crate::files::csv_rows::to_csv_bytes;
 use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::regular_file::{read_bytes, read_text};
 use crate::files::whole_file::write_whole;
 use crate::numbers::run_report::Subject;
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
@@ -19,6 +20,9 @@ use crate::run_folder::run_target::{ExistingTarget, LatestPointer, MANIFEST_JSON
 use crate::verdicts::comparability::{NotComparable, check_comparable};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::task::Task;
+
+/// The largest file that is copied into a baseline or added to, in bytes.
+const MOST_OF_FILE: u64 = 1 << 32;
 
 /// The folder of the accepted run within a baseline.
 pub const ACCEPTED_RUN: &str = "run";
@@ -124,7 +128,7 @@ pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) ->
         written.write_file(MATCHES_CSV, &csv(to_csv_bytes(&counting))?)?;
     }
     for path in &run.more_files {
-        let read = std::fs::read(path);
+        let read = read_bytes(path, MOST_OF_FILE);
         let content = read.map_err(|source| ArchiveError::Read { path: path.clone(), source })?;
         written.write_file(&path.file_name().unwrap_or_default().to_string_lossy(), &content)?;
     }
@@ -200,7 +204,7 @@ fn counts(outcome: &MatchOutcome) -> bool {
 ///
 /// [`AcceptError::History`] if it cannot be read.
 fn history_with(path: &Path, head: &str, line: &str) -> Result<String, AcceptError> {
-    let mut history = match std::fs::read_to_string(path) {
+    let mut history = match read_text(path, MOST_OF_FILE) {
         Ok(history) => history,
         Err(error) if error.kind() == io::ErrorKind::NotFound => head.to_owned(),
         Err(source) => return Err(AcceptError::History { path: path.to_path_buf(), source }),

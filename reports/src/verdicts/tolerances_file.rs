@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::files::regular_file::read_settings_text;
 use crate::verdicts::rule_problems::{RulePosition, RuleProblem, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
 use crate::verdicts::tolerances::{DriftRule, Origin, Rule, Tolerances};
@@ -46,7 +47,7 @@ impl Tolerances {
     ///
     /// [`TolerancesError`] if the file cannot be read or is not TOML.
     pub fn read(path: &Path) -> Result<Self, TolerancesError> {
-        let text = std::fs::read_to_string(path)
+        let text = read_settings_text(path)
             .map_err(|source| TolerancesError::Read { path: path.to_path_buf(), source })?;
         Self::parse(&text, Origin::File(path.to_path_buf()))
             .map_err(|problem| TolerancesError::Toml { path: path.to_path_buf(), problem: problem.into() })

@@ -7,7 +7,7 @@ pub const PROTOCOL: u32 = 1;
 /// Longest line of a message in bytes, with its end.
 pub const MOST_LINE_BYTES: usize = 1 << 20;
 /// Most boxes of an answer.
-pub const MOST_BOXES: usize = 100_000;
+pub const MOST_BOXES: usize = scans::foreign::detections::MAX_BOXES;
 
 /// From the host to the detector.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::time::Duration;
 
+use reports::files::shown_text::shown;
+
 /// What went wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DetectorProblem {
@@ -86,11 +88,11 @@ impl fmt::Display for DetectorFailure {
         if let Some(scan) = &self.scan {
             write!(formatter, " at scan {scan}")?;
         }
-        write!(formatter, ": {}", self.problem)?;
+        write!(formatter, ": {}", shown(&self.problem.to_string()))?;
         if !self.last_words.is_empty() {
             formatter.write_str("\nlast lines that it printed:")?;
         }
-        self.last_words.iter().try_for_each(|it| write!(formatter, "\n  {it}"))?;
+        self.last_words.iter().try_for_each(|it| write!(formatter, "\n  {}", shown(it)))?;
         if self.last_words.iter().any(|it| it.contains("No module named 'scanbench'")) {
             formatter.write_str("\nThe Python that it runs in lacks the package: pip install ./harness/python in a checkout of scanbench, or a wheel of it")?;
         }

@@ -1,10 +1,10 @@
 //! The files that a foreign detector is made of, by their content.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
+use reports::files::regular_file::RegularFile;
 use scans::dataset::checksum::ContentChecksum;
 
 /// A file of a detector cannot be read.
@@ -78,7 +78,7 @@ fn files_of_module(name: &str) -> [String; 3] {
 
 fn checksum(path: &Path) -> Result<String, ForeignFileError> {
     let refused = |source| ForeignFileError { path: path.to_owned(), source };
-    let mut file = File::open(path).map_err(refused)?;
+    let mut file = RegularFile::open(path).map_err(refused)?;
     let mut checksum = ContentChecksum::default();
     let mut piece = vec![0; 1 << 20];
     loop {

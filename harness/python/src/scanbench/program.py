@@ -18,6 +18,7 @@ EXIT_CODES = {
     4: "nothing was evaluated",
     5: "runs that cannot be compared",
     6: "a detector failed",
+    7: "results cannot be written",
     130: "interrupted",
     143: "ended by SIGTERM",
 }

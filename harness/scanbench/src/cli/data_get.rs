@@ -29,6 +29,9 @@ pub struct GetArgs {
     /// Folder to fetch into [default: where the catalogue has the data set]
     #[arg(long, value_name = "DIR", help_heading = OUTPUT)]
     pub into: Option<PathBuf>,
+    /// Size in GB that the files of an archive may have [default: 200 times that of the archive]
+    #[arg(long, value_name = "GB", help_heading = OUTPUT, hide_short_help = true)]
+    pub unpack_at_most: Option<u64>,
     /// Say what would be fetched, and fetch nothing
     #[arg(long, help_heading = OUTPUT)]
     pub dry_run: bool,
@@ -40,4 +43,5 @@ Examples:
   scanbench data get nuscenes --link 'https://…/v1.0-mini.tgz?…' --accept-licence
 
 After an interruption, the same command goes on with what has arrived (.NAME.partial-…).
-Zip files are unpacked. SHA256SUMS has the checksums of all files.";
+Zip files are unpacked. SHA256SUMS has the checksums of all files. A server that sends
+less than a kilobyte a second for a minute, or SCANBENCH_PATIENCE_S seconds, is given up.";

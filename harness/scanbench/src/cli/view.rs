@@ -32,6 +32,9 @@ pub struct ViewArgs {
     /// Only mistakes with this annotated or detected class
     #[arg(long, value_name = "CLASS", value_parser = PossibleValuesParser::new(classes()))]
     pub class: Option<String>,
+    /// Also fetch data from the addresses, and start the programs, that the run names
+    #[arg(long, help_heading = Resettable::Reset)]
+    pub trust: bool,
     /// What is streamed to Rerun.
     #[command(flatten)]
     pub stream: StreamArgs,
@@ -73,7 +76,8 @@ Examples:
 
 Lists the mistakes with the most points first, each with its reason. Then runs their
 scans again with the parameters of the run and records them as worst.rrd in the run
-directory. Paths of data are those of the run: start it in the same folder.";
+directory. Paths of data are those of the run: start it in the same folder. What a run
+of somebody else names is neither fetched nor started without --trust.";
 
 fn classes() -> impl Iterator<Item = &'static str> {
     let annotated = AnnotationClass::ALL.iter().map(|it| it.name());

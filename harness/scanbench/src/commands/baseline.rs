@@ -25,7 +25,7 @@ use crate::commands::gate::tolerances;
 use crate::commands::gate_workflow::{GATE_WORKFLOW, gate_workflow};
 use crate::commands::open_run::open_run;
 use crate::commands::provenance::utc_day;
-use crate::commands::standard_streams::{print_bytes, print_diagnostic, print_result, terminal};
+use crate::commands::standard_streams::{print_diagnostic, print_result, print_text, terminal};
 
 /// Writes what it takes to hold later runs to a run: the run itself, tolerances of all its numbers, and a workflow.
 pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
@@ -116,7 +116,7 @@ pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
     refuse_uncommitted(run.manifest.git.as_ref())?;
     if let Some(judged) = judged_by(directory, &run, &arguments.run)? {
-        print_bytes(judged.text.as_bytes())?;
+        print_text(&judged.text)?;
         if judged.n_worse > 0 && !arguments.worse {
             return Err(WorseThanAccepted { n_worse: judged.n_worse }.into());
         }
@@ -127,7 +127,7 @@ pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
         succession: if arguments.new_baseline { Succession::Anew } else { Succession::Comparable },
     };
     let line = accept(&run, directory, acceptance)?;
-    print_bytes(format!("{line}\n").as_bytes())?;
+    print_text(&format!("{line}\n"))?;
     print_diagnostic(format_args!("Baseline: {}", directory.display()));
     Ok(())
 }

@@ -16,7 +16,7 @@ use crate::commands::open_run::open_run;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::provenance::comparison_facts;
 use crate::commands::run_directory::claim_named;
-use crate::commands::standard_streams::{print_bytes, print_diagnostic, terminal};
+use crate::commands::standard_streams::{print_diagnostic, print_text, terminal};
 use reports::files::csv_rows::to_csv_bytes;
 use reports::plots::study_plots::comparison_plot;
 use reports::run_folder::run_directory::RunDirectory;
@@ -49,7 +49,7 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
     }
     let format: &dyn Format<Comparison> = if arguments.markdown { &Markdown } else { &terminal() };
     let text = format.text(&comparison);
-    print_bytes(text.as_bytes())
+    print_text(&text)
 }
 
 fn of_detectors(

@@ -31,6 +31,7 @@ fn exit_code(failure: &Failure) -> u8 {
         Failure::NothingEvaluated(_) => 4,
         Failure::NotComparable(_) => 5,
         Failure::Detector(_) => 6,
+        Failure::Unwritten(_) => 7,
         Failure::Regression(_) => 100,
         Failure::Drift(_) => 101,
         Failure::Interrupted(_) => interruption_exit_code(),
@@ -64,10 +65,10 @@ mod tests {
 
     #[test]
     fn a_full_disk_is_not_the_users_mistake_and_a_bad_path_is() {
-        check(not_written(ErrorKind::StorageFull), 1);
+        check(not_written(ErrorKind::StorageFull), 7);
         check(not_written(ErrorKind::NotADirectory), 2);
         let table = |kind: ErrorKind| ArchiveError::Write { path: "a.csv".into(), source: kind.into() };
-        check(table(ErrorKind::StorageFull), 1);
+        check(table(ErrorKind::StorageFull), 7);
         check(RunDirectoryError::from(table(ErrorKind::PermissionDenied)), 2);
     }
 

@@ -40,7 +40,7 @@ pub type Reason = Box<dyn Error + Send + Sync>;
 /// Expected endings, with their documented exit codes.
 #[derive(Debug)]
 pub enum Failure {
-    /// 1: a bug, or a machine that gave up, such as a full disk.
+    /// 1: a bug.
     Internal(Reason),
     /// 2: wrong usage or configuration.
     Usage(Reason),
@@ -52,6 +52,8 @@ pub enum Failure {
     NotComparable(Reason),
     /// 6: a detector that is not built in failed.
     Detector(Reason),
+    /// 7: results that the machine does not take, such as a full disk.
+    Unwritten(Reason),
     /// 100: surely worse than the baseline.
     Regression(Reason),
     /// 101: not surely worse than the baseline, but results changed.
@@ -124,8 +126,13 @@ impl Failure {
             | ErrorKind::PermissionDenied
             | ErrorKind::ReadOnlyFilesystem
             | ErrorKind::InvalidFilename => Self::Usage(reason.into()),
-            _ => Self::Internal(reason.into()),
+            _ => Self::Unwritten(reason.into()),
         }
+    }
+
+    /// `what` could not be written because of `reason`.
+    pub fn unwritten(what: &str, reason: impl Into<Reason>) -> Self {
+        Self::Unwritten(Because { what: what.to_owned(), source: reason.into() }.into())
     }
 
     /// The reason that is reported.
@@ -137,6 +144,7 @@ impl Failure {
             | Self::NothingEvaluated(reason)
             | Self::NotComparable(reason)
             | Self::Detector(reason)
+            | Self::Unwritten(reason)
             | Self::Regression(reason)
             | Self::Drift(reason)
             | Self::Interrupted(reason) => &**reason,
@@ -182,9 +190,9 @@ impl From<ConversionError> for Failure {
     fn from(error: ConversionError) -> Self {
         match error {
             ConversionError::Dataset(error) => error.into(),
-            ConversionError::Archive(_)
-            | ConversionError::Write { .. }
-            | ConversionError::Recording { .. } => Self::Internal(error.into()),
+            ConversionError::Archive(error) => error.into(),
+            ConversionError::Write { ref source, .. } => Self::of_writing(source.kind(), error),
+            ConversionError::Recording { .. } => Self::Unwritten(error.into()),
             ConversionError::Occupied { .. }
             | ConversionError::InUse { .. }
             | ConversionError::Unwritable { .. }

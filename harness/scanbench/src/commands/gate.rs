@@ -18,7 +18,7 @@ use reports::verdicts::verdict::{Verdict, judge};
 use crate::cli::GateArgs;
 use crate::commands::failure::{Failure, GateClosed, Usage};
 use crate::commands::open_run::open_run;
-use crate::commands::standard_streams::{print_bytes, terminal};
+use crate::commands::standard_streams::{print_text, terminal};
 use crate::commands::step_summary::append_to_step_summary;
 
 /// Judges a run by an accepted one, and prints and writes the verdict.
@@ -35,7 +35,7 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
         write_verdict(output, &verdict, &run)?;
     }
     append_to_step_summary(&Markdown.text(&verdict))?;
-    print_bytes(printed(arguments, &verdict).as_bytes())?;
+    print_text(&printed(arguments, &verdict))?;
     match verdict.conclusion() {
         passed if passed.is_pass() => Ok(()),
         closed => Err(GateClosed(closed).into()),

@@ -1,6 +1,7 @@
 //! The verbs of the command line: from arguments to work done and a result printed.
 
 pub mod failure;
+pub mod closed_streams;
 pub mod standard_streams;
 pub mod progress;
 pub mod interruption;
@@ -128,6 +129,7 @@ Exit codes:
   4    nothing was evaluated
   5    the runs cannot be compared
   6    a detector of scanbench.toml failed
+  7    results cannot be written: the disk is full, or standard output is closed
   100  worse than the baseline
   101  not worse, but results changed
   130  interrupted; 143 if by SIGTERM";

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use reports::files::csv_rows::{CsvRow, read_rows};
+use reports::files::csv_rows::{CsvRow, each_row_of};
+use reports::files::regular_file::read_settings;
 use scans::annotation::ScanId;
 use scans::dataset::checksum::sha256;
 use scans::dataset::shown_name::is_printable;
@@ -37,9 +38,10 @@ pub fn with_named_blocks(
         return Err(Usage(problem).into());
     };
     let cannot_use = |source| Failure::usage(format!("cannot use the blocks of {path:?}"), source);
-    let rows: Vec<BlockRow> = read_rows(path).map_err(cannot_use)?;
     let content =
-        std::fs::read(path).map_err(|error| Failure::usage(format!("cannot read {path:?}"), error))?;
+        read_settings(path).map_err(|error| Failure::usage(format!("cannot read {path:?}"), error))?;
+    let mut rows: Vec<BlockRow> = Vec::new();
+    each_row_of(&content[..], path, |row| rows.push(row)).map_err(cannot_use)?;
     let scan_ids = opened.dataset.scan_ids();
     let blocks =
         blocks_of(&rows, scan_ids, &opened.scan_indices).map_err(|it| Usage(format!("{path:?}{it}")))?;

@@ -4,6 +4,7 @@ use std::io::IsTerminal as _;
 use std::sync::{Mutex, PoisonError};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use reports::files::shown_text::shown;
 
 use crate::commands::standard_streams::{Verbosity, is_said, print_diagnostic};
 
@@ -28,7 +29,7 @@ pub fn progress_over_scans(n_scans: usize, label: &str) -> ProgressBar {
     };
     let style = style_of("{msg} {wide_bar} {pos}/{len} scans{pace}");
     let bar = ProgressBar::with_draw_target(Some(n_scans as u64), target).with_style(style);
-    bar.set_message(label.to_owned());
+    bar.set_message(shown(label).into_owned());
     set_current(&bar, "scans");
     bar
 }
@@ -72,7 +73,7 @@ impl RunProgress {
     pub fn begin(&self, n_scans: usize, dataset: &str) {
         self.0.reset();
         self.0.set_length(n_scans as u64);
-        self.0.set_message(dataset.to_owned());
+        self.0.set_message(shown(dataset).into_owned());
     }
 
     /// One more scan is done.

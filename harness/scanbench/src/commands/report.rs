@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use evaluation::partial::methods::OURS;
+use reports::files::archive::ArchiveError;
 use reports::pages::partial_page::PartialPage;
 use reports::pages::run_page::RunPage;
 use reports::pages::sweep_page::SweepPage;
@@ -39,13 +40,18 @@ pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
     let directory = &arguments.run;
     refuse_other_than_run(directory)?;
     if SweepPage::is_sweep(directory) {
-        SweepPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
+        let page = SweepPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?;
+        page.write(directory)?;
     } else if directory.join(PARTIAL_CSV).is_file() {
         let page = PartialPage::of(directory, OURS);
         page.map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
     } else {
         let page = RunPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?;
-        page.write(directory)?;
+        page.write(directory).map_err(|error| match error {
+            ArchiveError::Write { .. } => error.into(),
+            // What a figure shows comes from the run, too.
+            error => Failure::damaged_run(directory, error),
+        })?;
         return print_result_in("Run directory", directory, in_short(&page.short));
     }
     let page = directory.join(REPORT_HTML);

@@ -7,7 +7,9 @@ use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::path::Path;
 use std::sync::OnceLock;
 
+use crate::commands::closed_streams::stdout_was_closed;
 use crate::commands::failure::Failure;
+use reports::files::shown_text::{printable_lines, shown_lines};
 use reports::run_folder::run_directory::{REPORT_HTML, RUN_RRD};
 use reports::tables::formats::terminal::Terminal;
 
@@ -55,7 +57,13 @@ pub fn terminal() -> Terminal {
 
 /// Prints a result, which is never coloured. A reader that has seen enough and closed the stream is no error.
 pub fn print_result(result: impl Display) -> Result<(), Failure> {
-    print_bytes(format!("{result}\n").as_bytes())
+    print_text(&format!("{result}\n"))
+}
+
+/// Prints a text that ends as it should. What files of others say in it is shown, and not obeyed by the terminal.
+pub fn print_text(text: &str) -> Result<(), Failure> {
+    // Tables have no length that nobody reads.
+    print_bytes(printable_lines(text).as_bytes())
 }
 
 /// Prints what a verb came to, and then where its files are, which are `what`; of a quiet program that is the only result.
@@ -78,10 +86,13 @@ pub fn print_result_in(what: &str, directory: &Path, result: impl Display) -> Re
 
 /// Prints a result that ends as it should, such as the content of a file.
 pub fn print_bytes(result: &[u8]) -> Result<(), Failure> {
+    if stdout_was_closed() {
+        return Err(Failure::unwritten("cannot write to stdout", std::io::Error::other("it is closed")));
+    }
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(result).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::internal("cannot write to stdout", error))
+            Err(Failure::unwritten("cannot write to stdout", error))
         }
         _ => Ok(()),
     }
@@ -89,7 +100,7 @@ pub fn print_bytes(result: &[u8]) -> Result<(), Failure> {
 
 /// Prints why the program fails. Where nobody listens, it is lost.
 pub fn print_error(line: impl Display) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", shown_lines(&line.to_string()));
 }
 
 /// Prints a line that is no result, unless the program is to be quiet.

@@ -7,7 +7,7 @@ use reports::worst::mistakes::{MistakeChoice, worst, worst_to_terminal};
 use crate::cli::{OutcomeName, ViewArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::open_run::open_run;
-use crate::commands::standard_streams::print_bytes;
+use crate::commands::standard_streams::print_text;
 use crate::commands::worst_scans::record;
 
 /// Lists the worst mistakes of a detector, and records the scans they are in.
@@ -47,6 +47,6 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     if mistakes.is_empty() {
         return Err(NothingEvaluated { reason: "the run has no mistakes of this kind".to_owned() }.into());
     }
-    print_bytes(worst_to_terminal(&mistakes).as_bytes())?;
+    print_text(&worst_to_terminal(&mistakes))?;
     record(arguments, &run.manifest, &mistakes)
 }

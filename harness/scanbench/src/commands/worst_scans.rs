@@ -8,6 +8,7 @@ use clap::Parser as _;
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
+use evaluation::run::foreign_detector::ForeignWork;
 use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
 use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
@@ -15,7 +16,7 @@ use reports::run_folder::manifest::Manifest;
 use reports::vocabulary::reason::MistakeKind;
 use reports::worst::mistakes::ListedMistake;
 
-use crate::cli::{RunArgs, StreamArgs, ViewArgs};
+use crate::cli::{RunArgs, ViewArgs};
 use crate::commands::config::{choose_criterion, chosen_detectors};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
@@ -23,7 +24,7 @@ use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::recorder::{
-    self, Recorder, RecordingPlan, is_wanted, report_ending, serve_until_interrupted,
+    self, Appearance, Recorder, RecordingPlan, is_wanted, report_ending, serve_until_interrupted,
 };
 use crate::commands::run_manifest::refuse_other_scans;
 use crate::commands::standard_streams::print_diagnostic;
@@ -39,20 +40,16 @@ pub fn record(
         return Ok(());
     }
     let interrupted = interruption_flag();
-    let again = RunAgain::of(manifest)?;
+    let again = RunAgain::of(manifest, arguments.trust)?;
     let scans = again.scans_of(mistakes)?;
     let file = arguments.run.join("worst.rrd");
-    let stream = StreamArgs {
-        // Named, so that the file appears whole or not at all.
-        save_rrd: Some(Some(arguments.stream.save_rrd.clone().flatten().unwrap_or(file.clone()))),
-        ..arguments.stream.clone()
-    };
-    let written = stream.save_rrd.clone().flatten().unwrap_or_default();
+    let written = arguments.stream.save_rrd.clone().flatten().unwrap_or(file.clone());
     let names: Vec<&str> = again.detectors.iter().map(ChosenDetector::name).collect();
     let name = format!("worst of {}", arguments.run.file_name().unwrap_or_default().to_string_lossy());
     let Some(mut recording) = recorder::begin(&RecordingPlan {
-        arguments: &stream,
+        arguments: &arguments.stream,
         default_file: file,
+        appears: Appearance::Whole,
         name: &name,
         shown_task: arguments.task.task(),
         detectors: &names,
@@ -99,8 +96,32 @@ struct RunAgain {
     datasets: Vec<OpenedDataset>,
 }
 
+/// Somebody else may have chosen what is fetched, and from where.
+fn refuse_addresses(arguments: &RunArgs) -> Result<(), Usage> {
+    match arguments.data.datasets.iter().find(|it| it.contains("://")) {
+        Some(address) => Err(Usage(format!(
+            "the run names the data set {address:?}, which is not fetched unless you trust the run: add --trust, or --no-rrd for the list alone"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// A configuration that the run names is not one that the user has chosen.
+fn refuse_programs(arguments: &RunArgs, detectors: &[ChosenDetector]) -> Result<(), Usage> {
+    let Some(config) = &arguments.config.config else { return Ok(()) };
+    let is_program = |it: &&ChosenDetector| matches!(it, ChosenDetector::Foreign(it) if matches!(it.work, ForeignWork::Process(_)));
+    match detectors.iter().find(is_program) {
+        Some(detector) => Err(Usage(format!(
+            "the run names the detector {:?} of {config:?}, which is a program that is not started unless you trust the run: add --trust, or --no-rrd for the list alone",
+            detector.name()
+        ))),
+        None => Ok(()),
+    }
+}
+
 impl RunAgain {
-    fn of(manifest: &Manifest) -> Result<Self, Failure> {
+    /// As `manifest` says; a run that is not `trusted` may name files of this machine, and nothing else.
+    fn of(manifest: &Manifest, trusted: bool) -> Result<Self, Failure> {
         let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
         let Ok(Command::Run(arguments)) = parsed else {
             let line = manifest.argv.join(" ");
@@ -108,7 +129,13 @@ impl RunAgain {
                 Usage(format!("this program does not understand the command of the run: `{line}`")).into()
             );
         };
+        if !trusted {
+            refuse_addresses(&arguments)?;
+        }
         let (detectors, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
+        if !trusted {
+            refuse_programs(&arguments, &detectors)?;
+        }
         choose_criterion(&mut config, &arguments.matching);
         let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
         if resolved != manifest.config {

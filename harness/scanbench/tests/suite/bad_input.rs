@@ -144,7 +144,7 @@ fn a_disk_that_takes_no_result() {
         let mut shell = std::process::Command::new("sh");
         let output = shell.args(["-c", &script]).current_dir(it.workplace.folder()).output();
         let ended = Ended::from(output.expect("a shell"));
-        ended.check_refusal(1, parts);
+        ended.check_refusal(7, parts);
         check_once(&ended, parts);
         assert_eq!(it.workplace.names(), before, "{arguments} leaves something behind");
     }

@@ -134,7 +134,7 @@ fn what_is_wrong_is_thrown_away_or_never_begun() {
     assert_eq!(workplace.read("data/SHA256SUMS"), wrong);
     std::fs::remove_file(workplace.path("data/SHA256SUMS")).unwrap();
     server.fail(Fault::Boasts);
-    workplace.run(GET).check_refusal(1, &["\"data\" has room for", "are missing", "--into"]);
+    workplace.run(GET).check_refusal(7, &["\"data\" has room for", "are missing", "--into"]);
     server.fail(Fault::Status(403));
     workplace.run(GET).check_refusal(3, &["/public/a/0.bin may not be read", "403"]);
     server.fail(Fault::Status(500));
@@ -211,12 +211,48 @@ fn another_object_and_a_server_without_ranges_begin_anew() {
 fn a_full_disk_leaves_what_has_arrived() {
     let server = server_of_one(9000);
     let workplace = workplace(&server, ONE);
-    interrupted(&server, &workplace, "-INT");
-    let partial = workplace.path(partials(&workplace)[0].to_str().unwrap());
-    std::fs::remove_file(&partial).unwrap();
-    std::os::unix::fs::symlink("/dev/full", &partial).unwrap();
-    workplace.run(GET).check_refusal(1, &["cannot write", "No space left", "the same command goes on"]);
+    let limited = format!("trap '' XFSZ; ulimit -f 4; exec {} {GET}", env!("CARGO_BIN_EXE_scanbench"));
+    let mut shell = Command::new("bash");
+    let ended = Ended::from(shell.args(["-c", &limited]).current_dir(workplace.folder()).output().unwrap());
+    ended.check_refusal(7, &["cannot write", "File too large", "the same command goes on"]);
     assert!(!workplace.path("data/a/0.bin").exists());
+    let [partial] = &partials(&workplace)[..] else { panic!("{:?}", workplace.names()) };
+    assert_eq!(workplace.n_bytes(partial.to_str().unwrap()), 4096);
+    workplace.succeed(GET);
+    // What arrives goes to no other file.
+    let partial = workplace.path(partial.to_str().unwrap());
+    std::fs::remove_file(workplace.path("data/a/0.bin")).unwrap();
+    workplace.write("theirs", "theirs");
+    std::os::unix::fs::symlink(workplace.path("theirs"), &partial).unwrap();
+    workplace.run(GET).check_refusal(7, &["cannot write", ".0.bin.partial-"]);
+    assert_eq!(workplace.read("theirs"), "theirs");
+}
+
+#[test]
+fn a_server_that_brings_no_end_nearer_is_given_up() {
+    let server = server_of_one(90_000);
+    for (fault, parts) in [
+        (Fault::Cuts(30_000), &["from its beginning alone, and never got beyond byte 30000 of 90000"][..]),
+        (Fault::Dribbles, &["new bytes have come in 3 s", "more\n"]),
+        (Fault::NeverAnswers, &["no answer has come for 3 s", "waiting 3 s more\n"]),
+    ] {
+        let workplace = workplace(&server, ONE);
+        server.fail(fault);
+        let started = Instant::now();
+        let ended = workplace.run_with(&[("SCANBENCH_PATIENCE_S", "3")], GET);
+        ended.check_refusal(3, &["cannot fetch http://127.0.0.1"]);
+        ended.check_refusal(3, parts);
+        assert!(started.elapsed() < Duration::from_secs(30), "{fault:?} takes {:?}", started.elapsed());
+    }
+    let workplace = workplace(&server, ONE);
+    workplace.write("unused", "");
+    for seconds in ["0", "soon", "1e9"] {
+        let ended = workplace.run_with(&[("SCANBENCH_PATIENCE_S", seconds)], GET);
+        ended.check_refusal(2, &["SCANBENCH_PATIENCE_S", "is no number of seconds from 1 to 86400"]);
+    }
+    // One that is slow, and not too slow.
+    server.fail(Fault::None);
+    workplace.succeed(GET);
 }
 
 /// A zip file with these files.
@@ -266,6 +302,38 @@ fn archives_write_nothing_elsewhere() {
     std::fs::remove_dir_all(workplace.path("data")).unwrap();
     workplace.run(GET).check_refusal(3, &["cannot unpack", "drive.zip"]);
     assert!(!workplace.names().iter().any(|it| it.ends_with("evil.bin")));
+}
+
+/// The archive with the bytes of its last member in the place of the last but one, of which the directory says so.
+fn overlapping(mut archive: Vec<u8>) -> Vec<u8> {
+    const ENTRY: &[u8] = b"PK\x01\x02";
+    let entries: Vec<usize> = (0..archive.len() - 4).filter(|it| archive[*it..].starts_with(ENTRY)).collect();
+    let [.., one, other] = entries[..] else { panic!("it has too few members") };
+    let offset: [u8; 4] = archive[other + 42..other + 46].try_into().unwrap();
+    archive[one + 42..one + 46].copy_from_slice(&offset);
+    archive
+}
+
+#[test]
+fn archives_that_are_none_of_scans_are_not_unpacked() {
+    let server = FileServer::start();
+    let small: [(&str, &[u8]); 2] = [("a.bin", b"1"), ("b.bin", b"2")];
+    let zeros = vec![0; 70_000_000];
+    for (archive, parts) in [
+        (overlapping(zipped(&small)), &["a.bin and b.bin overlap"][..]),
+        (zipped(&[("a\nb.bin", b"1")]), &[r"the name a\nb.bin has a control character"]),
+        (zipped(&[("a.bin", &zeros)]), &["would become 70 MB", "at most 67 MB", "--unpack-at-most 1"]),
+    ] {
+        server.put("public/drive.zip", &archive);
+        let workplace = workplace(&server, "files = [\"drive.zip\"]");
+        workplace.run(GET).check_refusal(3, parts);
+        let left: Vec<PathBuf> = workplace.names().into_iter().filter(|it| it.ends_with(".bin")).collect();
+        assert!(left.is_empty(), "{left:?}");
+        if parts.len() > 1 {
+            workplace.succeed(&(GET, "--unpack-at-most 1"));
+            assert_eq!(workplace.n_bytes("data/a.bin"), 70_000_000);
+        }
+    }
 }
 
 #[test]

@@ -20,6 +20,12 @@ pub enum Fault {
     Stalls(usize),
     /// It always sends files from their beginning.
     WithoutRanges,
+    /// It does so, and connections always break after so many bytes.
+    Cuts(usize),
+    /// It sends a byte every tenth of a second.
+    Dribbles,
+    /// It sends headers without an end.
+    NeverAnswers,
     /// It says that files are much larger than any disk.
     Boasts,
     /// It answers with this status and nothing else.
@@ -139,6 +145,14 @@ fn answer(connection: TcpStream, shelf: &Mutex<Shelf>) -> std::io::Result<()> {
         _ if !["GET", "HEAD"].contains(&method) => Some(405),
         _ => None,
     };
+    if fault == Fault::NeverAnswers {
+        let mut connection = connection;
+        connection.write_all(b"HTTP/1.1 200 OK\r\n")?;
+        loop {
+            connection.write_all(b"X-More: 1\r\n")?;
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
     if let Some(status) = status {
         return send(connection, &format!("HTTP/1.1 {status} x\r\nContent-Length: 0\r\n"), &[], usize::MAX);
     }
@@ -162,7 +176,8 @@ fn send_file(
     fault: Fault,
 ) -> std::io::Result<()> {
     let mut head = String::new();
-    let part = if let Some(range) = range.filter(|_| fault != Fault::WithoutRanges) {
+    let part = if let Some(range) = range.filter(|_| !matches!(fault, Fault::WithoutRanges | Fault::Cuts(_)))
+    {
         let (start, end) = range.split_once('-').unwrap();
         let start: usize = start.parse().unwrap();
         let end = end.parse().map_or(content.len(), |it: usize| (it + 1).min(content.len()));
@@ -178,7 +193,16 @@ fn send_file(
     write!(head, "Content-Length: {n_bytes}\r\nETag: \"{sum}\"\r\nLast-Modified: {written}\r\n").unwrap();
     let part = if method == "HEAD" { &[] } else { part };
     match fault {
-        Fault::Breaks(n_bytes) => send(connection, &head, part, n_bytes),
+        Fault::Dribbles => {
+            let mut connection = connection;
+            send(connection.try_clone()?, &head, &[], 0)?;
+            for byte in part {
+                connection.write_all(&[*byte])?;
+                std::thread::sleep(Duration::from_millis(100));
+            }
+            Ok(())
+        }
+        Fault::Breaks(n_bytes) | Fault::Cuts(n_bytes) => send(connection, &head, part, n_bytes),
         Fault::Stalls(n_bytes) if n_bytes < part.len() => {
             send(connection.try_clone()?, &head, part, n_bytes)?;
             std::thread::sleep(Duration::from_mins(1));

@@ -239,3 +239,59 @@ fn one_file_each_asks_whether_viewer_and_network_were_built_in() {
     }
     assert_eq!(asking, ["commands::remote", "commands::recorder"]);
 }
+
+/// What opens files, or makes folders, without one of the doors.
+const PAST_THE_DOORS: [&str; 11] = [
+    "File::open(",
+    "File::create(",
+    "File::create_new(",
+    "File::options()",
+    "OpenOptions::new()",
+    "fs::read(",
+    "fs::read)",
+    "fs::read_to_string(",
+    "fs::write(",
+    "fs::copy(",
+    "create_dir",
+];
+
+/// The doors, and files that open what nobody else can have put there, or what the user has named.
+const OPENING: [(&str, &str, &str); 20] = [
+    ("reports", "files::regular_file", "the door for reading"),
+    ("reports", "files::new_file", "the door for writing"),
+    ("reports", "files::new_folders", "folders on the way to a result that the user names"),
+    ("reports", "run_folder::manifest", "for tests"),
+    ("reports", "run_folder::run_directory", "what was just written is brought to the disk"),
+    ("harness/scans", "conversion::whole_folder", "in a folder that was just made"),
+    ("harness/evaluation", "process::processes", "what the system says of processes"),
+    ("harness/evaluation", "process::shared_cloud", "memory that is made anew"),
+    ("harness/evaluation", "process::supervisor", "what the system says of processes; /dev/null"),
+    ("harness/viewer", "recording_file", "a device or a pipe that the user names"),
+    ("harness/remote", "local_file", "the door of a crate that uses no other"),
+    ("harness/remote", "transfer", "folders of what is fetched"),
+    ("harness/remote", "unpack", "folders of what is unpacked"),
+    ("harness/scanbench", "commands", "the folder of manual pages, which the user names"),
+    ("harness/scanbench", "commands::fit_density", "a folder that the user names"),
+    ("harness/scanbench", "commands::gate", "a folder that the user names"),
+    ("harness/scanbench", "commands::interruption", "what the system says of this program"),
+    ("harness/scanbench", "commands::provenance", "this program, and what the system says of the processor"),
+    ("harness/scanbench", "commands::serve", "pipes and memory of the program that serves"),
+    ("harness/scanbench", "commands::step_summary", "a file that the environment names"),
+];
+
+#[test]
+fn files_are_opened_through_the_doors() {
+    let mut found = Vec::new();
+    for (folder, _) in FLOORS {
+        for (module, file) in modules_of(folder).files {
+            let code = code_of(&file);
+            if PAST_THE_DOORS.iter().any(|it| code.contains(it)) {
+                found.push(format!("{folder} {}", module.join("::")));
+            }
+        }
+    }
+    let mut expected = OPENING.map(|(folder, module, _)| format!("{folder} {module}")).to_vec();
+    found.sort();
+    expected.sort();
+    assert_eq!(found, expected);
+}

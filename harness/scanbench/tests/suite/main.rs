@@ -48,3 +48,5 @@ mod sweep;
 mod train;
 mod boxes;
 mod view;
+#[cfg(unix)]
+mod hostile_runs;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use detector::OrientedBox;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use reports::files::regular_file::read_settings_text;
 
 use super::foreign_frame::ForeignFrame;
 use super::shown_name::shown;
@@ -146,7 +147,7 @@ const ROTATION_TOLERANCE: f64 = 1e-3;
 /// w; or x y z and roll, pitch and yaw in radians about fixed axes, as ROS has them. Metres; commas, brackets and what
 /// follows `#` do not matter.
 pub fn read_transform(path: &Path) -> Result<Isometry3<f64>, DatasetError> {
-    let text = std::fs::read_to_string(path).map_err(DatasetError::io(path))?;
+    let text = read_settings_text(path).map_err(DatasetError::io(path))?;
     numbers_of(&text).and_then(|numbers| transform_of(&numbers)).map_err(|problem| refused(path, &problem))
 }
 

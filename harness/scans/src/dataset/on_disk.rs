@@ -2,13 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use reports::files::regular_file::read_bytes;
+
 use super::DatasetError;
 
+/// The largest file that is read as a whole, in bytes: a hundred million points.
+const MOST_OF_FILE: u64 = 1 << 31;
+
 /// All of the file at `path`.
-///
-/// Read, not mapped into memory: a mapped file that another program cuts off ends the process.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>, DatasetError> {
-    std::fs::read(path).map_err(DatasetError::io(path))
+    read_bytes(path, MOST_OF_FILE).map_err(DatasetError::io(path))
 }
 
 /// The size of the file at `path` in bytes.

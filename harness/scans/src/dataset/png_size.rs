@@ -3,6 +3,8 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use reports::files::regular_file::RegularFile;
+
 use super::DatasetError;
 
 /// Signature, length and name of the first chunk, width, height.
@@ -14,7 +16,7 @@ const HEADER_START: [u8; 16] = *b"\x89PNG\r\n\x1a\n\x00\x00\x00\x0dIHDR";
 /// Width and height in pixels of the image at `path`, from the first 24 bytes of the file.
 pub fn png_size_px(path: &Path) -> Result<[u32; 2], DatasetError> {
     let io_error = DatasetError::io(path);
-    let file = std::fs::File::open(path).map_err(io_error)?;
+    let file = RegularFile::open(path).map_err(io_error)?;
     let mut header = Vec::with_capacity(N_HEADER_BYTES);
     file.take(N_HEADER_BYTES as u64).read_to_end(&mut header).map_err(io_error)?;
     size_in_header(&header).ok_or_else(|| DatasetError::damaged(path, "is not a PNG image"))

@@ -9,6 +9,8 @@ use crate::dataset::positioned_points::MAX_COORDINATE_M;
 
 /// A side of a box that is longer than this, in metres, is damage.
 pub const MAX_SIDE_M: f32 = 1000.0;
+/// More boxes of one scan are damage.
+pub const MAX_BOXES: usize = 100_000;
 
 /// What another program found in one scan, in the frame of the scan.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -51,9 +53,12 @@ impl ForeignDetections {
     ///
     /// # Errors
     ///
-    /// If a number is NaN or infinite; a side is not above 0 and at most [`MAX_SIDE_M`]; a centre lies beyond
+    /// If there are more than [`MAX_BOXES`]; a number is NaN or infinite; a side is not above 0 and at most [`MAX_SIDE_M`]; a centre lies beyond
     /// [`MAX_COORDINATE_M`]; there is no cluster for each point, or no box for a cluster beside others.
     pub fn check(&self, n_points: usize) -> Result<(), String> {
+        if self.boxes.len() > MAX_BOXES {
+            return Err(format!("there are {} boxes, more than {MAX_BOXES}", self.boxes.len()));
+        }
         for (number, it) in (1..).zip(&self.boxes) {
             it.check().map_err(|problem| format!("box {number} {problem}"))?;
         }

@@ -10,11 +10,11 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use nalgebra::Isometry3;
+use reports::files::regular_file::RegularFile;
 use reports::vocabulary::class::AnnotationClass;
 use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
@@ -66,7 +66,7 @@ impl NuScenesJson {
             found: BTreeMap::new(),
             left_over: Vec::new(),
         };
-        let file = File::open(path).map_err(DatasetError::io(path))?;
+        let file = RegularFile::open(path).map_err(DatasetError::io(path))?;
         let mut deserializer = serde_json::Deserializer::from_reader(BufReader::new(file));
         let read = deserializer.deserialize_map(&mut submission).and_then(|()| deserializer.end());
         let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };

@@ -25,7 +25,7 @@ use super::recording;
 use super::recording_axis::RecordingAxis;
 use super::recording_file::RecordingFile;
 use super::scan_views::{DetectorView, ScanView};
-use super::stream_options::{Opening, StreamOptions};
+use super::stream_options::{ExistingRecording, Opening, StreamOptions};
 use super::viewer::{ServedRecording, ViewerLink, ViewerState};
 
 const APPLICATION_ID: &str = "scanbench";
@@ -99,7 +99,10 @@ impl Stream {
         if !rerun::decide_logging_enabled(true) {
             return Err(StreamError::SwitchedOff);
         }
-        let file = RecordingFile::create(&options.file)?;
+        let file = match options.existing {
+            ExistingRecording::Replace => RecordingFile::create(&options.file)?,
+            ExistingRecording::WriteTo => RecordingFile::write_to(&options.file)?,
+        };
         let viewer = ViewerLink::open(&options.viewer)?;
         let mut sinks: Vec<Box<dyn LogSink>> = vec![Box::new(file.clone())];
         if viewer.state() != ViewerState::None {

@@ -9,6 +9,7 @@ use detector::grid::density_curve::DensityCurve;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
 use detector::whole::box_model::BoxModel;
+use reports::files::regular_file::read_settings;
 use scans::dataset::DatasetDescription;
 use scans::dataset::class_table::ClassTable;
 use toml::{Table, Value};
@@ -75,7 +76,7 @@ impl RunConfig {
     pub fn load(overrides: Option<&Path>) -> Result<Self, ConfigError> {
         let Some(path) = overrides else { return Self::resolve("", Path::new("built-in configuration")) };
         let bytes =
-            std::fs::read(path).map_err(|source| ConfigError::Io { path: path.to_owned(), source })?;
+            read_settings(path).map_err(|source| ConfigError::Io { path: path.to_owned(), source })?;
         let text = String::from_utf8(bytes).map_err(|error| ConfigError::NotText {
             path: path.to_owned(),
             byte_offset: error.utf8_error().valid_up_to(),

@@ -11,6 +11,7 @@ use detector::classify::paper_model::PaperModel;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::params::ParamsError;
 use detector::whole::box_model::BoxModel;
+use reports::files::regular_file::{MOST_OF_MODEL, read_bytes};
 use scans::dataset::checksum::sha256;
 use serde::Deserialize;
 
@@ -305,7 +306,7 @@ impl ModelDirectory<'_> {
         if self.is_shipped() {
             return Ok(ModelSource::Shipped);
         }
-        let bytes = std::fs::read(Path::new(self.directory).join(name))
+        let bytes = read_bytes(&Path::new(self.directory).join(name), MOST_OF_MODEL)
             .map_err(|error| self.problem(name, &error))?;
         let model = from_bytes(&bytes).map_err(|error| self.problem(name, &error))?;
         let file = ModelFile::of_any_kind(&bytes).map_err(|error| self.problem(name, &error))?;

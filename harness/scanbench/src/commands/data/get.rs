@@ -32,6 +32,7 @@ pub fn data_get(arguments: &GetArgs) -> Result<(), Failure> {
         link: arguments.link.as_deref(),
         drives: &arguments.drives,
         into: &into,
+        unpack_at_most_gb: arguments.unpack_at_most,
         is_dry_run: arguments.dry_run,
     })?;
     for archive in got.packed.iter().filter(|_| !arguments.dry_run) {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use evaluation::partial::methods::OURS;
 use jiff::Timestamp;
 use reports::files::archive::SCHEMA;
+use reports::files::regular_file::read_bytes;
 use reports::partial_study::partial_curves::PartialCurve;
 use reports::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
 use reports::rows::partial_row::PartialRow;
@@ -29,6 +30,9 @@ use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc,
 use crate::commands::recorder::rerun_version;
 use crate::commands::standard_streams::terminal;
 
+/// The largest file of rows of a peer, in bytes.
+const MOST_OF_ROWS: u64 = 1 << 32;
+
 /// How the result came about.
 pub fn manifest(arguments: &PartialArgs, sets: &[Compared], started: Timestamp) -> Result<Manifest, Failure> {
     let of_set = |it: &Compared| PartialSet {
@@ -49,7 +53,7 @@ pub fn manifest(arguments: &PartialArgs, sets: &[Compared], started: Timestamp) 
     };
     let mut peers = BTreeMap::new();
     for peer in &arguments.peer_results {
-        let content = std::fs::read(&peer.file)
+        let content = read_bytes(&peer.file, MOST_OF_ROWS)
             .map_err(|error| Failure::usage(format!("cannot read {}", peer.file.display()), error))?;
         peers.insert(peer.name.clone(), sha256(&content));
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use detector::partial::partial_model::PartialModel;
 use evaluation::partial::experiment::TrainedOn;
 use evaluation::partial::model_training::APPROACHED;
+use reports::files::regular_file::{MOST_OF_MODEL, read_bytes};
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use simulator::object_clouds::open_objects::ObjectOptions;
 use simulator::object_clouds::simulated_objects::ObjectPart;
@@ -71,7 +72,7 @@ pub fn open_all(arguments: &PartialArgs) -> Result<Vec<Compared>, Failure> {
 
 fn read_model(path: &Path) -> Result<PartialModel, Failure> {
     let cannot = || format!("cannot use the model {}", path.display());
-    let bytes = std::fs::read(path).map_err(|error| Failure::usage(cannot(), error))?;
+    let bytes = read_bytes(path, MOST_OF_MODEL).map_err(|error| Failure::usage(cannot(), error))?;
     PartialModel::from_bytes(&bytes).map_err(|error| Failure::usage(cannot(), error))
 }
 

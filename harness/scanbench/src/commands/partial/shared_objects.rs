@@ -149,10 +149,9 @@ impl SharedWork for SharedObjects<'_> {
         format!("{} objects", self.n_objects())
     }
 
-    fn add_done(&mut self, entry: ObjectEntry) {
-        if let Some(of_set) = self.done.get_mut(entry.set_idx) {
-            of_set.insert((entry.method_idx, entry.object_idx));
-        }
+    fn add_done(&mut self, entry: ObjectEntry) -> bool {
+        let of_set = self.done.get_mut(entry.set_idx);
+        of_set.is_some_and(|it| it.insert((entry.method_idx, entry.object_idx)))
     }
 
     fn done(&self) -> Option<String> {

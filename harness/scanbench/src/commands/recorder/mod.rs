@@ -28,6 +28,15 @@ pub use without_viewer::{
     Recorder, begin, is_wanted, record_growths, record_sweep, records_growths, rerun_version,
 };
 
+/// When a recording appears under its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Appearance {
+    /// At once, in a folder that is itself unfinished.
+    AtOnce,
+    /// Once it is complete.
+    Whole,
+}
+
 /// What a recording is about.
 #[allow(dead_code, reason = "read by the viewer, where there is one")]
 pub struct RecordingPlan<'a> {
@@ -35,6 +44,8 @@ pub struct RecordingPlan<'a> {
     pub arguments: &'a StreamArgs,
     /// Where it is written unless the arguments say otherwise.
     pub default_file: PathBuf,
+    /// When that appears.
+    pub appears: Appearance,
     /// Its name in the viewer.
     pub name: &'a str,
     /// The task that it shows at first.
@@ -69,6 +80,7 @@ pub fn begin_recording(
     let recorder = begin(&RecordingPlan {
         arguments,
         default_file: file,
+        appears: Appearance::AtOnce,
         name,
         shown_task,
         detectors: &detectors,

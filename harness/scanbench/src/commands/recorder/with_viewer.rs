@@ -8,13 +8,13 @@ use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
-use viewer::run_recording::{RecordingError, RunRecording, RunRecordingOptions};
+use viewer::run_recording::{RecordingError, RecordingPath, RunRecording, RunRecordingOptions};
 use viewer::{
-    FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice, partial_recording,
-    sweep_recording,
+    ExistingRecording, FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice,
+    partial_recording, sweep_recording,
 };
 
-use super::RecordingPlan;
+use super::{Appearance, RecordingPlan};
 use crate::cli::PartialArgs;
 use crate::cli::stream::{RecordedPoints, StreamArgs, TabName};
 use crate::commands::failure::Failure;
@@ -61,6 +61,7 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
         stream: StreamOptions {
             name: plan.name.to_owned(),
             file: plan.default_file.clone(),
+            existing: ExistingRecording::Replace,
             viewer,
             opening,
             points: match arguments.rerun_points {
@@ -69,7 +70,11 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
                 Some(RecordedPoints::AtMost(n)) => PointChoice::AtMost(n),
             },
         },
-        elsewhere: arguments.save_rrd.clone().flatten(),
+        elsewhere: match (arguments.save_rrd.clone().flatten(), plan.appears) {
+            (Some(file), _) => Some(RecordingPath::Named(file)),
+            (None, Appearance::Whole) => Some(RecordingPath::InRun(plan.default_file.clone())),
+            (None, Appearance::AtOnce) => None,
+        },
         every,
     };
     let recording = RunRecording::begin(options, plan.detectors)?;
@@ -135,8 +140,8 @@ impl From<StreamError> for Failure {
             | StreamError::ViewerNotInstalled { .. }
             | StreamError::ViewerFailed { .. } => Self::Usage(error.into()),
             StreamError::Create { source, .. } => Self::of_writing(source.kind(), error),
+            StreamError::Write { .. } => Self::Unwritten(error.into()),
             StreamError::Serve { .. }
-            | StreamError::Write { .. }
             | StreamError::Log { .. }
             | StreamError::UnknownDetector { .. }
             | StreamError::ProductLength { .. }

@@ -35,6 +35,8 @@ pub struct GetPlan<'a> {
     pub drives: &'a [String],
     /// The folder that it goes to.
     pub into: &'a Path,
+    /// How large the files of an archive may be, in GB, if that was said.
+    pub unpack_at_most_gb: Option<u64>,
     /// Whether nothing is fetched after all.
     pub is_dry_run: bool,
 }

@@ -1,11 +1,13 @@
 //! Fetches data sets.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use remote::RemoteError;
 use remote::address::Address;
 use remote::error::in_bytes;
+use remote::patience::Patience;
 use remote::session::{FetchPlan, Missing, Session, SumPolicy, missing, prune};
 use remote::space::free_bytes;
 use remote::store::{Access, RemoteFile, Store};
@@ -23,8 +25,8 @@ use crate::commands::standard_streams::print_diagnostic;
 pub fn fetched(address: &str, cache: &Path) -> Result<PathBuf, Failure> {
     let address = Address::parse(address)?;
     let store = Store::open(&address, &Access::default())?;
-    let session = Session::new(interruption_flag())?;
-    let files = session.all(&store)?;
+    let session = Session::new(interruption_flag(), patience()?)?;
+    let files = session.all(&store, &say_slow(&address.shown()))?;
     let path = cache.join(address.cache_folder());
     let is_file = files.iter().any(|it| it.is_at(&address));
     let folder = if is_file { path.parent().unwrap_or(cache) } else { &path };
@@ -53,11 +55,11 @@ pub fn fetched(address: &str, cache: &Path) -> Result<PathBuf, Failure> {
 
 /// Fetches what makers of a data set give, and unpacks it.
 pub fn get(plan: &GetPlan<'_>) -> Result<Got, Failure> {
-    let session = Session::new(interruption_flag())?;
+    let session = Session::new(interruption_flag(), patience()?)?;
     let (store, mut files) = match (plan.link, plan.download) {
         (Some(link), _) => {
             let store = Store::open(&Address::parse_link(link)?, &Access::default())?;
-            let files = session.all(&store)?;
+            let files = session.all(&store, &say_slow(&store.address().shown()))?;
             (store, files)
         }
         (None, Some(download)) => listed(&session, download, plan)?,
@@ -85,8 +87,13 @@ pub fn get(plan: &GetPlan<'_>) -> Result<Got, Failure> {
     for file in files.iter().filter(|it| is_zip(&it.name)) {
         print_diagnostic(format_args!("unpacking {}", file.name));
         let wanted = plan.download.map_or(&[][..], |it| &it.unpack);
-        let how =
-            UnpackPlan { into: plan.into, wanted, folder_option: "--into", interrupted: interruption_flag() };
+        let how = UnpackPlan {
+            into: plan.into,
+            wanted,
+            folder_option: "--into",
+            n_most_bytes: plan.unpack_at_most_gb.map(|it| it.saturating_mul(1_000_000_000)),
+            interrupted: interruption_flag(),
+        };
         unpack(&plan.into.join(&file.name), &how)?;
     }
     Ok(got)
@@ -113,11 +120,30 @@ fn listed(
             }
             chosen.to_vec()
         }
-        (DownloadDrives::Folders, []) => session.folders(&store)?,
+        (DownloadDrives::Folders, []) => session.folders(&store, &say_slow(plan.id))?,
         (DownloadDrives::Folders, chosen) => chosen.to_vec(),
     };
-    let files = session.named(&store, &download.paths_of(&drives))?;
+    let files = session.named(&store, &download.paths_of(&drives), &say_slow(plan.id))?;
     Ok((store, files))
+}
+
+/// How long a server is waited for, in seconds; a minute if this is not set.
+const PATIENCE_VARIABLE: &str = "SCANBENCH_PATIENCE_S";
+
+fn patience() -> Result<Patience, Usage> {
+    let Some(text) = std::env::var_os(PATIENCE_VARIABLE).filter(|it| !it.is_empty()) else {
+        return Ok(Patience { limit: Duration::from_mins(1) });
+    };
+    let seconds = text.to_str().and_then(|it| it.parse().ok()).filter(|it| (1..=86_400).contains(it));
+    let seconds = seconds.ok_or_else(|| {
+        Usage(format!("{PATIENCE_VARIABLE}={text:?} is no number of seconds from 1 to 86400"))
+    })?;
+    Ok(Patience { limit: Duration::from_secs(seconds) })
+}
+
+/// Says that the server of `label` is slow.
+fn say_slow(label: &str) -> impl Fn(&str) {
+    move |sentence| print_diagnostic(format_args!("{label}: {sentence}"))
 }
 
 /// Says what has yet to arrive, and whether the disk takes it.
@@ -174,6 +200,7 @@ impl Fetching<'_> {
             sums: self.sums,
             folder_option,
             on_bytes: &|n_bytes| bar.inc(n_bytes),
+            on_slow: &|sentence| bar.suspend(|| say_slow(self.label)(sentence)),
         };
         session.fetch(store, files, &plan)?;
         Ok(missing)
@@ -205,7 +232,7 @@ impl From<RemoteError> for Failure {
     fn from(error: RemoteError) -> Self {
         match &error {
             RemoteError::Address { .. } => Self::Usage(error.into()),
-            RemoteError::NoRoom { .. } => Self::Internal(error.into()),
+            RemoteError::NoRoom { .. } => Self::Unwritten(error.into()),
             RemoteError::Write { source, .. } => Self::of_writing(source.kind(), error),
             RemoteError::Interrupted { .. } => Self::Interrupted(error.into()),
             RemoteError::Nothing { .. }
@@ -214,7 +241,8 @@ impl From<RemoteError> for Failure {
             | RemoteError::Changed { .. }
             | RemoteError::Checksum { .. }
             | RemoteError::Sums { .. }
-            | RemoteError::Archive { .. } => Self::Data(error.into()),
+            | RemoteError::Archive { .. }
+            | RemoteError::Growth { .. } => Self::Data(error.into()),
         }
     }
 }

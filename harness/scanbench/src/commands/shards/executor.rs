@@ -64,8 +64,8 @@ pub trait SharedWork {
         false
     }
 
-    /// Takes in what was done before.
-    fn add_done(&mut self, entry: Self::Entry);
+    /// Takes in what was done before, unless it cannot be of this work, or cannot come next.
+    fn add_done(&mut self, entry: Self::Entry) -> bool;
 
     /// How much was done before, such as `7 of 60 scans`; `None` if nothing was.
     fn done(&self) -> Option<String>;

@@ -1,10 +1,10 @@
 //! A shard on the disk, and its files with their checksums.
 
-use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read};
 use std::path::PathBuf;
 
 use reports::files::archive::ArchiveError;
+use reports::files::regular_file::{BoundedLines, RegularFile};
 use reports::run_folder::run_directory::WORST_POINTS_JSON;
 use reports::run_folder::shard_check::NamedShard;
 use reports::run_folder::shard_record::{ShardFile, ShardRecord};
@@ -14,6 +14,9 @@ use scans::dataset::checksum::ContentChecksum;
 use serde::de::DeserializeOwned;
 
 use crate::commands::failure::Failure;
+
+/// The longest line of JSON that is read, in bytes.
+const MOST_OF_LINE: u64 = 1 << 28;
 
 /// A shard on the disk.
 pub struct ShardDirectory<'a> {
@@ -56,7 +59,8 @@ impl<'a> ShardDirectory<'a> {
         let written = self.record.files.iter().find(|it| it.name == name);
         let written = written.ok_or_else(|| self.damaged(format!("its manifest says nothing of {name}")))?;
         let path = self.folder.join(name);
-        let source = File::open(&path).map_err(|source| ArchiveError::Read { path: path.clone(), source });
+        let source =
+            RegularFile::open(&path).map_err(|source| ArchiveError::Read { path: path.clone(), source });
         let source = source.map_err(|error| Failure::damaged_run(&self.folder, error))?;
         Ok(FileOfShard { path, source, checksum: ContentChecksum::default(), n_bytes: 0, written })
     }
@@ -67,7 +71,7 @@ impl<'a> ShardDirectory<'a> {
         name: &str,
         mut on_value: impl FnMut(Value) -> Result<(), String>,
     ) -> Result<(), Failure> {
-        let mut reader = BufReader::new(self.open(name)?);
+        let mut reader = BufReader::new(BoundedLines::new(self.open(name)?, MOST_OF_LINE));
         let mut line = Vec::new();
         for number in 1_u64.. {
             line.clear();
@@ -81,7 +85,7 @@ impl<'a> ShardDirectory<'a> {
             let problem = |it: String| self.damaged(format!("{name}, line {number}: {it}"));
             value.and_then(&mut on_value).map_err(problem)?;
         }
-        reader.into_inner().check(self)
+        reader.into_inner().into_inner().check(self)
     }
 }
 
@@ -89,7 +93,7 @@ impl<'a> ShardDirectory<'a> {
 pub struct FileOfShard<'a> {
     /// Where it is.
     pub path: PathBuf,
-    source: File,
+    source: RegularFile,
     checksum: ContentChecksum,
     n_bytes: u64,
     written: &'a ShardFile,

@@ -1,6 +1,7 @@
 //! What the journal of a shard holds: everything about a scan that its files are made of.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use reports::rows::agreement_row::AgreementRow;
 use reports::rows::official_rows::OfficialLines;
@@ -73,6 +74,18 @@ pub struct ShardProgress {
 }
 
 impl ShardProgress {
+    /// Whether `entry` can come next, where of each data set the `parts` are to be done.
+    pub fn allows(&self, entry: &ShardEntry, parts: &[Range<usize>]) -> bool {
+        match entry {
+            ShardEntry::Began { .. } | ShardEntry::Recorded(_) => true,
+            ShardEntry::Skipped { dataset_idx, .. } => *dataset_idx < parts.len(),
+            ShardEntry::Scan(scan) => {
+                let is_new = self.next_indices.get(&scan.dataset_idx).is_none_or(|it| scan.place >= *it);
+                is_new && parts.get(scan.dataset_idx).is_some_and(|it| it.contains(&scan.place))
+            }
+        }
+    }
+
     /// Takes in what happened.
     pub fn add(&mut self, entry: &ShardEntry) {
         match entry {

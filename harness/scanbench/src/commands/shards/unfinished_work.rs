@@ -8,6 +8,7 @@ use evaluation::journal::{Journal, JournalIdentity, OtherJournal};
 use evaluation::run::config::DETECTOR_TABLE;
 use reports::files::archive::ArchiveError;
 use reports::files::hidden_folder::HiddenFolder;
+use reports::files::new_file::make_folder;
 use reports::run_folder::run_target::ClaimedTarget;
 use reports::vocabulary::shard::Shard;
 use reports::vocabulary::study::Study;
@@ -80,7 +81,8 @@ pub struct UnfinishedWork {
 
 impl UnfinishedWork {
     /// Opens what there is in `output`, called after the data sets `ids` unless it is named, or begins it; `extent` says
-    /// what it has, such as `60 scans`. What was done before is handed to `on_entry`.
+    /// what it has, such as `60 scans`. What was done before is handed to `on_entry`, which says
+    /// whether it can be of this work.
     ///
     /// A shard takes its time from now on when it is asked to end.
     pub fn open<Entry: DeserializeOwned>(
@@ -88,13 +90,13 @@ impl UnfinishedWork {
         ids: &str,
         identity: &JournalIdentity,
         extent: String,
-        on_entry: impl FnMut(Entry),
+        on_entry: impl FnMut(Entry) -> bool,
     ) -> Result<Self, Failure> {
         let claimed = output.target(ids)?;
         let kept = kept_beside(&claimed);
         let refused = |source| ArchiveError::Write { path: kept.clone(), source };
         let passing = if output.is_kept {
-            std::fs::create_dir_all(&kept).map_err(refused)?;
+            make_beside(&claimed, &kept)?;
             None
         } else {
             Some(HiddenFolder::beside(claimed.target(), "unfinished").map_err(refused)?)
@@ -113,6 +115,12 @@ impl UnfinishedWork {
             let _ = std::fs::remove_file(folder.join(JOURNAL)).and_then(|()| std::fs::remove_dir(&folder));
         }
         let journal = journal?;
+        if let Some(line) = journal.damaged_line() {
+            let path = folder.join(JOURNAL);
+            print_diagnostic(format_args!(
+                "warning: line {line} of {path:?} is damaged; that and what follows is done again"
+            ));
+        }
         let WorkOutput { shard, is_named, .. } = output;
         let unfinished = Self { passing, folder, journal, claimed, extent, shard, is_named };
         if output.is_kept {
@@ -180,7 +188,7 @@ impl UnfinishedWork {
     /// Leaves its files beside the directory, but nothing to go on with, and returns where they are.
     pub fn leave_files(self) -> Result<PathBuf, Failure> {
         let kept = kept_beside(&self.claimed);
-        let (_claimed, Remains { folder, journal, passing }) = self.into_parts();
+        let (claimed, Remains { folder, journal, passing }) = self.into_parts();
         set_last_words(String::new());
         drop(journal);
         if passing.is_none() {
@@ -188,7 +196,7 @@ impl UnfinishedWork {
             return Ok(folder);
         }
         let refused = |source| ArchiveError::Write { path: kept.clone(), source };
-        std::fs::create_dir_all(&kept).map_err(refused)?;
+        make_beside(&claimed, &kept)?;
         for name in names_of_results(&folder) {
             std::fs::rename(folder.join(&name), kept.join(&name)).map_err(refused)?;
         }
@@ -201,6 +209,13 @@ fn kept_beside(claimed: &ClaimedTarget) -> PathBuf {
     let mut folder = claimed.target().as_os_str().to_owned();
     folder.push(".unfinished");
     folder.into()
+}
+
+/// Makes the folder `kept` unless it is there. One that is a link may lead to what is none of ours.
+fn make_beside(claimed: &ClaimedTarget, kept: &Path) -> Result<(), ArchiveError> {
+    let beside = claimed.target().parent().unwrap_or(Path::new(""));
+    let made = make_folder(beside, kept.file_name().unwrap_or_default());
+    made.map(|_| ()).map_err(|source| ArchiveError::Write { path: kept.to_owned(), source })
 }
 
 /// The files of results in `folder`.

@@ -8,6 +8,7 @@ use evaluation::run::config::VehicleModels;
 use evaluation::run::scan_recorder::Served;
 use evaluation::run::sink::Sinks;
 use reports::files::archive::ArchiveError;
+use reports::files::new_file::add_name;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::shard_record::{ShardRecord, ShardRecording};
@@ -124,8 +125,13 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
         self.study.sees_all()
     }
 
-    fn add_done(&mut self, entry: ShardEntry) {
-        self.progress.add(&entry);
+    fn add_done(&mut self, entry: ShardEntry) -> bool {
+        let parts: Vec<_> = self.study.datasets().iter().map(|it| it.part.clone()).collect();
+        let is_next = self.progress.allows(&entry, &parts);
+        if is_next {
+            self.progress.add(&entry);
+        }
+        is_next
     }
 
     fn done(&self) -> Option<String> {
@@ -144,7 +150,9 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
         let has_scans = self.progress.n_scans > 0 || self.end.get().is_some();
         match failure {
             // The disk is full, or somebody needs the machine: the same command goes on.
-            Failure::Interrupted(_) | Failure::Internal(_) if has_scans => unfinished.ended_by(failure),
+            Failure::Interrupted(_) | Failure::Internal(_) | Failure::Unwritten(_) if has_scans => {
+                unfinished.ended_by(failure)
+            }
             // Whoever mends a detector starts again.
             Failure::Detector(_) if has_scans => self.leave_rows(unfinished, record).err().unwrap_or(failure),
             failure => unfinished.discarded_by(failure),
@@ -177,7 +185,8 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
             // Only what sees all scans is written as MCAP. In a folder that is kept it would be that of a run before.
             let is_mcap = remains.is_passing() && path.extension().is_some_and(|it| it == "mcap");
             if is_mcap || recordings.contains(&name.as_str()) {
-                keep(&path, &directory.path_of(&name))?;
+                let to = directory.path_of(&name);
+                add_name(&path, &to).map_err(|source| ArchiveError::Write { path: to, source })?;
             }
         }
         Ok(())
@@ -240,10 +249,4 @@ fn first_number(datasets: &[OpenedDataset]) -> Option<u64> {
         n_before += it.scan_indices.len() as u64;
         first
     })
-}
-
-/// Gives a file a second name; where there are none, a second file.
-fn keep(file: &Path, name: &Path) -> Result<(), ArchiveError> {
-    let copied = std::fs::hard_link(file, name).or_else(|_| std::fs::copy(file, name).map(|_| ()));
-    copied.map_err(|source| ArchiveError::Write { path: name.to_owned(), source })
 }

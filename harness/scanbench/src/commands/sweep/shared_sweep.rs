@@ -39,11 +39,11 @@ impl SharedWork for Sweep<'_> {
         format!("{} scans", self.datasets.iter().map(|it| it.part.len()).sum::<usize>())
     }
 
-    fn add_done(&mut self, entry: JournalEntry) {
+    fn add_done(&mut self, entry: JournalEntry) -> bool {
         match entry {
             JournalEntry::Quality(it) => self.counted.insert(it.key()),
             JournalEntry::Times(it) => self.timed.insert(it.key()),
-        };
+        }
     }
 
     fn done(&self) -> Option<String> {

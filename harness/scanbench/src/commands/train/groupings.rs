@@ -21,6 +21,7 @@ use evaluation::training::held_out::HeldOut;
 use evaluation::training::operating_curves::OperatingCurves;
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
+use reports::files::regular_file::{MOST_OF_MODEL, read_bytes};
 use reports::rows::training_row::CalibrationRow;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
@@ -72,7 +73,7 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
 /// The side profiles of the model at `path`.
 pub fn prototypes_from(path: &Path) -> Result<PrototypeLibrary, Failure> {
     let problem = |error: &dyn std::fmt::Display| Usage(format!("--prototypes {}: {error}", path.display()));
-    let bytes = std::fs::read(path).map_err(|error| problem(&error))?;
+    let bytes = read_bytes(path, MOST_OF_MODEL).map_err(|error| problem(&error))?;
     let file = ModelFile::of_any_kind(&bytes).map_err(|error| problem(&error))?;
     Ok(file.prototypes().map_err(|error| problem(&error))?)
 }

@@ -148,7 +148,7 @@ fn a_full_disk_leaves_nothing_and_is_said() {
     for (writer, name) in WRITERS {
         let workplace = Workplace::new();
         let ended = run_with_full_disk(&workplace, &(writer, name, SMALL));
-        ended.check_refusal(1, &["cannot write"]);
+        ended.check_refusal(7, &["cannot write"]);
         assert!(ended.stderr.to_lowercase().contains("file too large"), "{name}: {ended:#?}");
         assert!(workplace.names().is_empty(), "{name}: {:?}", workplace.names());
     }
@@ -161,7 +161,7 @@ fn a_run_is_not_replaced_where_the_disk_is_full() {
     let run = (RUN, "run --overwrite", SMALL);
     workplace.succeed(&run);
     let (before, names) = (workplace.read("run/manifest.json"), workplace.names());
-    run_with_full_disk(&workplace, &run).check_refusal(1, &[]);
+    run_with_full_disk(&workplace, &run).check_refusal(7, &[]);
     assert_eq!((workplace.read("run/manifest.json"), workplace.names()), (before, names));
 }
 

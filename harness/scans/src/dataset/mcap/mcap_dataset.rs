@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use nalgebra::Isometry3;
+use reports::files::regular_file::RegularFile;
 use reports::vocabulary::class::AnnotationClass;
 
 use super::frame_tree::FrameTree;
@@ -68,7 +69,7 @@ pub fn is_mcap(path: &Path) -> bool {
     use std::io::Read as _;
     let mut magic = [0; 8];
     path.is_file()
-        && std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
+        && RegularFile::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
         && magic == mcap::MAGIC
 }
 

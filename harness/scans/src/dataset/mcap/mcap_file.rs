@@ -1,13 +1,13 @@
 //! Messages read from an MCAP file, wherever they are.
 
 use std::collections::VecDeque;
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use mcap::records::op;
+use reports::files::regular_file::RegularFile;
 
 use super::chunk::{N_RECORD_HEADER_BYTES, record_at, split_header};
 use super::mcap_index::{ChunkError, ChunkPosition, MessagePosition, read_chunk};
@@ -81,7 +81,7 @@ impl McapFile {
         if let Some((_, records)) = kept().iter().find(|(idx, _)| *idx == chunk_idx) {
             return Ok(Arc::clone(records));
         }
-        let mut file = File::open(&self.path).map_err(|error| self.io_error(error))?;
+        let mut file = RegularFile::open(&self.path).map_err(|error| self.io_error(error))?;
         let records =
             read_chunk(&mut file, self.chunks[chunk_idx as usize]).map_err(|error| match error {
                 ChunkError::Io(source) => self.io_error(source),
@@ -98,7 +98,7 @@ impl McapFile {
 
     /// The record at `offset` of the file, with its header; its length was checked when the file was indexed.
     fn record(&self, offset: u64) -> Result<Vec<u8>, DatasetError> {
-        let mut file = File::open(&self.path).map_err(|error| self.io_error(error))?;
+        let mut file = RegularFile::open(&self.path).map_err(|error| self.io_error(error))?;
         let mut read = || -> std::io::Result<Vec<u8>> {
             file.seek(SeekFrom::Start(offset))?;
             let mut header = [0; N_RECORD_HEADER_BYTES];

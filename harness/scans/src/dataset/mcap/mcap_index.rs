@@ -4,11 +4,11 @@
 //! never finished has no summary that says what its channels are: then its chunks are looked into.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use mcap::records::op;
+use reports::files::regular_file::RegularFile;
 
 use super::chunk::{N_RECORD_HEADER_BYTES, decompressed, record_at, split_header};
 use super::record_body::RecordBody;
@@ -98,8 +98,8 @@ pub fn index_mcap(
     matters: impl Fn(&ChannelInfo) -> bool,
 ) -> Result<McapIndex, DatasetError> {
     let io_error = DatasetError::io(path);
-    let mut file = File::open(path).map_err(io_error)?;
-    let n_file_bytes = file.metadata().map_err(io_error)?.len();
+    let mut file = RegularFile::open(path).map_err(io_error)?;
+    let n_file_bytes = file.n_bytes();
     let mut magic = [0; 8];
     let is_mcap = file.read_exact(&mut magic).is_ok() && magic == mcap::MAGIC;
     if !is_mcap {
@@ -167,7 +167,7 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     /// Takes schemas and channels from the end of the file; `None` if there is no summary that can be read.
-    fn read_summary(&mut self, file: &mut File) -> Option<()> {
+    fn read_summary(&mut self, file: &mut RegularFile) -> Option<()> {
         let mut footer = [0; N_FOOTER_BYTES as usize];
         let end = file.seek(SeekFrom::End(-N_FOOTER_BYTES - 8)).ok()?;
         file.read_exact(&mut footer).ok()?;
@@ -190,7 +190,12 @@ impl Walk<'_> {
         (!self.index.channels.is_empty()).then_some(())
     }
 
-    fn walk(&mut self, file: &mut File, n_file_bytes: u64, has_summary: bool) -> Result<(), WalkError> {
+    fn walk(
+        &mut self,
+        file: &mut RegularFile,
+        n_file_bytes: u64,
+        has_summary: bool,
+    ) -> Result<(), WalkError> {
         let mut offset = mcap::MAGIC.len() as u64;
         // The chunk whose message indexes may follow, and whether none did yet: indexes may be left out.
         let (mut open_chunk, mut lacks_index) = (None, false);
@@ -266,7 +271,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    fn note_chunk(&mut self, file: &mut File, offset: u64, n_bytes: u64) -> Result<u32, WalkError> {
+    fn note_chunk(&mut self, file: &mut RegularFile, offset: u64, n_bytes: u64) -> Result<u32, WalkError> {
         let start = read_body(file, n_bytes.min(MAX_CHUNK_HEADER_BYTES))?;
         let (header, _) = RecordBody::new(&start).chunk_header()?;
         self.index.chunks.push(ChunkPosition { offset, n_bytes, crc: header.uncompressed_crc });
@@ -274,7 +279,7 @@ impl Walk<'_> {
             .map_err(|_| WalkError::Damaged("has too many chunks".to_owned()))
     }
 
-    fn look_into(&mut self, file: &mut File, chunk_idx: u32) -> Result<(), WalkError> {
+    fn look_into(&mut self, file: &mut RegularFile, chunk_idx: u32) -> Result<(), WalkError> {
         let position = self.index.chunks[chunk_idx as usize];
         let records = read_chunk(file, position)?;
         let n_left = self.n_plain_bytes_left.checked_sub(records.len() as u64);
@@ -317,7 +322,7 @@ impl Walk<'_> {
 }
 
 /// The next `n_bytes` of `file`, which is known to be as long.
-fn read_body(file: &mut File, n_bytes: u64) -> Result<Vec<u8>, WalkError> {
+fn read_body(file: &mut RegularFile, n_bytes: u64) -> Result<Vec<u8>, WalkError> {
     if n_bytes > MAX_RECORD_BYTES {
         return Err(WalkError::Damaged(format!("has a record of {n_bytes} bytes")));
     }
@@ -327,7 +332,7 @@ fn read_body(file: &mut File, n_bytes: u64) -> Result<Vec<u8>, WalkError> {
 }
 
 /// The decompressed records of the chunk at `position`.
-pub fn read_chunk(file: &mut File, position: ChunkPosition) -> Result<Vec<u8>, ChunkError> {
+pub fn read_chunk(file: &mut RegularFile, position: ChunkPosition) -> Result<Vec<u8>, ChunkError> {
     file.seek(SeekFrom::Start(position.offset + N_RECORD_HEADER_BYTES as u64)).map_err(ChunkError::Io)?;
     let mut body = Vec::new();
     file.take(position.n_bytes).read_to_end(&mut body).map_err(ChunkError::Io)?;

@@ -1,11 +1,11 @@
 //! Tables in JSON, a list of records each, that are read record by record and never as a whole.
 
 use std::fmt;
-use std::fs::File;
 use std::io::BufReader;
 use std::marker::PhantomData;
 use std::path::Path;
 
+use reports::files::regular_file::RegularFile;
 use serde::Deserializer as _;
 use serde::de::{DeserializeOwned, SeqAccess, Visitor};
 
@@ -20,7 +20,7 @@ pub fn read_table<Record: DeserializeOwned>(
     path: &Path,
     take: impl FnMut(Record) -> Result<(), String>,
 ) -> Result<(), DatasetError> {
-    let file = File::open(path).map_err(DatasetError::io(path))?;
+    let file = RegularFile::open(path).map_err(DatasetError::io(path))?;
     let mut deserializer = serde_json::Deserializer::from_reader(BufReader::with_capacity(N_BUFFERED, file));
     let read = deserializer.deserialize_seq(RecordVisitor { take, record: PhantomData });
     read.and_then(|()| deserializer.end()).map_err(|error| DatasetError::Damaged {

@@ -130,7 +130,7 @@ impl SemanticKitti {
         let mut classes = ClassReader::new(&self.classes, &[]);
         for path in self.listing.scan_ids.iter().map(|id| self.label_file(id)) {
             // What cannot be read is said when its scan is read.
-            let bytes = std::fs::read(&path).unwrap_or_default();
+            let bytes = bytes_of(&path).unwrap_or_default();
             let (labels, _) = bytes.as_chunks::<4>();
             for (point_idx, &[low, high, _, _]) in labels.iter().enumerate() {
                 let position = || format!("{path:?}, point {point_idx}");

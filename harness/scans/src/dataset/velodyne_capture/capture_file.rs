@@ -9,6 +9,7 @@ use etherparse::{LaxNetSlice, LaxSlicedPacket, TransportSlice};
 use pcap_parser::data::{PacketData, get_packetdata};
 use pcap_parser::traits::PcapNGPacketBlock as _;
 use pcap_parser::{Block, Linktype, PcapBlockOwned, PcapError, create_reader};
+use reports::files::regular_file::RegularFile;
 
 use crate::dataset::DatasetError;
 
@@ -28,7 +29,7 @@ pub struct Payload {
 pub fn is_capture(path: &Path) -> bool {
     let mut magic = [0; 4];
     path.is_file()
-        && std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
+        && RegularFile::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
         && matches!(
             magic,
             [0xd4, 0xc3, 0xb2, 0xa1]
@@ -51,7 +52,7 @@ pub fn walk_payloads(
 ) -> Result<Option<String>, DatasetError> {
     let io_error = DatasetError::io(path);
     let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
-    let file = std::fs::File::open(path).map_err(io_error)?;
+    let file = RegularFile::open(path).map_err(io_error)?;
     let mut reader = create_reader(BUFFER_BYTES, file)
         .map_err(|_| damaged("is not a capture of packets, or is cut off at its beginning".to_owned()))?;
     let (mut interfaces, mut sender, mut offset) = (Interfaces::default(), None, 0);

@@ -7,9 +7,10 @@
 //!
 //! The packets are read once when a capture is opened; what stays in memory is where they lie.
 
-use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
+
+use reports::files::regular_file::RegularFile;
 
 use super::calibration_file::parse_calibration_file;
 use super::capture_file::{Payload, walk_payloads};
@@ -133,7 +134,7 @@ impl VelodyneCapture {
     fn read_points(&self, revolution: &Revolution) -> Result<PositionedPoints, DatasetError> {
         let io_error = DatasetError::io(&self.path);
         let damaged = |problem| DatasetError::Damaged { path: self.path.clone(), problem };
-        let mut file = File::open(&self.path).map_err(io_error)?;
+        let mut file = RegularFile::open(&self.path).map_err(io_error)?;
         let mut points = PositionedPoints::default();
         let (mut rings, mut offsets_s) = (Vec::new(), Vec::new());
         let (mut firings, mut clock) = (Vec::new(), PacketClock::default());

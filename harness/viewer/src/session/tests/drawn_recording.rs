@@ -121,7 +121,14 @@ pub fn options(folder: &Path, viewer: ViewerChoice) -> StreamOptions {
         at_the_start: false,
         figures: &[],
     };
-    StreamOptions { name, file, viewer, opening, points: PointChoice::All }
+    StreamOptions {
+        name,
+        file,
+        existing: ExistingRecording::Replace,
+        viewer,
+        opening,
+        points: PointChoice::All,
+    }
 }
 
 /// Logs `scan` at its index, one metre further on than the one before.

@@ -1,0 +1,166 @@
+//! The door through which files are opened for writing.
+//!
+//! The folder that a user names may be a link. What lies in it may come from somebody else, and nothing is written through
+//! a link there. A [whole file](super::whole_file) needs no such door: it replaces the link.
+
+use std::fs::{File, Metadata, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Creates the file `path`. A file or link of that name goes; what it leads to stays as it is.
+///
+/// # Errors
+///
+/// If there is a folder, or if the operating system refuses.
+pub fn create_file(path: &Path) -> io::Result<File> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => OpenOptions::new().write(true).create_new(true).open(path),
+    }
+}
+
+/// Opens the file `path`, made if it is not there, to read it and to add to it.
+///
+/// # Errors
+///
+/// If there is a link or anything else but a file, or if the operating system refuses.
+pub fn open_to_add(path: &Path) -> io::Result<File> {
+    match std::fs::symlink_metadata(path) {
+        Ok(metadata) => refuse_other_than_one_file(&metadata)?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
+    }
+    let mut options = OpenOptions::new();
+    #[cfg(unix)]
+    {
+        use rustix::fs::OFlags;
+        use std::os::unix::fs::OpenOptionsExt as _;
+
+        options.custom_flags((OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::NOCTTY).bits() as i32);
+    }
+    let file = options.read(true).append(true).create(true).open(path)?;
+    // Another thing may have taken the name since.
+    refuse_other_than_one_file(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// Makes the folder `name` in `folder` unless it is there, and returns its path.
+///
+/// # Errors
+///
+/// As [`open_to_add`].
+pub fn make_folder(folder: &Path, name: impl AsRef<Path>) -> io::Result<PathBuf> {
+    let path = folder.join(name);
+    match std::fs::create_dir(&path) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+        made => made?,
+    }
+    let metadata = std::fs::symlink_metadata(&path)?;
+    match metadata.is_dir() {
+        true => Ok(path),
+        false if metadata.is_symlink() => Err(a_link()),
+        false => Err(io::ErrorKind::NotADirectory.into()),
+    }
+}
+
+/// Gives the file `from` the name `to`, too; where that cannot be, makes a second file. What is there already stays.
+///
+/// # Errors
+///
+/// If `from` is no file but a link, or if the operating system refuses.
+pub fn add_name(from: &Path, to: &Path) -> io::Result<()> {
+    if !std::fs::symlink_metadata(from)?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it would be a copy of what is no file"));
+    }
+    std::fs::hard_link(from, to).or_else(|_| {
+        let mut copy = OpenOptions::new().write(true).create_new(true).open(to)?;
+        io::copy(&mut super::regular_file::RegularFile::open(from)?, &mut copy).map(|_| ())
+    })
+}
+
+fn refuse_other_than_one_file(metadata: &Metadata) -> io::Result<()> {
+    if metadata.is_symlink() || n_names(metadata) > 1 && metadata.is_file() {
+        return Err(a_link());
+    }
+    if metadata.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if !metadata.is_file() {
+        return Err(io::Error::new(io::ErrorKind::AlreadyExists, "it is a pipe or a device, not a file"));
+    }
+    Ok(())
+}
+
+#[cfg(unix)]
+fn n_names(metadata: &Metadata) -> u64 {
+    std::os::unix::fs::MetadataExt::nlink(metadata)
+}
+
+#[cfg(not(unix))]
+fn n_names(_: &Metadata) -> u64 {
+    1
+}
+
+fn a_link() -> io::Error {
+    io::Error::new(io::ErrorKind::AlreadyExists, "it is a link, and nothing is written through one")
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::io::Write as _;
+
+    use super::*;
+
+    const A_LINK: &str = "it is a link, and nothing is written through one";
+
+    #[test]
+    fn what_is_no_link_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        for content in ["long before", "new"] {
+            create_file(&path).unwrap().write_all(content.as_bytes()).unwrap();
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), content);
+        }
+        open_to_add(&path).unwrap().write_all(b" and more").unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new and more");
+        let figures = make_folder(folder.path(), "figures").unwrap();
+        assert_eq!(make_folder(folder.path(), "figures").unwrap(), figures);
+        add_name(&path, &figures.join("b")).unwrap();
+        assert_eq!(std::fs::read_to_string(figures.join("b")).unwrap(), "new and more");
+    }
+
+    #[test]
+    fn nothing_is_written_through_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let elsewhere = tempfile::tempdir().unwrap();
+        let theirs = elsewhere.path().join("theirs");
+        std::fs::write(&theirs, "theirs").unwrap();
+        let place = |name: &str| folder.path().join(name);
+        std::os::unix::fs::symlink(&theirs, place("link")).unwrap();
+        std::os::unix::fs::symlink(elsewhere.path().join("gone"), place("dangling")).unwrap();
+        std::fs::hard_link(&theirs, place("second")).unwrap();
+        std::os::unix::fs::symlink(elsewhere.path(), place("figures")).unwrap();
+        for name in ["link", "dangling", "second"] {
+            assert_eq!(open_to_add(&place(name)).unwrap_err().to_string(), A_LINK, "{name}");
+        }
+        assert!(add_name(&place("link"), &place("copy")).is_err());
+        assert_eq!(make_folder(folder.path(), "figures").unwrap_err().to_string(), A_LINK);
+        for name in ["link", "dangling", "second"] {
+            create_file(&place(name)).unwrap().write_all(b"ours").unwrap();
+            assert_eq!(std::fs::read_to_string(place(name)).unwrap(), "ours");
+        }
+        assert_eq!(std::fs::read_to_string(&theirs).unwrap(), "theirs");
+        assert_eq!(std::fs::read_dir(elsewhere.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn pipes_are_not_waited_for() {
+        use rustix::fs::{CWD, FileType, Mode, mknodat};
+
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        mknodat(CWD, &pipe, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0).unwrap();
+        assert!(open_to_add(&pipe).is_err());
+        create_file(&pipe).unwrap();
+    }
+}
