@@ -55,6 +55,22 @@ impl PointCloud {
         (self.ring, self.time_offset_s) = (None, None);
     }
 
+    /// Replaces all points by those with these x, y, z and intensities, and keeps the memory. Nobody knows their rings and
+    /// times.
+    ///
+    /// # Panics
+    ///
+    /// If the columns are not of one length.
+    pub fn set_columns(&mut self, columns: [&[f32]; 4]) {
+        let [x_m, y_m, z_m, intensity] = columns;
+        assert!(columns.iter().all(|it| it.len() == x_m.len()), "each point has all numbers");
+        self.clear();
+        self.x_m.extend_from_slice(x_m);
+        self.y_m.extend_from_slice(y_m);
+        self.z_m.extend_from_slice(z_m);
+        self.intensity.extend_from_slice(intensity);
+    }
+
     /// Says which laser saw each point.
     ///
     /// # Panics

@@ -72,7 +72,9 @@ def run_directory(tmp_path: Path) -> Path:
 @pytest.fixture
 def program(tmp_path: Path, run_directory: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     script = tmp_path / "scanbench"
-    script.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{HERE}/fake_program.py" "$@"\n')
+    script.write_text(
+        f'#!/bin/sh\necho started >> "{tmp_path}/starts"\nexec "{sys.executable}" "{HERE}/fake_program.py" "$@"\n'
+    )
     script.chmod(0o755)
     monkeypatch.setenv("SCANBENCH", str(script))
     monkeypatch.setenv("FAKE_RUN", str(run_directory))
@@ -144,6 +146,19 @@ def test_the_configuration_of_the_folder_is_found(
 
 def test_without_functions_the_configuration_is_passed_on(program: Path) -> None:
     assert "-c" not in call_of(scanbench.run("a", ["pca"]))["argv"]
+
+
+def test_results_made_elsewhere_are_judged(program: Path) -> None:
+    run = scanbench.run(
+        "a", ["pca"], detections={"net": Path("results/net"), "other": "b.json"}, missing_detections="empty"
+    )
+    words = ["--detections", "net=results/net", "--detections", "other=b.json"]
+    assert call_of(run)["argv"][:8] == ["run", "a", "-d", "pca", *words]
+    # Without detectors, the program takes its own ones beside them.
+    alone = scanbench.run("a", detections={"net": "results/net"})
+    assert "-d" not in call_of(alone)["argv"] and alone.path.name.endswith("-net")
+    with pytest.raises(ValueError, match="need a name each"):
+        scanbench.run("a", ["net"], detections={"net": "results/net"})
 
 
 def test_a_plain_function_and_one_that_cannot_be_imported(program: Path) -> None:
@@ -229,6 +244,27 @@ def test_frames(run_directory: Path) -> None:
     assert report["n"].dtype.kind == "i" and report["higher_is_better"].tolist() == [True, True, None]
     assert run.scans is run.scans and run.manifest == {"schema": 1}
     assert eval(repr(run), {"Run": Run}).path == run.path
+
+
+def test_protocols_are_a_frame_and_a_missing_table_is_an_error(run_directory: Path) -> None:
+    run = Run.open(run_directory)
+    with pytest.raises(ScanbenchError, match="has no table 'protocols'; it has matches, report, scans"):
+        run.frame("protocols")
+    rows = [
+        {
+            "protocol": "kitti-object",
+            "class": "car",
+            "metric": "ap",
+            "value": 0.729,
+            "n": 7,
+            "interval_95": [0.7, 0.75],
+        },
+        {"protocol": "kitti-object", "class": "van", "metric": "ap", "value": None, "n": 0},
+    ]
+    (run_directory / "protocols.json").write_text(json.dumps({"schema": 1, "rows": rows}))
+    protocols = run.frame("protocols", "numpy")
+    assert protocols["class"].tolist() == ["car", "van"] and protocols["value"][0] == 0.729
+    assert np.isnan(protocols["value"][1]) and protocols["interval_95_low"][0] == 0.7
 
 
 def test_no_run_and_an_empty_table(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ pub mod whole_file;
 pub mod hidden_folder;
 pub mod claimed_name;
 pub mod new_folders;
+pub mod whole_set;
 pub mod fixed_decimals;
 pub(crate) mod exact_number;
 pub mod csv_rows;

@@ -27,6 +27,7 @@ pub fn detector_changes(before: &DetectorEntry, now: &DetectorEntry) -> Vec<Stri
     if !old.is_empty() && !new.is_empty() {
         changes.extend(differing(old.keys().chain(new.keys()), &old, &new));
     }
+    changes.extend(result_change(before, now));
     changes.iter().map(|it| format!("{}: {it}", now.name)).collect()
 }
 
@@ -78,10 +79,31 @@ fn add_values(name: &str, parameters: &Value, to: &mut BTreeMap<String, String>)
     }
 }
 
+/// Its program, and the models that it has from somewhere else.
 fn files(entry: &DetectorEntry) -> BTreeMap<String, String> {
-    let files = entry.foreign.iter().flat_map(|it| &it.files);
-    let short = |checksum: &str| checksum.chars().take(N_DIGITS).collect::<String>();
-    files.map(|(name, checksum)| (name.clone(), format!("SHA-256 {}…", short(checksum)))).collect()
+    let files = entry.foreign.iter().flat_map(|it| &it.files).chain(&entry.models);
+    files.map(|(name, checksum)| (name.clone(), format!("SHA-256 {}…", first_digits(checksum)))).collect()
+}
+
+/// So many files with its results changed, if it ran somewhere else.
+fn result_change(before: &DetectorEntry, now: &DetectorEntry) -> Option<String> {
+    let (before, now) = before.foreign.as_ref().zip(now.foreign.as_ref())?;
+    let (old, new) = before.results_checksum.as_ref().zip(now.results_checksum.as_ref())?;
+    if old == new {
+        return None;
+    }
+    let [old, new] = [before, now].map(|it| &it.result_files);
+    if old.is_empty() || new.is_empty() {
+        return Some("results: files changed".to_owned());
+    }
+    let names: BTreeSet<&String> = old.keys().chain(new.keys()).collect();
+    let n_changed = names.iter().filter(|it| old.get(**it) != new.get(**it)).count();
+    Some(format!("results: {n_changed} of {} files changed", names.len()))
+}
+
+/// The part of a checksum that is enough to distinguish it.
+pub fn first_digits(checksum: &str) -> String {
+    checksum.chars().take(N_DIGITS).collect()
 }
 
 #[cfg(test)]
@@ -94,9 +116,8 @@ mod tests {
         DetectorEntry {
             name: "mine".to_owned(),
             parameters,
-            rules: Vec::new(),
-            vehicles: None,
             foreign: Some(foreign),
+            ..DetectorEntry::default()
         }
     }
 
@@ -147,6 +168,34 @@ mod tests {
                 "mine: more.py: none → SHA-256 001122334455…",
             ],
         );
+    }
+
+    #[test]
+    fn files_with_results_are_counted() {
+        let with = |files: &[(&str, &str)]| {
+            let files = files.iter().map(|(name, sum)| ((*name).to_owned(), (*sum).to_owned()));
+            let result_files: BTreeMap<String, String> = files.collect();
+            let (results, results_checksum) = (Some("net".to_owned()), Some(format!("{result_files:?}")));
+            let foreign = ForeignEntry { results, results_checksum, result_files, ..ForeignEntry::default() };
+            mine(Value::Null, foreign)
+        };
+        let before = with(&[("a", "1"), ("b", "2"), ("c", "3")]);
+        let now = with(&[("a", "1"), ("b", "5"), ("d", "3")]);
+        assert_eq!(detector_changes(&before, &now), ["mine: results: 3 of 4 files changed"]);
+        assert!(detector_changes(&before, &before).is_empty());
+        let mut earlier = with(&[]);
+        earlier.foreign.as_mut().unwrap().results_checksum = Some("0".to_owned());
+        assert_eq!(detector_changes(&earlier, &now), ["mine: results: files changed"]);
+    }
+
+    #[test]
+    fn a_model_trained_anew_in_the_same_folder_is_a_change() {
+        let trained = |checksum: &str| {
+            let models = BTreeMap::from([("groupings.model".to_owned(), checksum.to_owned())]);
+            DetectorEntry { models, foreign: None, ..mine(Value::Null, program()) }
+        };
+        let expected = ["mine: groupings.model: SHA-256 0123456789ab… → SHA-256 fedcba987654…"];
+        assert_eq!(detector_changes(&trained("0123456789abcdef"), &trained("fedcba9876543210")), expected);
     }
 
     #[test]

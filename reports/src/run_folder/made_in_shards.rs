@@ -125,7 +125,7 @@ fn parameters(manifest: &Manifest) -> [(&'static str, String); 6] {
     ]
 }
 
-/// A program of others introduces itself only where it had a scan to look at.
+/// A program of others introduces itself only where it had a scan to look at. Results may lie elsewhere on each machine.
 fn is_same_detector(ours: &DetectorEntry, theirs: &DetectorEntry) -> bool {
     let (Some(our_program), Some(their_program)) = (&ours.foreign, &theirs.foreign) else {
         return ours == theirs;
@@ -136,6 +136,9 @@ fn is_same_detector(ours: &DetectorEntry, theirs: &DetectorEntry) -> bool {
         let mut it = it.clone();
         if let Some(foreign) = &mut it.foreign {
             (foreign.reported_name, foreign.version) = (None, None);
+            if foreign.results_checksum.is_some() {
+                foreign.results = None;
+            }
         }
         it
     };

@@ -255,6 +255,9 @@ pub struct DetectorEntry {
     /// By what its vehicles are classified, in words; `None` in manifests from before this was said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vehicles: Option<String>,
+    /// SHA-256 of its trained models that did not come with the program, by the names of their files.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub models: BTreeMap<String, String>,
     /// Where it comes from if it is not built in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foreign: Option<ForeignEntry>,
@@ -274,6 +277,9 @@ pub struct ForeignEntry {
     /// SHA-256 of these results.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub results_checksum: Option<String>,
+    /// The files with these results, by data set and name: the first digits of their SHA-256, or of recordings the size.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub result_files: BTreeMap<String, String>,
     /// What it calls itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reported_name: Option<String>,

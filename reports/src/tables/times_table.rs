@@ -72,7 +72,7 @@ impl Tabular for TimesTable {
         let of_cpu = "CPU: mean time on processors, on all threads and in all processes; more than the time of a scan \
                       where several work at once.";
         let of_overhead = "overhead: median of the way to a detector that is a program of its own, and back, measured beside it \
-                       with one that answers nothing.";
+                       with one that reads the points and finds nothing.";
         let of_some =
             [("CPU", of_cpu), ("overhead", of_overhead)].into_iter().filter(|(title, _)| has(title));
         let sentences = [sentence].into_iter().chain(of_some.map(|it| it.1)).map(str::to_owned);

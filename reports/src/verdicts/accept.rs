@@ -8,15 +8,17 @@ use crate::files::archive::ArchiveError;
 use crate::files::csv_rows::to_csv_bytes;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::files::regular_file::{read_bytes, read_text};
-use crate::files::whole_file::write_whole;
+use crate::files::whole_set::WholeSet;
 use crate::numbers::run_report::Subject;
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::rows::match_outcome::MatchOutcome;
 use crate::rows::partial_row::PartialRow;
 use crate::run_folder::manifest::GitState;
 use crate::run_folder::run_archive::RunArchive;
-use crate::run_folder::run_directory::{MATCHES_CSV, PARTIAL_CSV, REPORT_JSON, RunDirectory, SCANS_CSV};
-use crate::run_folder::run_target::{ExistingTarget, LatestPointer, MANIFEST_JSON, RunDirectoryError};
+use crate::run_folder::run_directory::{MATCHES_CSV, PARTIAL_CSV, REPORT_JSON, SCANS_CSV};
+use crate::run_folder::run_target::{
+    ClaimedTarget, ExistingTarget, LatestPointer, MANIFEST_JSON, RunDirectoryError,
+};
 use crate::verdicts::comparability::{NotComparable, check_comparable};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::task::Task;
@@ -90,7 +92,8 @@ pub fn run_of_baseline(directory: &Path) -> PathBuf {
     if accepted.join(MANIFEST_JSON).is_file() { accepted } else { directory.to_path_buf() }
 }
 
-/// Makes `run` the accepted run of the baseline `directory`, and adds a line to its history, which is returned.
+/// Makes `run` the accepted run of the baseline `directory`, with the files of `beside` by their names, and adds a line to its
+/// history, which is returned.
 ///
 /// What is ignored is left out of the matches: it makes half of them, counts for nothing, and its numbers are in the
 /// rows of the scans.
@@ -99,7 +102,12 @@ pub fn run_of_baseline(directory: &Path) -> PathBuf {
 ///
 /// [`AcceptError`] if the run cannot be made again, or says nothing about the one accepted before although it is meant to,
 /// or something cannot be written; the earlier baseline is there still.
-pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) -> Result<String, AcceptError> {
+pub fn accept(
+    run: &RunArchive,
+    directory: &Path,
+    acceptance: Acceptance<'_>,
+    beside: &[(&str, String)],
+) -> Result<String, AcceptError> {
     refuse_uncommitted(run.manifest.git.as_ref())?;
     let target = directory.join(ACCEPTED_RUN);
     let before = predecessor(&target, |before| check_comparable(before, run));
@@ -112,28 +120,33 @@ pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) ->
     let head = if is_partial { SCORES_HEAD_OF_OBJECTS } else { SCORES_HEAD };
     let history = history_with(&directory.join(SCORES_MD), head, &line)?;
 
-    let written = RunDirectory::create(&target, ExistingTarget::Replace, LatestPointer::Leave)?;
+    let claimed = ClaimedTarget::claim(&target, ExistingTarget::Replace, LatestPointer::Leave)?;
+    // All of it takes its names together.
+    let baseline = WholeSet::within(directory)?;
+    let write = |name: &str, content: &[u8]| baseline.write(&format!("{ACCEPTED_RUN}/{name}"), content);
     let mut manifest = run.manifest.clone();
     forget_program_path(&mut manifest.argv);
-    written.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
+    write(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     let csv = |bytes: Result<Vec<u8>, csv::Error>| {
         bytes.map_err(|source| ArchiveError::Csv { path: target.clone(), source })
     };
     if is_partial {
-        written.write_file(PARTIAL_CSV, &csv(to_csv_bytes(&run.objects))?)?;
+        write(PARTIAL_CSV, &csv(to_csv_bytes(&run.objects))?)?;
     } else {
-        written.write_file(REPORT_JSON, run.report.to_json().as_bytes())?;
-        written.write_file(SCANS_CSV, &csv(to_csv_bytes(&run.scans))?)?;
+        write(REPORT_JSON, run.report.to_json().as_bytes())?;
+        write(SCANS_CSV, &csv(to_csv_bytes(&run.scans))?)?;
         let counting: Vec<_> = run.matches.iter().filter(|it| counts(&it.outcome)).cloned().collect();
-        written.write_file(MATCHES_CSV, &csv(to_csv_bytes(&counting))?)?;
+        write(MATCHES_CSV, &csv(to_csv_bytes(&counting))?)?;
     }
     for path in &run.more_files {
         let read = read_bytes(path, MOST_OF_FILE);
         let content = read.map_err(|source| ArchiveError::Read { path: path.clone(), source })?;
-        written.write_file(&path.file_name().unwrap_or_default().to_string_lossy(), &content)?;
+        write(&path.file_name().unwrap_or_default().to_string_lossy(), &content)?;
     }
-    written.finish()?;
-    write_whole(&directory.join(SCORES_MD), history.as_bytes())?;
+    baseline.write(SCORES_MD, history.as_bytes())?;
+    beside.iter().try_for_each(|(name, content)| baseline.write(name, content.as_bytes()))?;
+    claimed.check()?;
+    baseline.finish()?;
     Ok(line)
 }
 
@@ -293,7 +306,7 @@ mod tests {
     use crate::verdicts::partial_differences::tests::rows;
 
     fn accepted(run: &RunArchive, folder: &Path, succession: Succession) -> Result<String, AcceptError> {
-        accept(run, folder, Acceptance { date: "2026-01-01", why: "better\ntrees.", succession })
+        accept(run, folder, Acceptance { date: "2026-01-01", why: "better\ntrees.", succession }, &[])
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::rows::partial_row::PartialRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::run_folder::detector_changes::detector_changes;
-use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
+use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_archive::RunArchive;
 use crate::verdicts::partial_differences::{CurveName, check_same_parts, rows_of_curves};
 use crate::vocabulary::task::Task;
@@ -21,7 +21,8 @@ pub struct NotComparable {
 /// Checks that `run` was asked what `baseline` was: the same scans, judged by the same rules, with all its detectors and
 /// tasks.
 ///
-/// Detectors that `run` has beyond those of `baseline` do not matter, nor do the parameters of detectors.
+/// Detectors that `run` has beyond those of `baseline` do not matter, nor does anything of a detector itself: its parameters,
+/// its program and models, or the files with its results. They are what a comparison is for.
 ///
 /// # Errors
 ///
@@ -197,29 +198,6 @@ fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
         }
     });
     whole.chain(missing).collect()
-}
-
-/// Checks that the results which detectors left elsewhere are the same files in both runs.
-///
-/// # Errors
-///
-/// [`NotComparable`] with every detector whose files differ.
-pub fn check_same_results(baseline: &RunArchive, run: &RunArchive) -> Result<(), NotComparable> {
-    let differ = detectors_with_other_results(baseline, run);
-    let reason = |it: &String| format!("the results of {it} changed: their checksums differ");
-    let reasons: Vec<String> = differ.iter().map(reason).collect();
-    if reasons.is_empty() { Ok(()) } else { Err(NotComparable { reasons }) }
-}
-
-/// Detectors of both runs that left their results elsewhere, in files that differ.
-pub fn detectors_with_other_results(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
-    let checksum = |it: &DetectorEntry| it.foreign.as_ref()?.results_checksum.clone();
-    let of_baseline = |name: &str| baseline.manifest.detectors.iter().find(|it| it.name == name);
-    let differs = |it: &&DetectorEntry| {
-        let before = of_baseline(&it.name).and_then(checksum);
-        before.zip(checksum(it)).is_some_and(|(before, now)| before != now)
-    };
-    run.manifest.detectors.iter().filter(differs).map(|it| it.name.clone()).collect()
 }
 
 /// What changed in the configuration of detectors of both runs, a text each.

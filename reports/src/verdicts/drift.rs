@@ -9,8 +9,9 @@ use crate::rows::match_row::MatchRow;
 use crate::rows::partial_row::{PartialRow, Predicted};
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use crate::run_folder::run_archive::RunArchive;
+use crate::verdicts::change::{Change, ChangeKind};
 use crate::verdicts::partial_differences::CurveName;
-use crate::vocabulary::reason::MissReason;
+use crate::vocabulary::reason::{FalseReason, MissReason};
 use crate::vocabulary::study::Study;
 
 /// A scan on which results of a detector changed.
@@ -18,8 +19,8 @@ use crate::vocabulary::study::Study;
 pub struct ScanDrift {
     /// Which scan, which detector, which task.
     pub subject: ScanSubject,
-    /// What changed, in words, one entry an object.
-    pub changes: Vec<String>,
+    /// All changes, the worst first: an entry for each object, and one for all changes that are too small to be shown.
+    pub changes: Vec<Change>,
 }
 
 /// A scan, a detector and a task.
@@ -69,14 +70,20 @@ pub fn drift(baseline: &RunArchive, run: &RunArchive) -> Vec<ScanDrift> {
 
 /// Partly seen objects whose predicted class differs.
 fn changed_classes(baseline: &RunArchive, run: &RunArchive) -> Vec<ScanDrift> {
-    let predicted = |it: &RunArchive| -> BTreeMap<ScanSubject, Predicted> {
-        it.objects.iter().map(|row| (ScanSubject::of_object(row), row.predicted)).collect()
+    let predicted = |it: &'_ RunArchive| -> BTreeMap<ScanSubject, (Predicted, Predicted)> {
+        let of_row = |row: &PartialRow| (row.predicted, Predicted::from(row.true_class));
+        it.objects.iter().map(|row| (ScanSubject::of_object(row), of_row(row))).collect()
     };
     let now = predicted(run);
-    let drift = |(subject, before): (ScanSubject, Predicted)| {
-        let after = *now.get(&subject).filter(|it| **it != before)?;
-        let changes = vec![format!("{}, and now {}", before.name(), after.name())];
-        Some(ScanDrift { subject, changes })
+    let drift = |(subject, (before, truth)): (ScanSubject, (Predicted, Predicted))| {
+        let (after, _) = *now.get(&subject).filter(|it| it.0 != before)?;
+        let kind = match truth {
+            _ if before == truth => ChangeKind::Lost,
+            _ if after == truth => ChangeKind::Found,
+            _ => ChangeKind::OtherClass,
+        };
+        let text = format!("{}, and now {}", before.name(), after.name());
+        Some(ScanDrift { subject, changes: vec![Change::of_object(kind, 0, text)] })
     };
     predicted(baseline).into_iter().filter_map(drift).collect()
 }
@@ -86,7 +93,7 @@ fn changed_classes(baseline: &RunArchive, run: &RunArchive) -> Vec<ScanDrift> {
 struct ScanObjects<'a> {
     numbers: Option<&'a ScanNumbers>,
     annotations: BTreeMap<u64, (&'a AnnotationFacts, Fate<'a>)>,
-    unmatched: BTreeMap<UnmatchedKey, (&'a DetectionFacts, String)>,
+    unmatched: BTreeMap<UnmatchedKey, Unmatched<'a>>,
 }
 
 /// What became of an annotation.
@@ -96,8 +103,15 @@ enum Fate<'a> {
     Missed { reason: MissReason },
 }
 
-/// A detection that matched nothing, identified by where it is: its number changes with those of others.
-#[derive(PartialEq, Eq, PartialOrd, Ord)]
+/// A detection that matched nothing.
+struct Unmatched<'a> {
+    detection: &'a DetectionFacts,
+    /// Why it is false; `None` where nobody can know whether it is.
+    reason: Option<FalseReason>,
+}
+
+/// What identifies a detection that matched nothing: its place. Its number changes with those of others.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct UnmatchedKey {
     center_mm: [i64; 3],
     n_points: u64,
@@ -137,10 +151,10 @@ impl<'a> ScanObjects<'a> {
                 self.annotations.insert(annotation.id, (annotation, Fate::Missed { reason: *reason }));
             }
             MatchOutcome::False { detection, reason } => {
-                self.unmatched.insert(key(detection), (detection, format!("false ({})", reason.name())));
+                self.unmatched.insert(key(detection), Unmatched { detection, reason: Some(*reason) });
             }
             MatchOutcome::Unknowable { detection } => {
-                self.unmatched.insert(key(detection), (detection, "unknowable".to_owned()));
+                self.unmatched.insert(key(detection), Unmatched { detection, reason: None });
             }
             MatchOutcome::IgnoredAnnotation { .. }
             | MatchOutcome::Tall { .. }
@@ -154,66 +168,162 @@ fn key(detection: &DetectionFacts) -> UnmatchedKey {
     UnmatchedKey { center_mm, n_points: detection.n_points }
 }
 
-fn changes(before: &ScanObjects<'_>, now: &ScanObjects<'_>) -> Vec<String> {
+/// All changes of a scan, the worst first.
+fn changes(before: &ScanObjects<'_>, now: &ScanObjects<'_>) -> Vec<Change> {
+    let mut all: Vec<Change> = annotation_changes(before, now);
+    all.extend(detection_changes(before, now));
+    let (shown, not_shown): (Vec<Change>, Vec<Change>) =
+        all.into_iter().partition(|it| it.kind != ChangeKind::NotShown);
+    let mut changes = shown;
+    match not_shown.len() {
+        0 if changes.is_empty() => changes.extend(number_changes(before.numbers, now.numbers)),
+        0 => {}
+        n => {
+            let objects = if n == 1 { "object" } else { "objects" };
+            let text = format!("box, score or cost of {n} {objects}, by less than is shown");
+            changes.push(Change::not_shown(n, text));
+        }
+    }
+    changes.sort_by(|a, b| a.kind.cmp(&b.kind).then(b.n_points.cmp(&a.n_points)));
+    changes
+}
+
+fn annotation_changes(before: &ScanObjects<'_>, now: &ScanObjects<'_>) -> Vec<Change> {
     let mut changes = Vec::new();
+    let mut push = |annotation: &AnnotationFacts, kind, what: &str| {
+        let text = format!("{}: {what}", name(annotation));
+        changes.push(Change::of_object(kind, annotation.n_points, text));
+    };
     for (id, (annotation, fate)) in &now.annotations {
         match before.annotations.get(id) {
-            Some((_, old)) => changes.extend(fate_change(annotation, old, fate)),
-            None => changes.push(format!("{} counts now", name(annotation))),
+            Some((_, old)) if old == fate => {}
+            Some((_, old)) => {
+                if let Some((kind, what)) = fate_change(old, fate) {
+                    push(annotation, kind, &what);
+                }
+            }
+            None => push(annotation, ChangeKind::Counting, "counts now"),
         }
     }
     for (id, (annotation, _)) in &before.annotations {
         if !now.annotations.contains_key(id) {
-            changes.push(format!("{} no longer counts", name(annotation)));
+            push(annotation, ChangeKind::Counting, "no longer counts");
         }
-    }
-    for (key, (detection, what)) in &now.unmatched {
-        match before.unmatched.get(key) {
-            Some((_, old)) if old == what => {}
-            Some((_, old)) => {
-                changes.push(format!("{}: before {old}, now {what}", unmatched_name(detection)));
-            }
-            None => changes.push(format!("{}: new, {what}", unmatched_name(detection))),
-        }
-    }
-    for (key, (detection, what)) in &before.unmatched {
-        if !now.unmatched.contains_key(key) {
-            changes.push(format!("{}: gone, before {what}", unmatched_name(detection)));
-        }
-    }
-    if changes.is_empty() {
-        changes.extend(number_changes(before.numbers, now.numbers));
     }
     changes
 }
 
-fn fate_change(annotation: &AnnotationFacts, before: &Fate<'_>, now: &Fate<'_>) -> Option<String> {
-    let what = match (before, now) {
-        _ if before == now => return None,
+/// What became another fate, and how bad that is; `None` if all but the number of a detection is the same.
+fn fate_change(before: &Fate<'_>, now: &Fate<'_>) -> Option<(ChangeKind, String)> {
+    let change = match (before, now) {
         (Fate::Matched { detection: old, cost: old_cost }, Fate::Matched { detection, cost }) => {
-            let is_same = old_cost == cost
-                && old.bounding_box == detection.bounding_box
-                && old.n_points == detection.n_points;
-            if is_same && old.score == detection.score {
-                // Another number of the same detection.
+            let renumbered = DetectionFacts { id: detection.id, ..(*old).clone() };
+            if old_cost == cost && renumbered == **detection {
                 return None;
             }
-            format!(
-                "still found, but at cost {cost:.3} with {} points, before at cost {old_cost:.3} with {} points",
-                detection.n_points, old.n_points
-            )
+            let shown =
+                |it: &DetectionFacts, cost: f64| format!("at cost {cost:.3} with {} points", it.n_points);
+            let [old_text, text] = [shown(old, *old_cost), shown(detection, *cost)];
+            if old.class != detection.class {
+                let what = format!("found before as {}, now as {}", old.class, detection.class);
+                (ChangeKind::OtherClass, what)
+            } else if old_text == text {
+                (ChangeKind::NotShown, String::new())
+            } else {
+                (ChangeKind::Otherwise, format!("still found, but {text}, before {old_text}"))
+            }
         }
         (Fate::Matched { .. }, Fate::Missed { reason }) => {
-            format!("found before, now missed ({})", reason.name())
+            (ChangeKind::Lost, format!("found before, now missed ({})", reason.name()))
         }
         (Fate::Missed { reason }, Fate::Matched { .. }) => {
-            format!("missed before ({}), now found", reason.name())
+            (ChangeKind::Found, format!("missed before ({}), now found", reason.name()))
         }
         (Fate::Missed { reason: old }, Fate::Missed { reason }) => {
-            format!("missed before ({}), now missed ({})", old.name(), reason.name())
+            let what = format!("missed before ({}), now missed ({})", old.name(), reason.name());
+            (ChangeKind::Otherwise, what)
         }
     };
-    Some(format!("{}: {what}", name(annotation)))
+    Some(change)
+}
+
+/// Changes of detections that matched nothing. One that was moved a little is no new one.
+fn detection_changes(before: &ScanObjects<'_>, now: &ScanObjects<'_>) -> Vec<Change> {
+    let mut gone: BTreeMap<UnmatchedKey, &Unmatched<'_>> =
+        before.unmatched.iter().map(|(key, it)| (*key, it)).collect();
+    let mut changes = Vec::new();
+    let mut new = Vec::new();
+    for (key, it) in &now.unmatched {
+        match gone.remove(key) {
+            Some(old) => changes.extend(unmatched_change(old, it)),
+            None => new.push((*key, it)),
+        }
+    }
+    for (key, it) in new {
+        match nearest(&gone, key, it.detection).and_then(|it| gone.remove(&it)) {
+            Some(old) => changes.extend(unmatched_change(old, it)),
+            None => changes.push(it.change("new, ", ChangeKind::NewFalse)),
+        }
+    }
+    changes.extend(gone.values().map(|it| it.change("gone, before ", ChangeKind::NoLongerFalse)));
+    changes
+}
+
+/// The nearest of `candidates` that stands where `detection` does: nearer than half the shorter of both lengths.
+fn nearest(
+    candidates: &BTreeMap<UnmatchedKey, &Unmatched<'_>>,
+    key: UnmatchedKey,
+    detection: &DetectionFacts,
+) -> Option<UnmatchedKey> {
+    let length_m = |it: &DetectionFacts| f64::from(it.bounding_box.length_width_height_m[0]);
+    let [x_mm, ..] = key.center_mm;
+    let half_mm = (500.0 * length_m(detection)).ceil() as i64;
+    // Keys are sorted by x.
+    let at = |x_mm| UnmatchedKey { center_mm: [x_mm, i64::MIN, i64::MIN], n_points: 0 };
+    let range = candidates.range(at(x_mm.saturating_sub(half_mm))..at(x_mm.saturating_add(half_mm + 1)));
+    let near = range.filter_map(|(candidate, it)| {
+        let [a, b] = [it.detection, detection].map(|it| it.bounding_box.center_m.map(f64::from));
+        let distance_m = (a[0] - b[0]).hypot(a[1] - b[1]);
+        let longest_m = length_m(it.detection).min(length_m(detection)) / 2.0;
+        (distance_m < longest_m).then_some((distance_m, *candidate))
+    });
+    near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|it| it.1)
+}
+
+/// What changed of a detection that matched nothing before, and matches nothing now; `None` if all but its number is the same.
+fn unmatched_change(before: &Unmatched<'_>, now: &Unmatched<'_>) -> Option<Change> {
+    let renumbered = DetectionFacts { id: now.detection.id, ..before.detection.clone() };
+    if before.reason == now.reason && renumbered == *now.detection {
+        return None;
+    }
+    let [old_name, name] = [before, now].map(|it| unmatched_name(it.detection));
+    let (old, what) = (before.in_words(), now.in_words());
+    let moved = if old_name == name { String::new() } else { format!(", before {old_name}") };
+    let (kind, text) = match (before.reason, now.reason) {
+        (None, Some(_)) => (ChangeKind::NewFalse, format!("{name}: before {old}, now {what}{moved}")),
+        (Some(_), None) => (ChangeKind::NoLongerFalse, format!("{name}: before {old}, now {what}{moved}")),
+        _ if before.detection.class != now.detection.class => {
+            let [old, class] = [before, now].map(|it| it.detection.class);
+            (ChangeKind::OtherClass, format!("{name}: still {what}, before as {old}, now as {class}{moved}"))
+        }
+        _ if old != what => (ChangeKind::Otherwise, format!("{name}: before {old}, now {what}{moved}")),
+        _ if old_name == name => (ChangeKind::NotShown, String::new()),
+        _ => (ChangeKind::Otherwise, format!("{name}: still {what}{moved}")),
+    };
+    Some(Change::of_object(kind, now.detection.n_points, text))
+}
+
+impl Unmatched<'_> {
+    fn in_words(&self) -> String {
+        self.reason.map_or_else(|| "unknowable".to_owned(), |it| format!("false ({})", it.name()))
+    }
+
+    /// One that is on one side only: of `kind` if it is false.
+    fn change(&self, what: &str, kind: ChangeKind) -> Change {
+        let kind = if self.reason.is_some() { kind } else { ChangeKind::Otherwise };
+        let text = format!("{}: {what}{}", unmatched_name(self.detection), self.in_words());
+        Change::of_object(kind, self.detection.n_points, text)
+    }
 }
 
 fn name(annotation: &AnnotationFacts) -> String {
@@ -231,7 +341,7 @@ fn unmatched_name(detection: &DetectionFacts) -> String {
 }
 
 /// What changed in the numbers of a scan all of whose matches are the same; times always do.
-fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Option<String> {
+fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Option<Change> {
     let untimed = |it: Option<&ScanNumbers>| {
         it.map(|it| ScanNumbers {
             latency_ms: None,
@@ -244,24 +354,27 @@ fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Op
         })
     };
     let (before, now) = (untimed(before), untimed(now));
-    (before != now).then(|| {
-        let in_words = |it: &Option<ScanNumbers>| {
-            it.as_ref().map_or_else(
-                || "not evaluated".to_owned(),
-                |it| {
-                    let segmentation = &it.segmentation;
-                    format!(
-                        "{} annotations and {} detections ignored, {} split, {} joining, {} too small and {} too large clusters dropped",
-                        it.n_ignored_annotations,
-                        it.n_ignored_detections,
-                        segmentation.n_split,
-                        segmentation.n_joining,
-                        it.n_dropped_too_small,
-                        it.n_dropped_too_large
-                    )
-                },
-            )
-        };
-        format!("same matches, but before {}; now {}", in_words(&before), in_words(&now))
+    if before == now {
+        return None;
+    }
+    let [old, text] = [&before, &now].map(|it| numbers_in_words(it.as_ref()));
+    Some(if old == text {
+        Change::not_shown(1, "same matches; other numbers of the scan".to_owned())
+    } else {
+        Change::of_object(ChangeKind::Otherwise, 0, format!("same matches, but before {old}; now {text}"))
     })
+}
+
+fn numbers_in_words(numbers: Option<&ScanNumbers>) -> String {
+    let Some(it) = numbers else { return "not evaluated".to_owned() };
+    let segmentation = &it.segmentation;
+    format!(
+        "{} annotations and {} detections ignored, {} split, {} joining, {} too small and {} too large clusters dropped",
+        it.n_ignored_annotations,
+        it.n_ignored_detections,
+        segmentation.n_split,
+        segmentation.n_joining,
+        it.n_dropped_too_small,
+        it.n_dropped_too_large
+    )
 }

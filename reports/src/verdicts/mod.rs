@@ -9,6 +9,7 @@ pub mod comparability;
 pub mod task_ranking;
 pub mod times_doubt;
 pub mod reason_gains;
+pub mod change;
 pub mod drift;
 pub mod changed_claims;
 pub mod suggestion;

@@ -26,6 +26,10 @@ pub struct Found {
     pub boxes: Vec<OrientedBox>,
     /// Of every detection.
     pub scores: Option<Vec<f32>>,
+    /// Of the box of every detection, where it has one.
+    pub box_scores: Vec<Option<f32>>,
+    /// Boxes that are no detections, each with its score: what may be a vehicle, and is used only where boxes are ranked.
+    pub ranked: Vec<(OrientedBox, f32)>,
     /// Of every detection; `None` where the detector predicts none.
     pub classes: Vec<Option<AnnotationClass>>,
     /// Stages and their times in milliseconds, as reported.
@@ -38,6 +42,7 @@ pub struct Found {
 struct Parts {
     ids: usize,
     boxes: usize,
+    ranked: usize,
     products: usize,
 }
 
@@ -48,8 +53,10 @@ impl Found {
     ///
     /// What is wrong with it, as the rest of a sentence.
     pub fn check_line(line: &ResultLine, n_payload_bytes: usize, n_points: usize) -> Result<(), String> {
-        if line.n_boxes > MOST_BOXES {
-            return Err(format!("n_boxes is {}, more than {MOST_BOXES}", line.n_boxes));
+        for (name, n_boxes) in [("n_boxes", line.n_boxes), ("ranked", line.ranked)] {
+            if n_boxes > MOST_BOXES {
+                return Err(format!("{name} is {n_boxes}, more than {MOST_BOXES}"));
+            }
         }
         if line.products.len() > MOST_PRODUCTS {
             return Err(format!("there are {} products, more than {MOST_PRODUCTS}", line.products.len()));
@@ -69,16 +76,11 @@ impl Found {
             return Err(format!("the stage {:?} takes {} ms", stage.name, stage.ms));
         }
         let parts = Parts::of(line, n_points);
-        let least = parts.ids + parts.boxes + parts.products;
+        let least = parts.ids + parts.boxes + parts.ranked + parts.products;
         // With clusters alone, as many scores as there are clusters, which are not more than points.
-        let most_scores = if !line.scores {
-            0
-        } else if line.clusters && line.n_boxes == 0 {
-            4 * n_points
-        } else {
-            4 * line.n_boxes
-        };
-        let is_open = line.scores && line.clusters && line.n_boxes == 0;
+        let n_kinds = usize::from(line.scores) + usize::from(line.box_scores);
+        let is_open = n_kinds > 0 && line.clusters && line.n_boxes == 0;
+        let most_scores = 4 * n_kinds * if is_open { n_points } else { line.n_boxes };
         let fits = if is_open {
             (least..=least + most_scores).contains(&n_payload_bytes)
         } else {
@@ -90,10 +92,12 @@ impl Found {
         let expected = if is_open { least } else { least + most_scores };
         let at_least = if is_open { "at least " } else { "" };
         Err(format!(
-            "payload_bytes is {n_payload_bytes}, but {n_points} points, {} boxes{}{} make {at_least}{expected}",
+            "payload_bytes is {n_payload_bytes}, but {n_points} points, {} boxes{}{}{}{} make {at_least}{expected}",
             line.n_boxes,
             if line.clusters { ", cluster ids" } else { "" },
             if line.scores { ", scores" } else { "" },
+            if line.box_scores { ", box scores" } else { "" },
+            if line.ranked > 0 { format!(", {} ranked boxes", line.ranked) } else { String::new() },
         ))
     }
 
@@ -107,22 +111,28 @@ impl Found {
         let (ids, rest) = payload.split_at(parts.ids);
         let (boxes, rest) = rest.split_at(parts.boxes);
         let clusters = line.clusters.then(|| words(ids).map(u32::from_le_bytes).collect::<Vec<u32>>());
-        let boxes = boxes.chunks_exact(4 * NUMBERS_OF_BOX).enumerate().map(|(idx, it)| box_of(idx, it));
-        let boxes = boxes.collect::<Result<Vec<_>, _>>()?;
+        let boxes = boxes_of("box", boxes)?;
         let n_detections = n_detections(clusters.as_deref(), boxes.len())?;
-        let n_score_bytes = if line.scores { 4 * n_detections } else { 0 };
-        if rest.len() != n_score_bytes + parts.products {
-            let expected = parts.ids + parts.boxes + n_score_bytes + parts.products;
+        let of_detections = |is_there: bool| if is_there { 4 * n_detections } else { 0 };
+        let n_score_bytes = [line.scores, line.box_scores].map(of_detections);
+        let n_score_bytes_of_all: usize = n_score_bytes.iter().sum();
+        if rest.len() != n_score_bytes_of_all + parts.ranked + parts.products {
+            let expected = parts.ids + parts.boxes + n_score_bytes_of_all + parts.ranked + parts.products;
             return Err(format!(
                 "payload_bytes is {}, but {n_detections} detections make {expected}",
                 payload.len()
             ));
         }
-        let (scores, products) = rest.split_at(n_score_bytes);
-        let scores: Vec<f32> = words(scores).map(f32::from_le_bytes).collect();
-        if let Some((idx, score)) = scores.iter().enumerate().find(|(_, it)| !it.is_finite()) {
-            return Err(format!("the score of detection {idx} is {score}"));
-        }
+        let (scores, rest) = rest.split_at(n_score_bytes[0]);
+        let (box_scores, rest) = rest.split_at(n_score_bytes[1]);
+        let (ranked, products) = rest.split_at(parts.ranked);
+        let (ranked, ranked_scores) = ranked.split_at(4 * NUMBERS_OF_BOX * line.ranked);
+        let scores = finite("detection", scores)?;
+        let ranked_scores = finite("ranked box", ranked_scores)?;
+        let box_scores = words(box_scores).map(f32::from_le_bytes).enumerate().map(|(idx, it)| match it {
+            it if it.is_infinite() => Err(format!("the box score of detection {idx} is {it}")),
+            it => Ok((!it.is_nan()).then_some(it)),
+        });
         let values = products.chunks_exact(n_points.max(1)).map(<[u8]>::to_vec);
         // A scan without points has products without values.
         let values = values.chain(std::iter::repeat_with(Vec::new));
@@ -130,6 +140,8 @@ impl Found {
             clusters,
             boxes,
             scores: line.scores.then_some(scores),
+            box_scores: box_scores.collect::<Result<Vec<_>, _>>()?,
+            ranked: boxes_of("ranked box", ranked)?.into_iter().zip(ranked_scores).collect(),
             classes: classes_of(line, n_detections)?,
             stages: line.stages.iter().map(|it| (it.name.clone(), it.ms)).collect(),
             products: line.products.iter().map(|it| it.name.clone()).zip(values).collect(),
@@ -142,6 +154,7 @@ impl Parts {
         Self {
             ids: if line.clusters { 4 * n_points } else { 0 },
             boxes: 4 * NUMBERS_OF_BOX * line.n_boxes,
+            ranked: 4 * (NUMBERS_OF_BOX + 1) * line.ranked,
             products: line.products.len() * n_points,
         }
     }
@@ -151,7 +164,22 @@ fn words(bytes: &[u8]) -> impl Iterator<Item = [u8; 4]> {
     bytes.as_chunks::<4>().0.iter().copied()
 }
 
-fn box_of(box_idx: usize, bytes: &[u8]) -> Result<OrientedBox, String> {
+/// Scores, of each `what` one.
+fn finite(what: &str, bytes: &[u8]) -> Result<Vec<f32>, String> {
+    let scores: Vec<f32> = words(bytes).map(f32::from_le_bytes).collect();
+    match scores.iter().enumerate().find(|(_, it)| !it.is_finite()) {
+        Some((idx, score)) => Err(format!("the score of {what} {idx} is {score}")),
+        None => Ok(scores),
+    }
+}
+
+/// Boxes, each a `what`.
+fn boxes_of(what: &str, bytes: &[u8]) -> Result<Vec<OrientedBox>, String> {
+    let boxes = bytes.chunks_exact(4 * NUMBERS_OF_BOX).map(box_of).enumerate();
+    boxes.map(|(idx, it)| it.map_err(|problem| format!("{what} {idx} has {problem}"))).collect()
+}
+
+fn box_of(bytes: &[u8]) -> Result<OrientedBox, String> {
     let mut numbers = [0.0; NUMBERS_OF_BOX];
     for (number, bytes) in numbers.iter_mut().zip(words(bytes)) {
         *number = f32::from_le_bytes(bytes);
@@ -173,7 +201,7 @@ fn box_of(box_idx: usize, bytes: &[u8]) -> Result<OrientedBox, String> {
         };
         return Ok(OrientedBox { center_m, length_width_height_m, yaw_rad });
     };
-    Err(format!("box {box_idx} has {problem}"))
+    Err(problem)
 }
 
 /// Detections that clusters and boxes make.
@@ -250,6 +278,40 @@ mod tests {
         assert_eq!(read(&line(0, true, true), &payload, 4).unwrap().scores, Some(vec![0.1, 0.2]));
         let problem = read(&line(0, true, true), &payload[..20], 4).unwrap_err();
         assert!(problem.contains("payload_bytes is 20, but 2 detections make 24"), "{problem}");
+    }
+
+    #[test]
+    fn ranked_boxes_and_scores_of_boxes_stand_behind_the_scores() {
+        let mut line = line(2, true, true);
+        (line.box_scores, line.ranked) = (true, 1);
+        let payload = |box_score: f32, ranked: f32| {
+            let scores = [0.5, -2.0, box_score, f32::NAN];
+            [
+                ids(&[1, 0, 2]),
+                numbers(&CAR),
+                numbers(&CAR),
+                numbers(&scores),
+                numbers(&CAR),
+                numbers(&[ranked]),
+            ]
+            .concat()
+        };
+        let found = read(&line, &payload(0.75, -3.0), 3).unwrap();
+        assert_eq!(found.box_scores, [Some(0.75), None]);
+        assert_eq!(found.ranked, [(found.boxes[0], -3.0)]);
+        for (payload, expected) in [
+            (payload(f32::INFINITY, 0.0), "the box score of detection 0 is inf"),
+            (payload(0.0, f32::NAN), "the score of ranked box 0 is NaN"),
+            (
+                payload(0.0, 0.0)[4..].to_vec(),
+                "2 boxes, cluster ids, scores, box scores, 1 ranked boxes make 116",
+            ),
+        ] {
+            let problem = read(&line, &payload, 3).unwrap_err();
+            assert!(problem.contains(expected), "{problem}");
+        }
+        line.ranked = MOST_BOXES + 1;
+        assert!(read(&line, &[], 3).unwrap_err().contains("ranked is 100001"));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::answer::Found;
 use super::message::{
-    Answer, AskedScan, Configuration, Introduction, PROTOCOL, Question, line_of, parse_line,
+    Answer, AskedScan, Configuration, Introduction, PROTOCOL, Question, RANKED, line_of, parse_line,
 };
 use super::pipe::PipeError;
 use super::problem::{DetectorProblem, Ending};
@@ -227,6 +227,7 @@ fn hello(program: &mut Program, limit: Duration, deadline: Instant) -> Result<In
     let question = Question::Hello {
         protocol: PROTOCOL,
         program: concat!("scanbench ", env!("CARGO_PKG_VERSION")).to_owned(),
+        extensions: vec![RANKED.to_owned()],
     };
     say(program, &json(&question)?, deadline)?;
     match read_answer(program, "hello", limit, deadline)? {

@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 pub const PROTOCOL: u32 = 1;
 /// Longest line of a message in bytes, with its end.
 pub const MOST_LINE_BYTES: usize = 1 << 20;
+/// Extension of the protocol that lets answers have scores of boxes, and boxes that are only ranked.
+pub const RANKED: &str = "ranked";
 /// Most boxes of an answer.
 pub const MOST_BOXES: usize = scans::foreign::detections::MAX_BOXES;
 
@@ -19,6 +21,9 @@ pub enum Question {
         protocol: u32,
         /// Name and version of this program.
         program: String,
+        /// What answers may have beyond the first version of the protocol.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        extensions: Vec<String>,
     },
     /// What it is to work with.
     Configure(Configuration),
@@ -117,6 +122,12 @@ pub struct ResultLine {
     /// The payload has a score for each detection.
     #[serde(default)]
     pub scores: bool,
+    /// The payload has a score of the box of each detection.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub box_scores: bool,
+    /// Boxes that are only ranked.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub ranked: usize,
     /// The class of each detection; all `None` if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub classes: Option<Vec<Option<String>>>,
@@ -126,6 +137,16 @@ pub struct ResultLine {
     /// What is drawn beside the detections.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub products: Vec<ProductLine>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
+fn is_false(it: &bool) -> bool {
+    !it
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
+fn is_zero(it: &usize) -> bool {
+    *it == 0
 }
 
 /// Time of a stage.

@@ -4,10 +4,13 @@
 pub mod problem;
 pub mod message;
 pub mod answer;
+pub mod written_answer;
 #[cfg(target_os = "linux")]
 pub mod pipe;
 #[cfg(target_os = "linux")]
 pub mod shared_cloud;
+#[cfg(target_os = "linux")]
+pub mod received_cloud;
 #[cfg(target_os = "linux")]
 pub mod last_words;
 #[cfg(target_os = "linux")]

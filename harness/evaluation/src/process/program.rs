@@ -14,7 +14,7 @@ use super::message::{PROTOCOL, Question, line_of};
 use super::pipe::Pipe;
 use super::problem::Ending;
 use super::processes::{cpu_time_of, descendants, start_of};
-use super::supervisor::{CANNOT_START, EXIT, SIGNAL, TOKEN, WARNING};
+use super::supervisor::{CANNOT_START, EXIT, READ_FD, SIGNAL, TOKEN, WARNING, WRITE_FD};
 
 /// The verb of this program that makes it the supervisor of the command that follows.
 pub const SUPERVISE: &str = "supervise";
@@ -58,8 +58,9 @@ impl StartedProgram {
     ///
     /// # Errors
     ///
-    /// If the operating system has no more processes or pipes.
+    /// If the operating system has no more processes or pipes, or if we were ourselves started by a detector.
     pub fn start(&self) -> io::Result<Program> {
+        refuse_nesting()?;
         let (theirs_to_read, to) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)?;
         let (from, theirs_to_write) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)?;
         let mut command = Command::new(std::env::current_exe()?);
@@ -86,6 +87,17 @@ impl StartedProgram {
             processes: Vec::new(),
         })
     }
+}
+
+/// A script that judges itself while it is imported as a detector would be started by its own runs, without end.
+fn refuse_nesting() -> io::Result<()> {
+    if [READ_FD, WRITE_FD].iter().any(|it| std::env::var_os(it).is_none()) {
+        return Ok(());
+    }
+    Err(io::Error::other(
+        "a detector starts this run, which starts detectors: it would never end; a file that is a detector must not run \
+         scanbench when it is imported",
+    ))
 }
 
 impl Program {

@@ -29,6 +29,8 @@ pub struct FoundObject {
     pub class: Option<AnnotationClass>,
     /// How sure the detector is of it.
     pub score: Option<f32>,
+    /// How sure it is of the box, if it says so.
+    pub box_score: Option<f32>,
 }
 
 impl FoundObject {
@@ -74,6 +76,7 @@ struct PreparedObject {
     is_fitted: bool,
     class: Option<AnnotationClass>,
     score: Option<f32>,
+    box_score: Option<f32>,
 }
 
 /// Why objects cannot be made detections, as the rest of a sentence.
@@ -139,8 +142,8 @@ impl ForeignVehicles {
             let is_fitted = object.bounding_box.is_none();
             let bounding_box = object.bounding_box.or_else(|| self.fit(&points, cloud));
             let Some(bounding_box) = bounding_box else { continue };
-            let FoundObject { class, score, .. } = object;
-            prepared.push(PreparedObject { points, bounding_box, is_fitted, class, score });
+            let FoundObject { class, score, box_score, .. } = object;
+            prepared.push(PreparedObject { points, bounding_box, is_fitted, class, score, box_score });
         }
         if prepared.iter().any(|it| it.is_fitted || it.class.is_none() && self.by_model.is_some()) {
             self.foreground.detect(cloud, &mut DetectorOutput::default());
@@ -162,6 +165,9 @@ impl ForeignVehicles {
             if object.score.is_some() {
                 // Scores of other people's detectors are no log odds, and so cannot be combined with ours.
                 reported.box_details.score = None;
+            }
+            if object.box_score.is_some() {
+                reported.box_details.score = object.box_score;
             }
             output.detections.push(reported);
         }

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use detector::PointCloud;
 use detector::detector::{DetectorOutput, StageTime};
 use detector::stage_product::{Shape, StageProduct};
+use detector::{DetectedClass, Detection, PointCloud};
 use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::clusters_of_points;
 
@@ -26,7 +26,7 @@ pub const REPORTED: &str = "reported: ";
 /// The product that says which points are ground: those whose value is not 0.
 pub const GROUND_PRODUCT: &str = "ground";
 
-/// What serves as the name of a detector that answers nothing.
+/// The name of a detector that reads the points and finds nothing.
 pub const NOTHING: &str = "nothing";
 
 /// The detector.
@@ -47,7 +47,7 @@ pub struct ProcessDetector {
     reports_ground: bool,
 }
 
-/// A program that answers nothing.
+/// A program that reads the points of a scan, and answers that none of them is of an object.
 enum OverheadProbe {
     NotStarted,
     Running(Box<Conversation>),
@@ -184,6 +184,10 @@ impl ProcessDetector {
         self.reports_ground |= found.products.iter().any(|(name, _)| name == GROUND_PRODUCT);
         self.products = found.products;
         self.vehicles.detections_of(objects, cloud, output).map_err(DetectorProblem::WrongAnswer)?;
+        for (bounding_box, score) in found.ranked {
+            let ranked = Detection::new(&[], bounding_box, DetectedClass::Vehicle, Some(score));
+            output.unlikely_vehicles.push(ranked);
+        }
         self.clusters = clusters_of_points(&output.detections, cloud.len());
         Ok(())
     }
@@ -246,7 +250,7 @@ impl RunningDetector for ProcessDetector {
     }
 }
 
-/// This program, as a detector that answers nothing.
+/// This program, as a detector that reads the points and finds nothing.
 fn probe_command() -> Vec<String> {
     let program = std::env::current_exe().unwrap_or_default();
     vec![program.display().to_string(), "serve".to_owned(), NOTHING.to_owned()]
@@ -272,6 +276,7 @@ fn objects_of(found: &Found) -> Vec<FoundObject> {
     };
     for (idx, object) in objects.iter_mut().enumerate() {
         object.class = found.classes.get(idx).copied().flatten();
+        object.box_score = found.box_scores.get(idx).copied().flatten();
         object.score = found.scores.as_ref().and_then(|it| it.get(idx).copied());
     }
     objects

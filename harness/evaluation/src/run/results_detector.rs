@@ -138,6 +138,7 @@ fn objects_of(found: ForeignDetections) -> Vec<FoundObject> {
         bounding_box: Some(it.bounding_box),
         class: it.class,
         score: it.score,
+        box_score: None,
     };
     (1..).zip(&boxes).map(object).collect()
 }
@@ -177,6 +178,7 @@ mod tests {
             bounding_box: Some(CUBE.bounding_box),
             class: CUBE.class,
             score: CUBE.score,
+            box_score: None,
         };
         let found =
             ForeignDetections { clusters: Some(vec![0, 2]), boxes: vec![CUBE; 2], ..Default::default() };

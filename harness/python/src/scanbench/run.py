@@ -14,6 +14,7 @@ from typing import Any, Literal
 from scanbench.configuration_file import section
 from scanbench.detector import Detector
 from scanbench.frame import Backend, columns_of_csv, columns_of_rows, frame, installed
+from scanbench.nesting import refuse_nesting
 from scanbench.notebook import page_of
 from scanbench.program import ScanbenchError, call
 
@@ -58,9 +59,9 @@ class Run:
         return manifest
 
     def frame(self, name: str, backend: Backend | None = None) -> Any:
-        """A table as a data frame: `scans`, `matches`, `report`, or another CSV file of the run, such as `precision_recall`.
+        """A table as a data frame: `scans`, `matches`, `report`, `protocols`, or another CSV file of the run, such as `precision_recall`.
 
-        `backend` is pandas or polars, whichever is installed first, or NumPy: a dictionary of columns.
+        Raises ScanbenchError if the run has no such table. `backend` is pandas or polars, whichever is installed first, or NumPy: a dictionary of columns.
         """
         key = (name, backend or self.backend)
         if key not in self._frames:
@@ -68,10 +69,18 @@ class Run:
         return self._frames[key]
 
     def _columns(self, name: str) -> dict[str, Any]:
-        if name == "report":
-            report = json.loads((self.path / "report.json").read_text())
-            return columns_of_rows([*report["rows"], *report.get("overall", [])])
-        return columns_of_csv((self.path / f"{name}.csv").read_text())
+        table = self.path / f"{name}.csv"
+        if name in self._json_tables():
+            content = json.loads((self.path / f"{name}.json").read_text())
+            return columns_of_rows([*content["rows"], *content.get("overall", [])])
+        if not table.is_file():
+            there = sorted({*self._json_tables(), *(path.stem for path in self.path.glob("*.csv"))})
+            raise ScanbenchError(f"{self.path} has no table {name!r}; it has {', '.join(there) or 'none'}")
+        return columns_of_csv(table.read_text())
+
+    def _json_tables(self) -> list[str]:
+        """Tables of numbers, which are JSON files: `protocols` is there only after a run with `protocol=`."""
+        return [name for name in ("report", "protocols") if (self.path / f"{name}.json").is_file()]
 
     def __repr__(self) -> str:
         return f"Run.open({str(self.path)!r})"
@@ -82,8 +91,9 @@ class Run:
 
 def run(
     dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
-    detectors: Sequence[DetectorLike],
+    detectors: Sequence[DetectorLike] = (),
     *,
+    detections: Mapping[str, str | os.PathLike[str]] | None = None,
     output: str | os.PathLike[str] | None = None,
     config: str | os.PathLike[str] | None = None,
     parameters: Mapping[str, Any] | None = None,
@@ -97,18 +107,28 @@ def run(
     """Judges `detectors` on data sets (ids or paths), and returns the run.
 
     A detector is a function, or the name of one that scanbench has or `config` names: a scanbench.toml, that of the working directory or
-    the nearest folder above if it is left out. `parameters` are those of
+    the nearest folder above if it is left out. `detections` are results that detectors left elsewhere, by names of your choice: a file or
+    folder each. `parameters` are those of
     detectors and matching (`-P`); `start_limit_s`, `time_limit_s`, `threads` and `vehicles` are for each function, as in scanbench.toml. Any other option of `scanbench run` is given by its name:
-    `scans="0..100:5"`, `simulated_scans=20`, `criterion="centre"`, `skip_damaged=True`, `on_detector_failure="skip"`. Raises
-    ScanbenchError, with `exit_code`, if the program fails.
+    `scans="0..100:5"`, `simulated_scans=20`, `criterion="centre"`, `skip_damaged=True`, `on_detector_failure="skip"`.
+
+    The file that defines a function is imported by another process, which then calls the function: in such a file, `run` belongs under
+    `if __name__ == "__main__":`. Raises ScanbenchError, with `exit_code`, if the program fails, and without one if `run` is called while a
+    file is imported for that.
     """
+    refuse_nesting()
     datasets = [dataset] if isinstance(dataset, str | os.PathLike) else list(dataset)
     named = [_named(detector) for detector in detectors]
     names = [detector if isinstance(detector, str) else detector.name for detector in named]
-    if not names or len(set(names)) != len(names):
-        raise ValueError(f"detectors need a name each, and these have {', '.join(names) or 'none'}: see `using`")
-    directory = Path(output) if output is not None else _new_directory(names)
-    arguments = ["run", *(os.fspath(path) for path in datasets), "-d", ",".join(names), "-o", str(directory)]
+    given = {name: os.fspath(path) for name, path in (detections or {}).items()}
+    all_names = [*names, *given]
+    if not all_names or len(set(all_names)) != len(all_names):
+        raise ValueError(f"detectors need a name each, and these have {', '.join(all_names) or 'none'}: see `using`")
+    directory = Path(output) if output is not None else _new_directory(all_names)
+    arguments = ["run", *(os.fspath(path) for path in datasets)]
+    arguments += ["-d", ",".join(names)] if names else []
+    arguments += [word for name, path in given.items() for word in ("--detections", f"{name}={path}")]
+    arguments += ["-o", str(directory)]
     for name, value in (parameters or {}).items():
         arguments += ["-P", f"{name}={_word(value)}"]
     for name, value in options.items():
@@ -166,6 +186,8 @@ def _option(name: str, value: Any) -> list[str]:
         return []
     if value is True:
         return [option]
+    if isinstance(value, Mapping):
+        return [f"{option}={name}={_word(item)}" for name, item in value.items()]
     if isinstance(value, list | tuple):
         return [word for item in value for word in _option(name, item)]
     return [f"{option}={_word(value)}"]

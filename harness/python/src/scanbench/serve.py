@@ -14,6 +14,7 @@ from typing import Any
 
 from scanbench.client import WRONGLY_STARTED, last_line, leave, pipe_of_environment, refuse, serve_pipe
 from scanbench.detector import Detector
+from scanbench.nesting import importing
 
 
 def load(target: str) -> Detector:
@@ -65,7 +66,8 @@ def main(arguments: list[str] | None = None) -> int:
         if parsed.directory:
             os.chdir(parsed.directory)
         sys.path[:0] = [os.getcwd(), *parsed.path]
-        detector = load(parsed.target)
+        with importing(parsed.target):
+            detector = load(parsed.target)
     except KeyboardInterrupt:
         return 130
     except BaseException as error:  # SystemExit of a module, too: the program gets the reason.

@@ -1,12 +1,8 @@
 //! `scanbench baseline`.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use jiff::Timestamp;
-use reports::files::archive::ArchiveError;
-use reports::files::new_folders::NewFolders;
-use reports::files::whole_file::WholeFile;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
@@ -17,7 +13,7 @@ use reports::verdicts::accept::{
 use reports::verdicts::annotated_tolerances::built_in_file;
 use reports::verdicts::least_loss::least_losses;
 use reports::verdicts::tolerances::Tolerances;
-use reports::verdicts::verdict::{JudgeError, judge_successor};
+use reports::verdicts::verdict::{JudgeError, judge};
 
 use crate::cli::{AcceptArgs, BaselineInitArgs};
 use crate::commands::failure::{Failure, Usage, WorseThanAccepted};
@@ -34,19 +30,14 @@ pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
         refuse_existing(&folder.join(name))?;
     }
     let run = open_run(&arguments.run)?;
-    // Whatever fails from here on leaves nothing behind.
-    let _folders =
-        NewFolders::create(folder).map_err(|source| ArchiveError::Write { path: folder.clone(), source })?;
-    let tolerances = begun(&folder.join(TOLERANCES_TOML), &built_in_file(&run))?;
-    let workflow = begun(&folder.join(GATE_WORKFLOW), &gate_workflow(&run.manifest, folder))?;
+    let beside =
+        [(TOLERANCES_TOML, built_in_file(&run)), (GATE_WORKFLOW, gate_workflow(&run.manifest, folder))];
     let acceptance = Acceptance {
         date: &utc_day(Timestamp::now()),
         why: "the first accepted run",
         succession: Succession::Comparable,
     };
-    accept(&run, folder, acceptance)?;
-    tolerances.finish()?;
-    workflow.finish()?;
+    accept(&run, folder, acceptance, &beside)?;
     let losses =
         least_losses(&run, &Tolerances::built_in(&run)).lines().into_iter().map(|it| format!("\n{it}"));
     print_result(format!("{}\n{}", next_steps(folder, &arguments.run), losses.collect::<String>()).trim_end())
@@ -57,7 +48,7 @@ pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
 fn judged_by(directory: &Path, run: &RunArchive, path: &Path) -> Result<Option<Judged>, Failure> {
     let Ok(before) = RunArchive::read(&directory.join(ACCEPTED_RUN)) else { return Ok(None) };
     let tolerances = tolerances(directory, None, &before)?;
-    let verdict = match judge_successor(&before, run, &tolerances) {
+    let verdict = match judge(&before, run, &tolerances) {
         Ok(verdict) => verdict,
         // Whether it may follow all the same is asked by whoever accepts it.
         Err(JudgeError::NotComparable(_)) => return Ok(None),
@@ -82,14 +73,6 @@ fn refuse_existing(path: &Path) -> Result<(), Failure> {
         "{path:?} exists; name another folder, or accept the run instead of the one before: scanbench baseline accept"
     ))
     .into())
-}
-
-/// A file with all of its content, but not yet with its name.
-fn begun(path: &Path, content: &str) -> Result<WholeFile, ArchiveError> {
-    let mut file = WholeFile::create(path)?;
-    let written = file.write_all(content.as_bytes());
-    written.map_err(|source| ArchiveError::Write { path: path.to_path_buf(), source })?;
-    Ok(file)
 }
 
 fn next_steps(folder: &Path, run: &Path) -> String {
@@ -126,7 +109,7 @@ pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
         why: &arguments.why,
         succession: if arguments.new_baseline { Succession::Anew } else { Succession::Comparable },
     };
-    let line = accept(&run, directory, acceptance)?;
+    let line = accept(&run, directory, acceptance, &[])?;
     print_text(&format!("{line}\n"))?;
     print_diagnostic(format_args!("Baseline: {}", directory.display()));
     Ok(())

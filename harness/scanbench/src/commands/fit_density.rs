@@ -10,8 +10,9 @@ use detector::grid::ring_density::RingCounts;
 use evaluation::density_survey::{count_rings, density_curves};
 use evaluation::run::config::RunConfig;
 use reports::files::archive::ArchiveError;
-use reports::files::csv_rows::CsvRowWriter;
-use reports::files::whole_file::{WholeFile, write_whole};
+use reports::files::csv_rows::to_csv_bytes;
+use reports::files::whole_file::WholeFile;
+use reports::files::whole_set::WholeSet;
 use reports::numbers::curve_pair::Sides;
 use reports::plots::curve_plot::curve_plot;
 use reports::tables::studies::curve_row::CurveRow;
@@ -87,12 +88,13 @@ pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
     }
     let curve =
         DensityCurve::fit(&scans, origin).map_err(|error| NothingEvaluated { reason: error.to_string() })?;
-    if let Some(folder) = &arguments.figures {
-        write_figures(folder, &curve, &scans, &name_of(&opened, scans.len()))?;
-    }
-    let written = file.write_all(curve.to_toml().as_bytes());
+    let written = file.write_all(curve.to_toml().as_bytes()).and_then(|()| file.flush());
     written.map_err(|source| ArchiveError::Write { path: path.to_owned(), source })?;
+    let name = name_of(&opened, scans.len());
+    let figures =
+        arguments.figures.as_ref().map(|it| write_figures(it, &curve, &scans, &name)).transpose()?;
     file.finish()?;
+    figures.map_or(Ok(()), WholeSet::finish)?;
     print_result_in("Density curve", path, summary(&curve))
 }
 
@@ -128,25 +130,22 @@ fn name_of(opened: &[OpenedDataset], n_scans: usize) -> String {
     format!("measured, {}, {n_scans} scans", names.join(" + "))
 }
 
+/// The figures, which have yet to take their names.
 fn write_figures(
     folder: &Path,
     curve: &DensityCurve,
     scans: &[RingCounts],
     name: &str,
-) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder)
-        .map_err(|source| ArchiveError::Write { path: folder.to_owned(), source })?;
+) -> Result<WholeSet, Failure> {
+    let set = WholeSet::within(folder)?;
     let names = Sides { left: name, right: "fitted, exponential of a polynomial of the sixth degree" };
-    let mut rows = CsvRowWriter::new(WholeFile::create(&folder.join(DENSITY_CSV))?)?;
+    let mut rows = Vec::new();
     for pair in density_curves(curve, scans) {
-        for row in CurveRow::of_curves(&pair, names) {
-            rows.write(&row)?;
-        }
-        let plot = folder.join(format!("{}.svg", pair.statistic));
-        write_whole(&plot, curve_plot(&pair, names).as_bytes())?;
+        rows.extend(CurveRow::of_curves(&pair, names));
+        set.write(&format!("{}.svg", pair.statistic), curve_plot(&pair, names).as_bytes())?;
     }
-    rows.finish()?;
-    Ok(())
+    set.write(DENSITY_CSV, &to_csv_bytes(&rows)?)?;
+    Ok(set)
 }
 
 /// The curve at a few ranges.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use reports::files::whole_file::write_whole;
+use reports::files::whole_set::WholeSet;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
@@ -89,16 +89,15 @@ pub fn tolerances(
     }
 }
 
+/// All of it, or nothing.
 fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> Result<(), Failure> {
-    std::fs::create_dir_all(directory).map_err(|error| {
-        Failure::usage(format!("cannot make the directory {}", directory.display()), error)
-    })?;
+    let files = WholeSet::within(directory)?;
     for format in VERDICT_FORMATS {
-        write_whole(&directory.join(format.file_name("gate")), format.text(verdict).as_bytes())?;
+        files.write(&format.file_name("gate"), format.text(verdict).as_bytes())?;
     }
     // These are of numbers that a run has beside its rows.
     for format in SERVICE_FORMATS.iter().filter(|_| run.manifest.partial.is_none()) {
-        write_whole(&directory.join(format.file_name("gate")), format.text(&run.report).as_bytes())?;
+        files.write(&format.file_name("gate"), format.text(&run.report).as_bytes())?;
     }
-    Ok(())
+    Ok(files.finish()?)
 }

@@ -1,6 +1,5 @@
 //! `scanbench init`.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
@@ -8,7 +7,7 @@ use clap::Args;
 use evaluation::run::side_by_side::RunError;
 use reports::files::archive::ArchiveError;
 use reports::files::new_folders::NewFolders;
-use reports::files::whole_file::WholeFile;
+use reports::files::whole_set::WholeSet;
 use scans::conversion::convert::{Output, convert};
 use scans::conversion::mcap_writer::ChunkCompression;
 use scans::conversion::output_format::OutputFormat;
@@ -60,22 +59,17 @@ const SENSOR: &str = "hdl-32e";
 pub fn init(arguments: &InitArgs) -> Result<(), Failure> {
     let folder = &arguments.folder;
     refuse_occupied(folder)?;
-    // Whatever fails from here on: files go first, then the folders that they were in.
-    let _folder = new_folder(folder)?;
-    let mut inner_folders = Vec::new();
-    // All of it is on the disk before anything takes its name, and what takes longest is the first to do so.
-    let mut files = Vec::new();
-    for (name, content) in TEMPLATE {
-        let path = folder.join(name);
-        inner_folders.extend(path.parent().map(new_folder).transpose()?);
-        let mut file = WholeFile::create(&path)?;
-        file.write_all(content.as_bytes()).map_err(|source| ArchiveError::Write { path, source })?;
-        files.push(file);
-    }
+    // All files are on the disk before anything takes its name, and what takes longest is the first to do so.
+    let files = WholeSet::within(folder)?;
+    TEMPLATE.iter().try_for_each(|(name, content)| files.write(name, content.as_bytes()))?;
     let data = folder.join(DATA);
-    inner_folders.extend(data.parent().map(new_folder).transpose()?);
+    let _folders = data.parent().map(new_folder).transpose()?;
     let n_scans = write_street(&data)?;
-    files.into_iter().try_for_each(WholeFile::finish)?;
+    if let Err(error) = files.finish() {
+        // Nothing without the files that it is for.
+        let _ = std::fs::remove_dir_all(&data);
+        return Err(error.into());
+    }
     print_result(next_steps(folder, n_scans))
 }
 

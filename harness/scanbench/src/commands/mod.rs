@@ -71,6 +71,7 @@ use clap::{ArgAction, CommandFactory as _, Parser, Subcommand};
 use evaluation::training::model_kind::ModelKind;
 use jiff::Timestamp;
 use reports::files::archive::ArchiveError;
+use reports::files::whole_set::WholeSet;
 use reports::vocabulary::study::Study;
 
 use crate::cli::help_text::{GENERAL, with_details};
@@ -310,9 +311,10 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
 }
 
 fn manual(folder: &Path) -> Result<(), Failure> {
-    let written =
-        std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
-    written.map_err(|source| ArchiveError::Write { path: folder.to_path_buf(), source }.into())
+    let pages = WholeSet::within(folder)?;
+    clap_mangen::generate_to(Cli::command(), pages.staged())
+        .map_err(|source| ArchiveError::Write { path: folder.to_path_buf(), source })?;
+    Ok(pages.finish()?)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use evaluation::run::compared_detector::ComparedDetector;
+use reports::run_folder::detector_changes::first_digits;
 use reports::run_folder::manifest::DetectorEntry;
 use scans::dataset::checksum::sha256;
 use scans::dataset::folder_name::folder_name;
@@ -21,6 +22,8 @@ pub struct OpenedResults {
     results: RefCell<BTreeMap<(&'static str, String), ForeignResults>>,
     // By detector, a line for each data set.
     checksums: BTreeMap<&'static str, String>,
+    // By detector, by data set and name.
+    files: BTreeMap<&'static str, BTreeMap<String, String>>,
 }
 
 impl OpenedResults {
@@ -33,6 +36,7 @@ impl OpenedResults {
         damage: DamagePolicy,
     ) -> Result<Self, Failure> {
         let (mut opened, mut checksums) = (BTreeMap::new(), BTreeMap::<_, String>::new());
+        let mut files = BTreeMap::<_, BTreeMap<_, _>>::new();
         for (compared_detector, path) in compared_detectors.iter().filter_map(|it| Some((it, it.results()?)))
         {
             for it in datasets {
@@ -58,16 +62,21 @@ impl OpenedResults {
                     "{id} {}",
                     results.checksum()
                 );
+                let of_dataset = results.files().iter();
+                files.entry(compared_detector.name).or_default().extend(
+                    of_dataset.map(|(name, checksum)| (format!("{id}/{name}"), first_digits(checksum))),
+                );
                 opened.insert((compared_detector.name, id.clone()), results);
             }
         }
-        Ok(Self { results: RefCell::new(opened), checksums })
+        Ok(Self { results: RefCell::new(opened), checksums, files })
     }
 
-    /// `entry` with the checksum of the results of its detector, if it left some.
-    pub fn with_checksum(&self, mut entry: DetectorEntry) -> DetectorEntry {
+    /// `entry` with the checksums of the results of its detector, if it left some.
+    pub fn with_checksums(&self, mut entry: DetectorEntry) -> DetectorEntry {
         if let Some(foreign) = &mut entry.foreign {
             foreign.results_checksum = self.checksums.get(entry.name.as_str()).map(sha256);
+            foreign.result_files = self.files.get(entry.name.as_str()).cloned().unwrap_or_default();
         }
         entry
     }

@@ -7,7 +7,7 @@ use detector::Rule;
 use evaluation::matching::criterion::Criterion;
 use evaluation::metrics::counts::SCORING_VERSION;
 use evaluation::run::compared_detector::ComparedDetector;
-use evaluation::run::config::RunConfig;
+use evaluation::run::config::{RunConfig, TrainedModel};
 use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork};
 use jiff::Timestamp;
@@ -99,7 +99,18 @@ pub fn detector_entry(compared_detector: &ComparedDetector) -> DetectorEntry {
     let rules = listed.build(config, 0.0).rules();
     let rules = rules.iter().map(ToString::to_string).collect();
     let vehicles = Some(chosen.vehicles_in_words(config));
-    DetectorEntry { name: (*name).to_owned(), parameters, rules, vehicles, foreign: None }
+    let (name, models) = ((*name).to_owned(), models(chosen, config));
+    DetectorEntry { name, parameters, rules, vehicles, models, foreign: None }
+}
+
+/// The models of `chosen` that did not come with the program.
+fn models(chosen: &ChosenDetector, config: &RunConfig) -> BTreeMap<String, String> {
+    let boxes = chosen.has_whole_boxes(config).then_some(TrainedModel::Boxes);
+    let of_model = |model: TrainedModel| {
+        let checksum = config.vehicle_models.as_ref()?.checksum(model)?;
+        Some((model.file_name().to_owned(), checksum.to_owned()))
+    };
+    chosen.vehicle_model(config).into_iter().chain(boxes).filter_map(of_model).collect()
 }
 
 fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> DetectorEntry {
@@ -131,6 +142,7 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
         parameters: foreign.parameters(config).into(),
         rules: has_bounds.then(|| Rule::SizeBounds.to_string()).into_iter().collect(),
         vehicles: Some(chosen.vehicles_in_words(config)),
+        models: models(&chosen, config),
         foreign: Some(entry),
     }
 }

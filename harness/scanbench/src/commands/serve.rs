@@ -2,18 +2,18 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead as _, BufReader, Write as _};
-use std::os::unix::fs::FileExt as _;
+use std::path::Path;
 
-use detector::{DetectedClass, Detector, DetectorOutput, PointCloud};
+use detector::{Detector, DetectorOutput};
 use evaluation::process::message::{
-    Answer, AskedScan, Configuration, Introduction, PROTOCOL, Question, ReportedStage, ResultLine, line_of,
-    parse_line,
+    Answer, AskedScan, Configuration, Introduction, PROTOCOL, Question, line_of, parse_line,
 };
+use evaluation::process::received_cloud::ReceivedCloud;
 use evaluation::process::supervisor::{READ_FD, WRITE_FD};
+use evaluation::process::written_answer::{AnswerWriter, Extent};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ListedDetector;
 use evaluation::run::process_detector::NOTHING;
-use reports::vocabulary::class::AnnotationClass;
 
 use crate::cli::ServeArgs;
 use crate::commands::config::{built_in_detectors, warn_of_missing_curve};
@@ -32,7 +32,15 @@ pub fn serve(arguments: &ServeArgs) -> Result<(), Failure> {
     };
     let mut reading = BufReader::new(end_of(READ_FD, OpenOptions::new().read(true))?);
     let writing = end_of(WRITE_FD, OpenOptions::new().write(true))?;
-    let mut server = Server { served, writing, memory: None, detector: None, cloud: PointCloud::default() };
+    let mut server = Server {
+        served,
+        writing,
+        extent: Extent::default(),
+        cloud: None,
+        detector: None,
+        output: DetectorOutput::default(),
+        answer: AnswerWriter::default(),
+    };
     let mut line = Vec::new();
     loop {
         line.clear();
@@ -43,7 +51,7 @@ pub fn serve(arguments: &ServeArgs) -> Result<(), Failure> {
         let answered = match parse_line::<Question>(&line) {
             Ok((Question::Quit, _)) => return Ok(()),
             Ok((question, _)) => server.answer(question),
-            Err(problem) => server.say(&Answer::Error { text: problem }, &[]),
+            Err(problem) => server.say(&Answer::Error { text: problem }),
         };
         answered.map_err(|error| Failure::internal("cannot answer", error))?;
     }
@@ -61,49 +69,51 @@ fn end_of(name: &str, how: &OpenOptions) -> Result<File, Failure> {
 }
 
 struct Server {
-    /// `None` answers nothing.
+    /// `None` finds nothing.
     served: Option<(ListedDetector, RunConfig)>,
     writing: File,
-    memory: Option<File>,
+    extent: Extent,
+    cloud: Option<ReceivedCloud>,
     detector: Option<Box<dyn Detector>>,
-    cloud: PointCloud,
+    output: DetectorOutput,
+    answer: AnswerWriter,
 }
 
 impl Server {
     fn answer(&mut self, question: Question) -> io::Result<()> {
         match question {
             Question::Hello { protocol, .. } if protocol != PROTOCOL => {
-                self.say(&Answer::Error { text: format!("this is protocol {PROTOCOL}, not {protocol}") }, &[])
+                self.say(&Answer::Error { text: format!("this is protocol {PROTOCOL}, not {protocol}") })
             }
-            Question::Hello { .. } => {
+            Question::Hello { extensions, .. } => {
+                self.extent = Extent::of(&extensions);
                 let name = self.served.as_ref().map_or(NOTHING, |(listed, _)| listed.name).to_owned();
                 let version = Some(env!("CARGO_PKG_VERSION").to_owned());
-                self.say(&Answer::Hello(Introduction { protocol: PROTOCOL, name, version }), &[])
+                self.say(&Answer::Hello(Introduction { protocol: PROTOCOL, name, version }))
             }
             Question::Configure(configuration) => {
                 let answer = match self.configure(&configuration) {
                     Ok(()) => Answer::Configured,
                     Err(text) => Answer::Error { text },
                 };
-                self.say(&answer, &[])
+                self.say(&answer)
             }
             Question::Scan(asked) => match self.detect(&asked) {
-                Ok((line, payload)) => self.say(&Answer::Result(line), &payload),
-                Err(text) => self.say(&Answer::Error { text }, &[]),
+                Ok(()) => Ok(()),
+                Err(Problem::Broken(error)) => Err(error),
+                Err(Problem::Reported(text)) => self.say(&Answer::Error { text }),
             },
             Question::Quit => Ok(()),
         }
     }
 
-    fn say(&mut self, answer: &Answer, payload: &[u8]) -> io::Result<()> {
-        let mut message = line_of(answer, payload.len())?;
-        message.extend_from_slice(payload);
-        self.writing.write_all(&message)
+    fn say(&mut self, answer: &Answer) -> io::Result<()> {
+        self.writing.write_all(&line_of(answer, 0)?)
     }
 
     fn configure(&mut self, configuration: &Configuration) -> Result<(), String> {
-        let memory = File::open(&configuration.shared_memory);
-        self.memory = Some(memory.map_err(|error| format!("{}: {error}", configuration.shared_memory))?);
+        let memory = ReceivedCloud::open(Path::new(&configuration.shared_memory));
+        self.cloud = Some(memory.map_err(|error| format!("{}: {error}", configuration.shared_memory))?);
         let Some((listed, config)) = &self.served else { return Ok(()) };
         if let Some(name) = configuration.parameters.keys().next() {
             return Err(format!(
@@ -123,92 +133,25 @@ impl Server {
         Ok(())
     }
 
-    fn detect(&mut self, asked: &AskedScan) -> Result<(ResultLine, Vec<u8>), String> {
-        let nothing = ResultLine { number: asked.number, ..ResultLine::default() };
-        if self.served.is_none() {
-            return Ok((nothing, Vec::new()));
-        }
-        self.read_cloud(asked)?;
-        let detector = self.detector.as_mut().ok_or("scan before configure")?;
-        let mut output = DetectorOutput::default();
-        detector.detect(&self.cloud, &mut output);
-        let (line, payload) = result_of(&output, self.cloud.len())?;
-        Ok((ResultLine { number: asked.number, ..line }, payload))
-    }
-
-    fn read_cloud(&mut self, asked: &AskedScan) -> Result<(), String> {
-        let memory = self.memory.as_ref().ok_or("scan before configure")?;
-        let mut columns = Vec::new();
-        for name in ["x_m", "y_m", "z_m", "intensity"] {
-            let column = asked.columns.iter().find(|it| it.name == name);
-            let mut bytes = vec![0; 4 * asked.n_points];
-            match column {
-                Some(column) => memory
-                    .read_exact_at(&mut bytes, column.offset as u64)
-                    .map_err(|error| format!("{name} cannot be read: {error}"))?,
-                None if name == "intensity" => {}
-                None => return Err(format!("there is no column {name}")),
-            }
-            columns.push(bytes);
-        }
-        self.cloud.clear();
-        let number = |column: &Vec<u8>, idx: usize| {
-            let bytes = &column[4 * idx..4 * idx + 4];
-            f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
+    /// Reads the points, detects and answers.
+    fn detect(&mut self, asked: &AskedScan) -> Result<(), Problem> {
+        let early = || Problem::Reported("scan before configure".to_owned());
+        let cloud = self.cloud.as_mut().ok_or_else(early)?.read(asked).map_err(Problem::Reported)?;
+        let message = if self.served.is_none() {
+            self.answer.write_nothing(asked.number, cloud.len()).map_err(Problem::Broken)?
+        } else {
+            self.detector.as_mut().ok_or_else(early)?.detect(cloud, &mut self.output);
+            let answer = self.answer.write(asked.number, &self.output, cloud.len(), self.extent);
+            answer.map_err(Problem::Reported)?
         };
-        for idx in 0..asked.n_points {
-            let [x_m, y_m, z_m, intensity] = [0, 1, 2, 3].map(|column| number(&columns[column], idx));
-            self.cloud.push([x_m, y_m, z_m], intensity);
-        }
-        Ok(())
+        self.writing.write_all(message).map_err(Problem::Broken)
     }
 }
 
-/// What was found, as an answer has it. It is an error if detections share points or have none: an answer with clusters
-/// cannot express that.
-fn result_of(output: &DetectorOutput, n_points: usize) -> Result<(ResultLine, Vec<u8>), String> {
-    let detections = &output.detections;
-    let mut ids = vec![0_u32; n_points];
-    let mut boxes = Vec::new();
-    let mut scores = Vec::new();
-    let mut classes = Vec::new();
-    for (detection, id) in detections.iter().zip(1..) {
-        if detection.point_indices.is_empty() {
-            return Err("a detection has no point, which an answer with clusters cannot express".to_owned());
-        }
-        for &point_idx in detection.point_indices {
-            if std::mem::replace(&mut ids[point_idx as usize], id) != 0 {
-                return Err(
-                    "detections share a point, which an answer with clusters cannot express".to_owned()
-                );
-            }
-        }
-        let [x_m, y_m, z_m] = detection.bounding_box.center_m;
-        let [length_m, width_m, height_m] = detection.bounding_box.length_width_height_m;
-        boxes.extend([x_m, y_m, z_m, length_m, width_m, height_m, detection.bounding_box.yaw_rad]);
-        scores.extend(detection.score);
-        // Any class that is no vehicle's.
-        let class = match detection.class {
-            DetectedClass::Vehicle => AnnotationClass::Car,
-            DetectedClass::Object => AnnotationClass::Misc,
-        };
-        classes.push(Some(class.name().to_owned()));
-    }
-    let has_scores = !detections.is_empty() && scores.len() == detections.len();
-    let numbers = boxes.iter().chain(scores.iter().filter(|_| has_scores));
-    let payload = ids.iter().flat_map(|it| it.to_le_bytes()).chain(numbers.flat_map(|it| it.to_le_bytes()));
-    let stages = output
-        .stage_times
-        .iter()
-        .map(|it| ReportedStage { name: it.stage.to_owned(), ms: 1e3 * it.duration.as_secs_f64() });
-    let line = ResultLine {
-        number: 0,
-        clusters: true,
-        n_boxes: detections.len(),
-        scores: has_scores,
-        classes: Some(classes),
-        stages: stages.collect(),
-        products: Vec::new(),
-    };
-    Ok((line, payload.collect()))
+/// Why a scan has no result.
+enum Problem {
+    /// The host is told.
+    Reported(String),
+    /// Nobody can be told.
+    Broken(io::Error),
 }

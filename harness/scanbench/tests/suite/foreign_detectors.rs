@@ -176,16 +176,24 @@ fn what_is_served_finds_the_same() {
     let tables = names.map(|it| format!("[detector.x-{it}]\ncommand = [{served:?}, \"serve\", {it:?}]\n"));
     workplace.write("scanbench.toml", &tables.concat());
     let both: Vec<String> = names.iter().flat_map(|it| [format!("x-{it}"), (*it).to_owned()]).collect();
-    workplace.succeed(&("run street-narrow --simulated-scans 1 --sensor vlp-16 -d", &both.join(","), QUIET));
-    let matches = workplace.read("out/matches.csv");
-    for name in names {
-        let of = |name: &str| -> Vec<String> {
-            let rows = matches.lines().filter(|it| it.contains(&format!(",{name},")));
-            rows.map(|it| it.replacen(name, "", 1)).collect()
-        };
-        assert!(of(name).len() > 20);
-        assert_eq!(of(&format!("x-{name}")), of(name), "{name}");
+    let streets = "run street-main-road --simulated-scans 2 --sensor vlp-16 --protocol nuscenes -d";
+    workplace.succeed(&(streets, &both.join(","), QUIET));
+    for (file, least) in [("out/matches.csv", 20), ("out/protocol_boxes.csv", 4)] {
+        let rows = workplace.read(file);
+        for name in names {
+            let of = |name: &str| -> Vec<String> {
+                let rows = rows.lines().filter(|it| it.contains(&format!(",{name},")));
+                rows.map(|it| it.replacen(name, "", 1)).collect()
+            };
+            assert!(of(name).len() > least, "{name} in {file}");
+            assert_eq!(of(&format!("x-{name}")), of(name), "{name} in {file}");
+        }
     }
+    // What is only ranked is more than what is found.
+    let n_rows = |file: &str, part: &str| workplace.read(file).lines().filter(|it| it.contains(part)).count();
+    let n_ranked = n_rows("out/protocol_boxes.csv", ",x-hierarchical,");
+    let n_found = n_rows("out/matches.csv", ",x-hierarchical,vehicles,");
+    assert!(n_ranked > n_found, "{n_ranked} and {n_found}");
     workplace.check_file("out/manifest.json", &["\"reported_name\": \"kd-tree\""]);
 }
 

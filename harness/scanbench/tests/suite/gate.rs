@@ -46,12 +46,14 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
         run(&workplace, "narrow.mcap", run_name, &format!("-P {parameter}"));
         let ended = workplace.run(&["gate", run_name, "-b", "golden", "-o", "verdict", "--full"]);
         assert!(matches!(ended.exit_code, Some(100 | 101)), "{parameter}: {ended:#?}");
-        let scan = ended.stdout.lines().position(|it| it.starts_with("narrow narrow-90"));
-        let scan = scan.unwrap_or_else(|| panic!("{parameter}: no scan is named\n{}", ended.stdout));
-        let lines: Vec<&str> = ended.stdout.lines().collect();
-        assert!(lines[scan].contains(", hierarchical, "), "{}", lines[scan]);
-        assert!(lines[scan + 1].starts_with("  ") && lines[scan + 1].contains(" m"), "{}", lines[scan + 1]);
-        assert!(!ended.stdout.contains(", pca, objects\n"), "{parameter} is none of pca's\n{}", ended.stdout);
+        let changed: Vec<&str> =
+            ended.stdout.lines().filter(|it| it.starts_with("  narrow narrow-90")).collect();
+        assert!(
+            changed.iter().any(|it| it.contains(" m")),
+            "{parameter}: no object is named\n{}",
+            ended.stdout
+        );
+        assert!(changed.iter().all(|it| it.contains(", hierarchical, ")), "{parameter}: {changed:?}");
         let verdict = workplace.json("verdict/gate.json");
         let drift = verdict["drift"].as_array().expect("a list");
         assert!(drift.iter().all(|it| !it["changes"].as_array().expect("a list").is_empty()), "{drift:?}");

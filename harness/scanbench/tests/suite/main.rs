@@ -39,6 +39,8 @@ mod protocol_labels;
 mod fit_density;
 mod gate;
 mod baseline;
+#[cfg(target_os = "linux")]
+mod full_disk;
 mod blocks;
 mod protocols;
 mod init;

@@ -40,7 +40,12 @@ impl DatasetChecksum {
 
     /// Adds a label or calibration file, or one of results, by its content.
     pub fn add_text(&mut self, name: &str, content: impl AsRef<[u8]>) {
-        self.lines.push(format!("text {name} {}\n", sha256(content)));
+        self.add_hashed(name, &sha256(content));
+    }
+
+    /// Adds such a file by the SHA-256 of its content.
+    pub fn add_hashed(&mut self, name: &str, sha256: &str) {
+        self.lines.push(format!("text {name} {sha256}\n"));
     }
 
     /// Adds the size of the image of the scan or sequence `name`, in pixels.

@@ -16,10 +16,10 @@ use super::result_format::{ResultFormat, format_of};
 use super::result_reader::{OpenResults, ResultsOf};
 use super::semantic_labels::{self, SemanticLabels};
 use crate::annotation::{LabeledScan, ScanId};
-use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::checksum::{DatasetChecksum, sha256};
 use crate::dataset::class_table::{ClassRules, ClassTable};
 use crate::dataset::folder_name::folder_name;
-use crate::dataset::on_disk::{bytes_of, entries_of};
+use crate::dataset::on_disk::{bytes_of, entries_of, n_bytes_of};
 use crate::dataset::{Dataset, DatasetError};
 
 /// So many names are listed in messages.
@@ -64,6 +64,7 @@ pub struct ForeignResults {
     format: ResultFormat,
     dataset: String,
     checksum: String,
+    files: BTreeMap<String, String>,
     opened: OpenResults,
     asked: BTreeMap<ScanId, usize>,
     missing: MissingResults,
@@ -132,11 +133,13 @@ fn open_at(
         ResultFormat::Recording => RecordedDetections::open(&file, topic.as_deref(), &of)?,
     };
     let id_of = |&scan_idx: &usize| (dataset.scan_ids()[scan_idx].clone(), scan_idx);
+    let (checksum, files) = checksums_of(format, &files, dataset, request.scan_indices)?;
     let mut results = ForeignResults {
         path,
         format,
         dataset: dataset.description().id.clone(),
-        checksum: checksum_of(format, &files, dataset, request.scan_indices)?,
+        checksum,
+        files,
         opened,
         asked: request.scan_indices.iter().map(id_of).collect(),
         missing: request.missing,
@@ -158,6 +161,11 @@ impl ForeignResults {
     /// it has the size. Where each scan has files of its own, it has only those of the scans that are asked for.
     pub fn checksum(&self) -> &str {
         &self.checksum
+    }
+
+    /// The files that the checksum is of, by name: SHA-256 of their content; of recordings the size.
+    pub fn files(&self) -> &BTreeMap<String, String> {
+        &self.files
     }
 
     /// Reads what was found in `scan`; `None` if there is nothing for it, and that counts as nothing found.
@@ -245,12 +253,13 @@ impl ForeignResults {
     }
 }
 
-fn checksum_of(
+/// The checksum of all files with results, and that of each by its name.
+fn checksums_of(
     format: ResultFormat,
     files: &ResultFiles,
     dataset: &dyn Dataset,
     scan_indices: &[usize],
-) -> Result<String, DatasetError> {
+) -> Result<(String, BTreeMap<String, String>), DatasetError> {
     let of_scans = |endings: &[&str]| {
         let of_ending = |ending: &&str| {
             let mut by_scan = files.of_scans(dataset, ending);
@@ -263,17 +272,23 @@ fn checksum_of(
         ResultFormat::OwnFiles => of_scans(&own_files::ENDINGS),
         _ => format.files(files, dataset).into_iter().map(Path::to_path_buf).collect(),
     };
-    let mut checksum = DatasetChecksum::default();
+    let (mut checksum, mut of_files) = (DatasetChecksum::default(), BTreeMap::new());
     for path in paths {
         // Empty for a file that was named itself.
         let name = path.strip_prefix(files.root()).unwrap_or(&path).to_string_lossy().into_owned();
-        if format == ResultFormat::Recording {
-            checksum.add_file(&name, &path)?;
+        let of_file = if format == ResultFormat::Recording {
+            let n_bytes = n_bytes_of(&path)?;
+            checksum.add_scan(&name, n_bytes);
+            format!("{n_bytes} bytes")
         } else {
-            checksum.add_text(&name, bytes_of(&path)?);
-        }
+            let of_content = sha256(bytes_of(&path)?);
+            checksum.add_hashed(&name, &of_content);
+            of_content
+        };
+        let own_name = || path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        of_files.insert(if name.is_empty() { own_name() } else { name }, of_file);
     }
-    Ok(checksum.finish())
+    Ok((checksum.finish(), of_files))
 }
 
 /// The first of `names`, and how many more there are.

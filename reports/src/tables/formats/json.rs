@@ -1,10 +1,13 @@
 //! `gate.json`: a verdict for programs.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::files::archive::{SCHEMA, pretty_json};
 use crate::run_folder::run_archive::ClaimName;
 use crate::tables::formats::format::Format;
+use crate::verdicts::change::{Change, ChangeKind};
 use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::paired_difference::PairedDifference;
@@ -36,6 +39,8 @@ pub(crate) struct VerdictRecord<'a> {
     claims: Vec<ClaimRecord<'a>>,
     /// Whether results that changed fail or warn.
     drift_rule: &'static str,
+    /// Changed results of each kind that occurs, each detector and task counted, the worst kind first.
+    n_changes: BTreeMap<ChangeKind, usize>,
     drift: Vec<DriftRecord<'a>>,
 }
 
@@ -97,7 +102,16 @@ struct DriftRecord<'a> {
     scan: u32,
     detector: &'a str,
     task: &'a str,
-    changes: &'a [String],
+    /// The worst first.
+    changes: Vec<ChangeRecord<'a>>,
+}
+
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+struct ChangeRecord<'a> {
+    kind: ChangeKind,
+    what: &'a str,
+    n_objects: usize,
 }
 
 /// JSON with all numbers and all that changed.
@@ -126,6 +140,7 @@ impl Format<Verdict> for Json {
             configuration_changes: &verdict.configuration_changes,
             claims: verdict.claims.iter().map(claim_record).collect(),
             drift_rule: verdict.tolerances.drift.name(),
+            n_changes: verdict.n_changes(),
             drift: verdict
                 .drift
                 .iter()
@@ -135,12 +150,16 @@ impl Format<Verdict> for Json {
                     scan: it.subject.scan,
                     detector: &it.subject.detector,
                     task: &it.subject.task,
-                    changes: &it.changes,
+                    changes: it.changes.iter().map(change_record).collect(),
                 })
                 .collect(),
         };
         pretty_json(&record)
     }
+}
+
+fn change_record(change: &Change) -> ChangeRecord<'_> {
+    ChangeRecord { kind: change.kind, what: &change.text, n_objects: change.n_objects }
 }
 
 fn claim_record(changed: &ChangedClaim) -> ClaimRecord<'_> {

@@ -8,6 +8,7 @@ use crate::tables::verdict::summary::doubt;
 use crate::tables::verdict::wording::{
     difference_text, interval_text, metric_text, tolerance_text, value_text,
 };
+use crate::verdicts::change::{in_words, n_of_kinds};
 use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, about};
@@ -55,9 +56,10 @@ fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
         )];
     }
     let of_scan = verdict.drift.iter().map(|drift| {
-        let message = format!("results of {} objects changed", drift.changes.len());
+        let message = format!("results changed: {}", in_words(&n_of_kinds(drift.changes.iter())));
+        let changes: Vec<&str> = drift.changes.iter().map(|it| it.text.as_str()).collect();
         let status = match verdict.tolerances.drift {
-            DriftRule::Fail => failed("drift", &message, &drift.changes.join("\n")),
+            DriftRule::Fail => failed("drift", &message, &changes.join("\n")),
             DriftRule::Warn => skipped(&format!("allowed: {message}")),
         };
         case(class, &drift.subject.in_words(), status)

@@ -50,7 +50,7 @@ fn write_listing(text: &mut String, listing: &Listing) {
             push_line(text, &format!("  - {}", escaped(item)));
         }
         if items.len() > MOST_LISTED {
-            push_line(text, &format!("  - and {} more", items.len() - MOST_LISTED));
+            push_line(text, &format!("  - and {} more; {}", items.len() - MOST_LISTED, listing.in_full));
         }
     }
     if listing.entries.len() > MOST_LISTED {

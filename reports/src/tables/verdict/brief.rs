@@ -6,6 +6,8 @@ use crate::tables::verdict::summary::{about_judging, headline};
 use crate::tables::verdict::wording::{
     change_in_words, difference_text, interval_text, tolerance_text, value_text,
 };
+use crate::verdicts::change::{ChangeKind, n_of_kinds};
+use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, about};
 use crate::verdicts::paired_difference::PairedDifference;
@@ -75,12 +77,20 @@ impl Brief<'_> {
         [named(("losses", MOST_LOSSES), losses), named(("gains", MOST_GAINS), gains)].concat()
     }
 
-    /// The scan with the most objects whose results changed.
+    /// The scan with the most objects lost or, where none was, with the most objects whose results changed.
     fn most_changed_scan(&self) -> Option<String> {
+        let count = |it: &ScanDrift| {
+            let counts = n_of_kinds(it.changes.iter());
+            let n_lost = counts.get(&ChangeKind::Lost).copied().unwrap_or(0);
+            (n_lost, counts.values().sum::<usize>())
+        };
         // The first of those that have as many.
-        let most = self.verdict.drift.iter().rev().max_by_key(|it| it.changes.len())?;
-        let n_objects = counted(most.changes.len(), "object");
-        Some(format!("Most results changed on {}: {n_objects}.", most.subject.in_words()))
+        let most = self.verdict.drift.iter().rev().max_by_key(|it| count(it))?;
+        let (what, n) = match count(most) {
+            (0, n) => ("Most results changed", counted(n, "object")),
+            (n_lost, _) => ("Most objects lost", n_lost.to_string()),
+        };
+        Some(format!("{what} on {}: {n}.", most.subject.in_words()))
     }
 }
 

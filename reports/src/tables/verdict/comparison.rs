@@ -1,5 +1,7 @@
 //! Two runs over the same scans side by side, or two detectors of one run, without a verdict.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
@@ -15,8 +17,9 @@ use crate::tables::verdict::wording::{
     metric_text, value_text,
 };
 use crate::uncertainty::sample::Question;
+use crate::verdicts::change::{ChangeKind, in_words, n_of_kinds};
 use crate::verdicts::comparability::{
-    NotComparable, check_comparable, configuration_changes, detectors_only_in, detectors_with_other_results,
+    NotComparable, check_comparable, configuration_changes, detectors_only_in,
 };
 use crate::verdicts::drift::drift;
 use crate::verdicts::gated_metrics::{about, judged};
@@ -40,15 +43,13 @@ pub struct Comparison {
     pub differences: Vec<NamedDifference>,
     /// What is judged one by one, for people.
     pub unit: &'static str,
-    /// Number of scans on which results of a detector changed; `None` where two detectors are compared, of which that is
-    /// expected.
-    pub n_changed_scans: Option<usize>,
+    /// Number of scans on which results of a detector changed, and of changes of each kind; `None` where two detectors are
+    /// compared, of which that is expected.
+    pub drift: Option<(usize, BTreeMap<ChangeKind, usize>)>,
     /// What changed in the configuration of detectors, a text each.
     pub configuration_changes: Vec<String>,
     /// Detectors that only the later run has.
     pub new_detectors: Vec<String>,
-    /// Detectors whose results were read from other files than before.
-    pub other_results: Vec<String>,
 }
 
 /// A difference with what it is of.
@@ -89,14 +90,14 @@ pub fn compare_runs(
     let pairs: Vec<_> = tally.detectors().iter().map(|it| (it.clone(), [it.as_str(); 2])).collect();
     let mut differences = differences([(before, tally), (after, tally_after)], &pairs, slices);
     differences.extend(named(differences_of_results(&before.objects, &after.objects)));
+    let drift = drift(before, after);
     Ok(Comparison {
         title: format!("Two runs over the same {}s, {}", after.manifest.unit(), about_data(after, tally)),
         differences,
         unit: after.manifest.unit(),
-        n_changed_scans: Some(drift(before, after).len()),
+        drift: Some((drift.len(), n_of_kinds(drift.iter().flat_map(|it| &it.changes)))),
         configuration_changes: configuration_changes(before, after),
         new_detectors: detectors_only_in(after, before),
-        other_results: detectors_with_other_results(before, after),
     })
 }
 
@@ -121,10 +122,9 @@ pub fn compare_detectors(
         title: format!("A: {first}, B: {second}, on the same {unit}s of one run, {about_data}"),
         differences,
         unit,
-        n_changed_scans: None,
+        drift: None,
         configuration_changes: Vec::new(),
         new_detectors: Vec::new(),
-        other_results: Vec::new(),
     })
 }
 
@@ -223,13 +223,17 @@ impl Tabular for Comparison {
 impl Comparison {
     /// The names of its sides: two runs come one after the other, two detectors do not.
     fn sides(&self) -> [&'static str; 2] {
-        if self.n_changed_scans.is_some() { ["before", "after"] } else { ["A", "B"] }
+        if self.drift.is_some() { ["before", "after"] } else { ["A", "B"] }
     }
 
     fn sentences(&self) -> Vec<String> {
-        let about_scans = self.n_changed_scans.map(|n| match n {
+        let about_scans = self.drift.as_ref().map(|(n, changes)| match n {
             0 => format!("No result of a {} changed.", self.unit),
-            n => format!("Results changed {n} times (counted per {}, detector and task).", self.unit),
+            n => format!(
+                "Results changed {n} times (counted per {}, detector and task): {}.",
+                self.unit,
+                in_words(changes)
+            ),
         });
         let kind = self.differences.iter().find_map(|it| it.difference.interval).map(|it| it.blocks.kind);
         let about_numbers = match kind {
@@ -245,11 +249,8 @@ impl Comparison {
         let about_new = (!self.new_detectors.is_empty()).then(|| {
             format!("Not compared, because only the later run has it: {}.", self.new_detectors.join(", "))
         });
-        let about_results = (!self.other_results.is_empty())
-            .then(|| format!("The given detections changed: {}.", self.other_results.join(", ")));
         let about_configuration = about_configuration(&self.configuration_changes);
-        let of_sides =
-            about_scans.into_iter().chain(about_configuration).chain(about_new).chain(about_results);
+        let of_sides = about_scans.into_iter().chain(about_configuration).chain(about_new);
         [about_numbers].into_iter().chain(of_sides).collect()
     }
 

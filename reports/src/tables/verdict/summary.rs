@@ -1,5 +1,7 @@
 //! A verdict for people: what it comes to, and what is behind it.
 
+use std::collections::BTreeMap;
+
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
@@ -8,7 +10,9 @@ use crate::tables::verdict::wording::{
     DETECTABLE, about_configuration, about_differences, change_in_words, difference_text, interval_cell,
     least_effect_text, metric_text, tolerance_text, value_text,
 };
+use crate::verdicts::change::{Change, ChangeKind, in_words, n_of_kinds};
 use crate::verdicts::changed_claims::ChangedClaim;
+use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, about};
 use crate::verdicts::tolerances::{DriftRule, Origin};
@@ -53,13 +57,31 @@ fn sheet(verdict: &Verdict, of_metrics: Vec<Part>) -> Sheet {
     let of_speeds = (!verdict.speeds.is_empty()).then(|| speed_grid(verdict));
     let of_speeds = of_speeds.map(|grid| Part { title: None, grid });
     let parts = of_metrics.into_iter().chain(of_speeds).collect();
-    let changes = verdict.drift.iter().map(|it| (it.subject.in_words(), it.changes.clone()));
-    let listing = Listing { entries: changes.collect(), in_full: "gate.json lists all" };
+    let listing = Listing { entries: changes_of_kinds(&verdict.drift), in_full: "gate.json lists all" };
     Sheet {
         lead: first_lines(verdict),
         listing: (!verdict.drift.is_empty()).then_some(listing),
         ..Sheet::of_parts(parts, sentences(verdict))
     }
+}
+
+/// All changes of each kind, below how many there are: the worst kind first, and in each that of the largest object.
+fn changes_of_kinds(drift: &[ScanDrift]) -> Vec<(String, Vec<String>)> {
+    let mut of_kinds: BTreeMap<ChangeKind, Vec<(&ScanDrift, &Change)>> = BTreeMap::new();
+    for of_scan in drift {
+        for it in &of_scan.changes {
+            of_kinds.entry(it.kind).or_default().push((of_scan, it));
+        }
+    }
+    let counts = n_of_kinds(drift.iter().flat_map(|it| &it.changes));
+    let entry = |(kind, mut changes): (ChangeKind, Vec<(&ScanDrift, &Change)>)| {
+        // Stable: as many points as another, and it stays behind it.
+        changes.sort_by_key(|(_, it)| std::cmp::Reverse(it.n_points));
+        let item =
+            |(of_scan, it): (&ScanDrift, &Change)| format!("{}: {}", of_scan.subject.in_words(), it.text);
+        (kind.counted(counts[&kind]), changes.into_iter().map(item).collect())
+    };
+    of_kinds.into_iter().map(entry).collect()
 }
 
 /// What it comes to, and all that could not be judged.
@@ -149,7 +171,7 @@ pub(crate) fn counts(verdict: &Verdict) -> String {
     let about_results = if verdict.drift.is_empty() {
         "No result changed.".to_owned()
     } else {
-        format!("Results changed on {}.", changed_scans(verdict))
+        format!("Results changed on {}: {}.", changed_scans(verdict), in_words(&verdict.n_changes()))
     };
     format!(
         "{n_gated} numbers: {} worse, {} inconclusive, {} missing. {about_results}",

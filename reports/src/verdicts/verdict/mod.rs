@@ -1,14 +1,15 @@
 //! Whether a run is as good as the one that was accepted.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::numbers::blocks::{BlockCount, Interval};
 use crate::numbers::tally::Tally;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
+use crate::verdicts::change::{ChangeKind, n_of_kinds};
 use crate::verdicts::changed_claims::{ChangedClaim, changed_claims};
 use crate::verdicts::comparability::{
-    NotComparable, check_comparable, check_same_results, configuration_changes, detectors_only_in,
+    NotComparable, check_comparable, configuration_changes, detectors_only_in,
 };
 use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::finding::Finding;
@@ -141,6 +142,11 @@ impl Verdict {
         scans.collect::<BTreeSet<_>>().len()
     }
 
+    /// Number of changed results of each kind that occurs, each detector and task counted, the worst kind first.
+    pub fn n_changes(&self) -> BTreeMap<ChangeKind, usize> {
+        n_of_kinds(self.drift.iter().flat_map(|it| &it.changes))
+    }
+
     /// Everything that is gated, times last.
     pub fn numbers(&self) -> impl Iterator<Item = &GatedMetric> {
         self.metrics.iter().chain(&self.speeds)
@@ -207,25 +213,11 @@ pub fn judge(
     run: &RunArchive,
     tolerances: &Tolerances,
 ) -> Result<Verdict, JudgeError> {
-    let comparable = check_comparable(baseline, run).and_then(|()| check_same_results(baseline, run));
+    let comparable = check_comparable(baseline, run);
     if comparable.is_err() {
         RuleProblems::check(tolerances.path(), tolerances.problems.clone())?;
     }
     comparable?;
-    verdict(baseline, run, tolerances)
-}
-
-/// As [`judge`], for a run that is to follow the baseline: results that detectors left elsewhere may be others.
-///
-/// # Errors
-///
-/// As [`judge`].
-pub fn judge_successor(
-    baseline: &RunArchive,
-    run: &RunArchive,
-    tolerances: &Tolerances,
-) -> Result<Verdict, JudgeError> {
-    check_comparable(baseline, run)?;
     verdict(baseline, run, tolerances)
 }
 

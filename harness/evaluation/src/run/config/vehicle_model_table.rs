@@ -104,6 +104,19 @@ impl TrainedModel {
         }
     }
 
+    /// The name of its file, which training writes.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::Groupings => GROUPINGS_FILE,
+            Self::Components => COMPONENTS_FILE,
+            Self::NestedComponents => NESTED_FILE,
+            Self::Clusters => CLUSTERS_FILE,
+            Self::Paper => PAPER_FILE,
+            Self::Pca => PCA_FILE,
+            Self::Boxes => BOXES_FILE,
+        }
+    }
+
     /// What it is, for people.
     pub fn in_words(self) -> &'static str {
         match self {
@@ -114,6 +127,9 @@ impl TrainedModel {
         }
     }
 }
+
+/// What stands for the checksum of a model that comes with the program.
+const SHIPPED: &str = "shipped";
 
 /// The trained models. Those that come with the program are read when a detector first asks for one.
 #[derive(Debug, Clone, PartialEq)]
@@ -208,6 +224,13 @@ impl VehicleModels {
         }
     }
 
+    /// The SHA-256 of `model`; `None` of the one that comes with the program.
+    pub fn checksum(&self, model: TrainedModel) -> Option<&str> {
+        let mut identities = TrainedModel::ALL.into_iter().zip(self.identity());
+        let identity = identities.find(|(of, _)| *of == model)?.1;
+        (!identity.starts_with(SHIPPED)).then_some(identity)
+    }
+
     /// What distinguishes these models from others of the same program: a checksum for each, in the order of
     /// [`TrainedModel::ALL`].
     pub fn identity(&self) -> [&str; 7] {
@@ -234,7 +257,7 @@ impl<M: Clone> ModelSource<M> {
 
     fn identity(&self) -> &str {
         match self {
-            Self::Shipped => "shipped",
+            Self::Shipped => SHIPPED,
             Self::Trained { checksum, .. } => checksum,
         }
     }

@@ -75,7 +75,7 @@ impl OpenedRun {
             detectors: self
                 .compared_detectors
                 .iter()
-                .map(|it| self.results.with_checksum(detector_entry(it)))
+                .map(|it| self.results.with_checksums(detector_entry(it)))
                 .collect(),
             datasets: &self.datasets,
             protocols: &arguments.protocol.protocols,

@@ -1,11 +1,8 @@
 //! The folder with the files of a submission.
 
-use std::io::Write as _;
 use std::path::Path;
 
-use reports::files::archive::ArchiveError;
-use reports::files::new_folders::NewFolders;
-use reports::files::whole_file::WholeFile;
+use reports::files::whole_set::WholeSet;
 
 use crate::commands::empty_folder::refuse_occupied;
 use crate::commands::failure::{Failure, Usage};
@@ -52,16 +49,9 @@ pub fn shard_pattern(n_shards: u32) -> String {
 /// Writes `files` into `folder`, all of them or none.
 pub fn write_job_folder(folder: &Path, files: &[(&str, String)]) -> Result<(), Failure> {
     refuse_occupied(folder)?;
-    let failed = |source| ArchiveError::Write { path: folder.to_path_buf(), source };
-    let _folders = NewFolders::create(folder).map_err(failed)?;
-    let mut written = Vec::new();
-    for (name, content) in files {
-        let path = folder.join(name);
-        let mut file = WholeFile::create(&path)?;
-        file.write_all(content.as_bytes()).map_err(|source| ArchiveError::Write { path, source })?;
-        written.push(file);
-    }
-    Ok(written.into_iter().try_for_each(WholeFile::finish)?)
+    let set = WholeSet::within(folder)?;
+    files.iter().try_for_each(|(name, content)| set.write(name, content.as_bytes()))?;
+    Ok(set.finish()?)
 }
 
 #[cfg(test)]

@@ -56,19 +56,26 @@ fn scans_of_which_points_or_labels_changed_are_not_gated() {
     assert!(error.starts_with(expected) && error.ends_with("their checksums differ"), "{error}");
 }
 
+/// They are what is judged, as the parameters of a detector are.
 #[test]
-fn results_of_other_files_are_not_gated() {
+fn results_of_other_files_are_gated_and_the_files_counted() {
     let with = |checksum: &str| {
         let [results, results_checksum] = ["found", checksum].map(|it| Some(it.to_owned()));
-        with_foreign(ForeignEntry { results, results_checksum, ..ForeignEntry::default() })
+        let files = [("road/1.txt", "a"), ("road/2.txt", checksum)];
+        let result_files = files.map(|(name, sum)| (name.to_owned(), sum.to_owned())).into();
+        with_foreign(ForeignEntry { results, results_checksum, result_files, ..ForeignEntry::default() })
     };
-    assert!(judge(&with("a"), &with("a"), &tolerances()).is_ok());
+    let same = judge(&with("a"), &with("a"), &tolerances()).unwrap();
+    assert_eq!((same.conclusion(), same.configuration_changes.len()), (Conclusion::Same, 0));
     assert!(against_usual(&with("a")).is_ok());
-    assert_eq!(
-        judge(&with("a"), &with("b"), &tolerances()).unwrap_err().to_string(),
-        "the runs cannot be compared: the results of pca changed: their checksums differ"
-    );
-    // What lies between the two is no secret.
+    let said = "Configuration changed: pca: results: 1 of 2 files changed.";
+    let verdict = judge(&with("a"), &with("b"), &tolerances()).unwrap();
+    check_holds(&printed(&verdict), said);
+    check_holds(&Json.text(&verdict), "\"pca: results: 1 of 2 files changed\"");
+    // Other results that are worse fail as those of any detector do.
+    let mut worse = SampleScans { tp_of: &|step| seven_or_five(step) - 1, ..USUAL }.archive();
+    worse.manifest = with("b").manifest;
+    assert_eq!(judge(&with("a"), &worse, &tolerances()).unwrap().conclusion(), Conclusion::Regression);
     let comparison = compare_runs(&with("a"), &with("b"), ComparedSlices::All).unwrap();
-    check_holds(&printed(&comparison), "The given detections changed: pca.");
+    check_holds(&printed(&comparison), said);
 }

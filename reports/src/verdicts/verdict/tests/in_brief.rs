@@ -16,7 +16,8 @@ fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
     insta::assert_snapshot!(brief(&verdict), @r"
     FAILED: worse
     Judged: runs/after against runs/before, kd-tree, pca on 30 scans of main_road.
-    18 numbers: 4 worse, 0 inconclusive, 0 missing. Results changed on 30 scans.
+    18 numbers: 4 worse, 0 inconclusive, 0 missing. Results changed on 30 scans: 30
+      objects that count otherwise.
     4 numbers changed; of these up to 0.1 are called worse by chance, on average.
     Tolerances: built in, because the baseline has no tolerances.toml. rates: 1.00
       points; entropies: 0.02 nats or 10 %; recall of slices: 2.00 points; time: 50

@@ -41,7 +41,7 @@ fn a_verdict_names_what_is_worse_and_what_changed() {
         &[
             "FAILED: worse",
             "graphs trained on parts on 80 partial clouds of street",
-            "1 worse, 0 inconclusive, 0 missing. Results changed on 20 partial clouds.",
+            "1 worse, 0 inconclusive, 0 missing. Results changed on 20 partial clouds: 20 objects lost.",
             "mean_recall of step 1, graphs trained on parts, partial on street from below: 100.0 → 75.0 %",
             "mean_recall: 2.00 points",
             "pole-30 at step 1, street from below, graphs trained on parts",

@@ -1,0 +1,194 @@
+//! The answer of a detector of ours, as the protocol has it: the other side of [`Found`](super::answer::Found).
+
+use std::io;
+
+use detector::{DetectedClass, Detection, Detections, DetectorOutput, OrientedBox};
+use reports::vocabulary::class::AnnotationClass;
+
+use super::message::{Answer, RANKED, ReportedStage, ResultLine, line_of};
+
+/// What stands for no score of a box.
+const NO_SCORE: f32 = f32::NAN;
+
+/// Whether the host takes what the first version of the protocol does not have.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Extent {
+    /// Detections.
+    #[default]
+    First,
+    /// Also the scores of their boxes, and boxes that are only ranked.
+    Ranked,
+}
+
+impl Extent {
+    /// Of a host that names `extensions`.
+    pub fn of(extensions: &[String]) -> Self {
+        if extensions.iter().any(|it| it == RANKED) { Self::Ranked } else { Self::First }
+    }
+}
+
+/// Answers in one reusable buffer.
+#[derive(Debug, Default)]
+pub struct AnswerWriter {
+    message: Vec<u8>,
+}
+
+impl AnswerWriter {
+    /// The answer to scan `number` of `n_points`, the line and its payload.
+    ///
+    /// # Errors
+    ///
+    /// Why no answer can have `output`: detections share points or have none.
+    pub fn write(
+        &mut self,
+        number: u64,
+        output: &DetectorOutput,
+        n_points: usize,
+        extent: Extent,
+    ) -> Result<&[u8], String> {
+        let detections = &output.detections;
+        let scores: Vec<f32> = detections.iter().filter_map(|it| it.score).collect();
+        let is_ranked = extent == Extent::Ranked;
+        let box_scores = detections.iter().any(|it| it.box_details.score.is_some());
+        let line = ResultLine {
+            number,
+            clusters: true,
+            n_boxes: detections.len(),
+            scores: !scores.is_empty() && scores.len() == detections.len(),
+            box_scores: is_ranked && box_scores,
+            ranked: if is_ranked { output.unlikely_vehicles.len() } else { 0 },
+            classes: Some(detections.iter().map(|it| Some(class_of(&it).name().to_owned())).collect()),
+            stages: stages_of(output),
+            products: Vec::new(),
+        };
+        let mut rest: Vec<f32> = detections.iter().flat_map(|it| numbers_of(&it.bounding_box)).collect();
+        rest.extend(scores.iter().filter(|_| line.scores));
+        if line.box_scores {
+            rest.extend(detections.iter().map(|it| it.box_details.score.unwrap_or(NO_SCORE)));
+        }
+        if line.ranked > 0 {
+            rest.extend(output.unlikely_vehicles.iter().flat_map(|it| numbers_of(&it.bounding_box)));
+            rest.extend(output.unlikely_vehicles.iter().map(|it| it.box_score().unwrap_or(0.0)));
+        }
+        self.begin(line, 4 * n_points + 4 * rest.len()).map_err(|error| error.to_string())?;
+        self.add_ids(detections, n_points)?;
+        self.message.extend(rest.iter().flat_map(|it| it.to_le_bytes()));
+        Ok(&self.message)
+    }
+
+    /// The answer to scan `number` of `n_points` that nothing was found: a cluster for every point, which is none.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written as JSON.
+    pub fn write_nothing(&mut self, number: u64, n_points: usize) -> io::Result<&[u8]> {
+        let line = ResultLine { number, clusters: true, ..ResultLine::default() };
+        self.begin(line, 4 * n_points)?;
+        self.message.resize(self.message.len() + 4 * n_points, 0);
+        Ok(&self.message)
+    }
+
+    fn begin(&mut self, line: ResultLine, n_payload_bytes: usize) -> io::Result<()> {
+        self.message.clear();
+        self.message.extend_from_slice(&line_of(&Answer::Result(line), n_payload_bytes)?);
+        Ok(())
+    }
+
+    /// For every point the number of its detection, from 1.
+    fn add_ids(&mut self, detections: &Detections, n_points: usize) -> Result<(), String> {
+        let begin = self.message.len();
+        self.message.resize(begin + 4 * n_points, 0);
+        let ids = self.message[begin..].as_chunks_mut::<4>().0;
+        for (detection, id) in detections.iter().zip(1_u32..) {
+            if detection.point_indices.is_empty() {
+                return Err(
+                    "a detection has no point, which an answer with clusters cannot express".to_owned()
+                );
+            }
+            for &point_idx in detection.point_indices {
+                if std::mem::replace(&mut ids[point_idx as usize], id.to_le_bytes()) != [0; 4] {
+                    let problem = "detections share a point, which an answer with clusters cannot express";
+                    return Err(problem.to_owned());
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Any class that is no vehicle's for what is none.
+fn class_of(detection: &Detection<'_>) -> AnnotationClass {
+    match detection.class {
+        DetectedClass::Vehicle => AnnotationClass::Car,
+        DetectedClass::Object => AnnotationClass::Misc,
+    }
+}
+
+fn numbers_of(bounding_box: &OrientedBox) -> [f32; 7] {
+    let [x_m, y_m, z_m] = bounding_box.center_m;
+    let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
+    [x_m, y_m, z_m, length_m, width_m, height_m, bounding_box.yaw_rad]
+}
+
+fn stages_of(output: &DetectorOutput) -> Vec<ReportedStage> {
+    let stages = output.stage_times.iter();
+    stages
+        .map(|it| ReportedStage { name: it.stage.to_owned(), ms: 1e3 * it.duration.as_secs_f64() })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use detector::BoxDetails;
+
+    use super::*;
+    use crate::process::answer::Found;
+    use crate::process::message::parse_line;
+
+    const BOX: OrientedBox =
+        OrientedBox { center_m: [8.0, 3.0, -1.0], length_width_height_m: [4.2, 1.8, 1.5], yaw_rad: 0.25 };
+
+    fn detection(points: &[u32], score: f32, box_score: Option<f32>) -> Detection<'_> {
+        let box_details = BoxDetails { score: box_score, seen: None };
+        Detection { box_details, ..Detection::new(points, BOX, DetectedClass::Vehicle, Some(score)) }
+    }
+
+    fn read(message: &[u8], n_points: usize) -> Found {
+        let end = message.iter().position(|it| *it == b'\n').unwrap() + 1;
+        let (Answer::Result(line), n_bytes) = parse_line(&message[..end]).unwrap() else {
+            panic!("no result")
+        };
+        assert_eq!((line.number, n_bytes), (7, message.len() - end));
+        Found::check_line(&line, n_bytes, n_points).unwrap();
+        Found::read(&line, &message[end..], n_points).unwrap()
+    }
+
+    #[test]
+    fn an_answer_reads_back_as_what_was_found() {
+        let mut output = DetectorOutput::default();
+        output.detections.push(detection(&[1, 3], 0.5, Some(0.75)));
+        output.detections.push(detection(&[0], -1.5, None));
+        output.unlikely_vehicles.push(detection(&[2], -4.0, Some(-3.5)));
+        let mut writer = AnswerWriter::default();
+        let found = read(writer.write(7, &output, 5, Extent::Ranked).unwrap(), 5);
+        assert_eq!(found.clusters, Some(vec![2, 1, 0, 1, 0]));
+        assert_eq!((found.boxes, found.scores), (vec![BOX; 2], Some(vec![0.5, -1.5])));
+        assert_eq!((found.box_scores, found.ranked), (vec![Some(0.75), None], vec![(BOX, -3.5)]));
+        // A host that does not know more gets no more.
+        let found = read(writer.write(7, &output, 5, Extent::of(&["other".to_owned()])).unwrap(), 5);
+        assert!(found.scores.is_some() && found.box_scores.is_empty() && found.ranked.is_empty());
+        let nothing = read(writer.write_nothing(7, 5).unwrap(), 5);
+        assert_eq!(nothing, Found { clusters: Some(vec![0; 5]), ..Found::default() });
+    }
+
+    #[test]
+    fn what_clusters_cannot_express_is_refused() {
+        for (points, expected) in [(&[][..], "has no point"), (&[1], "share a point")] {
+            let mut output = DetectorOutput::default();
+            output.detections.push(detection(&[1, 3], 0.5, None));
+            output.detections.push(detection(points, 0.5, None));
+            let problem = AnswerWriter::default().write(7, &output, 5, Extent::First).unwrap_err();
+            assert!(problem.contains(expected), "{problem}");
+        }
+    }
+}
