@@ -204,6 +204,9 @@ pub fn open_datasets_past_damage(
             ));
             SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
         });
+        if let Some(note) = dataset.note_of_labels() {
+            print_diagnostic(format_args!("warning: labels of {:?}: {note}", dataset.description().id));
+        }
         let stated = stated(name, &catalogue, &arguments.source, dataset.description())?;
         let (dataset, points_left_out) = CountedDataset::new(dataset);
         opened.push(OpenedDataset {
