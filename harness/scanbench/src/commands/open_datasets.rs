@@ -111,11 +111,18 @@ impl OpenedDataset {
         Ok(seen)
     }
 
-    /// Says how many points without a position the scans had that have been read, if any had.
+    /// Says how many points without a position the scans had that have been read, and how many scans had no others.
     pub fn warn_of_points_left_out(&self) {
         if let Some((n_points, n_scans, first)) = self.points_left_out.sum() {
             print_diagnostic(format_args!(
                 "warning: skipped {n_points} points without a position in {n_scans} scans of {:?}, first in {}",
+                self.dataset.description().id,
+                self.dataset.scan_ids()[first]
+            ));
+        }
+        if let Some((n_scans, first)) = self.points_left_out.empty_scans() {
+            print_diagnostic(format_args!(
+                "warning: {n_scans} scans of {:?} have no points, first {}",
                 self.dataset.description().id,
                 self.dataset.scan_ids()[first]
             ));
