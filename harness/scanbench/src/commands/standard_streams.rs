@@ -8,6 +8,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use crate::commands::failure::Failure;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::{REPORT_HTML, RUN_RRD};
 use reports::tables::formats::terminal::Terminal;
 
@@ -67,11 +68,12 @@ pub fn print_result_in(what: &str, directory: &Path, result: impl Display) -> Re
     }
     let printed = print_result(result);
     print_diagnostic(format_args!("{what}: {}", directory.display()));
-    for (what, file) in [("Page: ", REPORT_HTML), ("Recording: rerun ", RUN_RRD)] {
-        let path = directory.join(file);
-        if path.is_file() {
-            print_diagnostic(format_args!("{what}{}", path.display()));
-        }
+    let [page, recording] = [REPORT_HTML, RUN_RRD].map(|it| directory.join(it));
+    if page.is_file() {
+        print_diagnostic(format_args!("Page: {}", page.display()));
+    }
+    if recording.is_file() {
+        print_diagnostic(format_args!("Recording: rerun {}", shell_word(&recording.display().to_string())));
     }
     printed
 }
