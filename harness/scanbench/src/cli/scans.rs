@@ -59,7 +59,7 @@ pub struct SourceArgs {
     /// Format of data sets given as paths.
     #[arg(long, value_name = "FORMAT", help = format_help(), hide_short_help = true)]
     pub format: Option<String>,
-    /// Topic of the clouds in MCAP recordings [default: the only one]
+    /// Topic of the clouds in MCAP recordings, or address of the sensor in captures of packets [default: the only one]
     #[arg(long, value_name = "TOPIC", hide_short_help = true)]
     pub topic: Option<String>,
     /// Topic of the annotations in MCAP recordings [default: /annotations, or the only one]

@@ -1,35 +1,55 @@
 //! A data set that counts which points its scans lack, whoever reads them.
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use scans::annotation::LabeledScan;
 use scans::dataset::{Dataset, DatasetError, Listing, Nearness};
 
-/// How many points without a position each scan has, of the scans that were read and have any.
+/// How many points without a position each scan has, of the scans that were read and have any; and which have no others.
 #[derive(Debug, Clone, Default)]
-pub struct PointsLeftOut(Arc<Mutex<BTreeMap<usize, usize>>>);
+pub struct PointsLeftOut(Arc<Mutex<CountedScans>>);
+
+/// Scans by their indices in the data set.
+#[derive(Debug, Default)]
+struct CountedScans {
+    n_left_out: BTreeMap<usize, usize>,
+    empty: BTreeSet<usize>,
+}
 
 impl PointsLeftOut {
     /// The number of points, the number of scans, and the first of them, by its index in the data set; `None` if there are
     /// none.
     pub fn sum(&self) -> Option<(usize, usize, usize)> {
-        let by_scan = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let by_scan = &self.counted().n_left_out;
         let (first, _) = by_scan.first_key_value()?;
         Some((by_scan.values().sum(), by_scan.len(), *first))
     }
 
+    /// The number of scans without a point, and the first of them; `None` if there are none.
+    pub fn empty_scans(&self) -> Option<(usize, usize)> {
+        let empty = &self.counted().empty;
+        Some((empty.len(), *empty.first()?))
+    }
+
     /// The number of points in the scans at `scan_indices`.
     pub fn n_points_in(&self, scan_indices: &[usize]) -> usize {
-        let by_scan = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let by_scan = &self.counted().n_left_out;
         scan_indices.iter().filter_map(|it| by_scan.get(it)).sum()
     }
 
-    fn note(&self, scan_idx: usize, n_points: usize) {
-        if n_points > 0 {
-            // A scan may be read several times.
-            self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(scan_idx, n_points);
+    // A scan may be read several times.
+    fn note(&self, scan_idx: usize, scan: &LabeledScan) {
+        if !scan.points_left_out.is_empty() {
+            self.counted().n_left_out.insert(scan_idx, scan.points_left_out.len());
         }
+        if scan.cloud.is_empty() {
+            self.counted().empty.insert(scan_idx);
+        }
+    }
+
+    fn counted(&self) -> MutexGuard<'_, CountedScans> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -65,7 +85,7 @@ impl Dataset for CountedDataset {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let scan = self.dataset.read_scan(scan_idx)?;
-        self.points_left_out.note(scan_idx, scan.points_left_out.len());
+        self.points_left_out.note(scan_idx, &scan);
         Ok(scan)
     }
 

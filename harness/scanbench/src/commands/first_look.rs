@@ -184,7 +184,8 @@ fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
     if read.iter().any(|it| it.as_ref().is_err_and(DatasetError::is_usage_error)) {
         return Vec::new();
     }
-    read.into_iter().filter_map(Result::ok).collect()
+    // One without points says nothing about frame and labels.
+    read.into_iter().filter_map(Result::ok).filter(|it| !it.cloud.is_empty()).collect()
 }
 
 /// The scans that follow those of `scans` in their drives, each with the index of the one that it follows.

@@ -8,6 +8,7 @@ use evaluation::run::side_by_side::RunError;
 use reports::files::archive::ArchiveError;
 use reports::files::new_folders::NewFolders;
 use reports::files::whole_set::WholeSet;
+use reports::run_folder::command_line::shell_word;
 use scans::conversion::convert::{Output, convert};
 use scans::conversion::mcap_writer::ChunkCompression;
 use scans::conversion::output_format::OutputFormat;
@@ -106,10 +107,10 @@ fn write_street(path: &Path) -> Result<usize, Failure> {
 }
 
 fn next_steps(folder: &Path, n_scans: usize) -> String {
-    let folder = folder.display();
+    let (folder, word) = (folder.display(), shell_word(&folder.display().to_string()));
     format!(
         "{folder}: a detector in Python, and {n_scans} simulated scans with labels.\n\n  \
-           cd {folder}\n  \
+           cd {word}\n  \
            pip install CHECKOUT/harness/python          # the package for detectors in Python; CHECKOUT is scanbench's source\n  \
            scanbench run {DATA} -d cells,hierarchical   # a row for yours, and one for ours\n\n\
          {folder}/README.md goes on from there: look at mistakes, sweep parameters, gate changes."

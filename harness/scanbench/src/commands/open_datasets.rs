@@ -111,11 +111,18 @@ impl OpenedDataset {
         Ok(seen)
     }
 
-    /// Says how many points without a position the scans had that have been read, if any had.
+    /// Says how many points without a position the scans had that have been read, and how many scans had no others.
     pub fn warn_of_points_left_out(&self) {
         if let Some((n_points, n_scans, first)) = self.points_left_out.sum() {
             print_diagnostic(format_args!(
                 "warning: skipped {n_points} points without a position in {n_scans} scans of {:?}, first in {}",
+                self.dataset.description().id,
+                self.dataset.scan_ids()[first]
+            ));
+        }
+        if let Some((n_scans, first)) = self.points_left_out.empty_scans() {
+            print_diagnostic(format_args!(
+                "warning: {n_scans} scans of {:?} have no points, first {}",
                 self.dataset.description().id,
                 self.dataset.scan_ids()[first]
             ));
@@ -204,6 +211,9 @@ pub fn open_datasets_past_damage(
             ));
             SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
         });
+        if let Some(note) = dataset.note_of_labels() {
+            print_diagnostic(format_args!("warning: labels of {:?}: {note}", dataset.description().id));
+        }
         let stated = stated(name, &catalogue, &arguments.source, dataset.description())?;
         let (dataset, points_left_out) = CountedDataset::new(dataset);
         opened.push(OpenedDataset {

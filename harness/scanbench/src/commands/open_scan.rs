@@ -78,7 +78,8 @@ pub fn open_scan(
         Vec::new()
     } else {
         let indices = indices_looked_at(dataset.scan_ids().len());
-        indices.filter_map(|it| dataset.read_scan(it).ok()).map(|it| it.cloud).collect()
+        let clouds = indices.filter_map(|it| dataset.read_scan(it).ok()).map(|it| it.cloud);
+        clouds.filter(|it| !it.is_empty()).collect()
     };
     Ok(OpenedScan { name, scan, description: description.clone(), stated, of_data_set })
 }

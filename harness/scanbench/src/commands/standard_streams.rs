@@ -10,6 +10,7 @@ use std::sync::OnceLock;
 use crate::commands::closed_streams::stdout_was_closed;
 use crate::commands::failure::Failure;
 use reports::files::shown_text::{printable_lines, shown_lines};
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::{REPORT_HTML, RUN_RRD};
 use reports::tables::formats::terminal::Terminal;
 
@@ -75,11 +76,12 @@ pub fn print_result_in(what: &str, directory: &Path, result: impl Display) -> Re
     }
     let printed = print_result(result);
     print_diagnostic(format_args!("{what}: {}", directory.display()));
-    for (what, file) in [("Page: ", REPORT_HTML), ("Recording: rerun ", RUN_RRD)] {
-        let path = directory.join(file);
-        if path.is_file() {
-            print_diagnostic(format_args!("{what}{}", path.display()));
-        }
+    let [page, recording] = [REPORT_HTML, RUN_RRD].map(|it| directory.join(it));
+    if page.is_file() {
+        print_diagnostic(format_args!("Page: {}", page.display()));
+    }
+    if recording.is_file() {
+        print_diagnostic(format_args!("Recording: rerun {}", shell_word(&recording.display().to_string())));
     }
     printed
 }

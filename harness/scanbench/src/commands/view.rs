@@ -1,5 +1,6 @@
 //! `scanbench view`.
 
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::vocabulary::reason::MistakeKind;
 use reports::worst::mistakes::{MistakeChoice, worst, worst_to_terminal};
@@ -14,9 +15,9 @@ use crate::commands::worst_scans::record;
 pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     let path = &arguments.run;
     if path.is_dir() && !path.join(MANIFEST_JSON).exists() {
-        let path = path.display();
+        let (path, word) = (path.display(), shell_word(&path.display().to_string()));
         return Err(Usage(format!(
-            "{path} is not the directory of a run; to see scans and labels, record them: `scanbench run {path} --scans 0`"
+            "{path} is not the directory of a run; to see scans and labels, record them: `scanbench run {word} --scans 0`"
         ))
         .into());
     }

@@ -164,17 +164,18 @@ fn a_page_is_made_again_of_the_directory_alone() {
     workplace.succeed("run street -o out");
     let first = workplace.read("out/report.html");
     assert!(first.contains("<svg class=\"plot\"") && first.len() < 2_000_000, "{first}");
-    let moved = workplace.path("moved");
+    let moved = workplace.path("moved here");
     std::fs::rename(workplace.path("out"), &moved).expect("it moves");
     std::fs::remove_dir_all(workplace.path("street")).expect("the data go");
     std::fs::remove_file(moved.join("report.html")).expect("the page goes");
-    let ended = workplace.succeed("report moved");
-    let paths = "Run directory: moved\nPage: moved/report.html\nRecording: rerun moved/run.rrd\n";
+    let ended = workplace.succeed(&["report", "moved here"]);
+    let paths =
+        "Run directory: moved here\nPage: moved here/report.html\nRecording: rerun 'moved here/run.rrd'\n";
     assert_eq!(ended.stderr, paths);
     assert!(ended.stdout.starts_with("Task objects on street"), "{ended:#?}");
-    assert_eq!(workplace.read("moved/report.html"), first);
+    assert_eq!(workplace.read("moved here/report.html"), first);
     std::fs::remove_file(moved.join("scans.csv")).expect("a file goes");
-    workplace.refuse("report moved", 3, &["scans.csv"]);
+    workplace.refuse(&["report", "moved here"], 3, &["scans.csv"]);
     assert_eq!(workplace.run("report nowhere").exit_code, Some(2));
 }
 

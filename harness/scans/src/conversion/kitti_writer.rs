@@ -80,7 +80,7 @@ impl ScanWriter for KittiWriter {
             KittiLayout::Tracking => format!("{drive}/{number:06}"),
             KittiLayout::Object => format!("{number:06}"),
         };
-        self.folder.write(&format!("training/velodyne/{name}.bin"), &bin_bytes(&scan.cloud))?;
+        self.folder.write(&format!("training/velodyne/{name}.bin"), &bin_file(scan)?)?;
         if scan.point_regions.iter().any(|it| *it != PointRegion::Labeled) {
             let regions = region_bytes(&scan.point_regions);
             self.folder.write(&format!("training/{}", point_region_file(&name)), &regions)?;
@@ -106,7 +106,21 @@ impl ScanWriter for KittiWriter {
     }
 }
 
-/// The points as a `.bin` file.
+/// The points of `scan` as a `.bin` file.
+///
+/// # Errors
+///
+/// If there are none: such a file is taken for a damaged one.
+pub fn bin_file(scan: &LabeledScan) -> Result<Vec<u8>, ConversionError> {
+    if scan.cloud.is_empty() {
+        let problem =
+            "it has no points; leave it out with --scans, or write a recording, --to mcap".to_owned();
+        return Err(ConversionError::Unwritable { scan: scan.id.to_string(), format: ".bin", problem });
+    }
+    Ok(bin_bytes(&scan.cloud))
+}
+
+/// The points as rows of four numbers.
 pub fn bin_bytes(cloud: &PointCloud) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(cloud.len() * 16);
     for ([x, y, z], &intensity) in cloud.positions_m().zip(cloud.intensity()) {

@@ -11,7 +11,7 @@ use serde_json::json;
 
 use super::ConversionError;
 use super::kitti_label_line::{CALIBRATION, label_line};
-use super::kitti_writer::bin_bytes;
+use super::kitti_writer::{bin_bytes, bin_file};
 use super::whole_folder::WholeFolder;
 use crate::annotation::{Annotation, LabeledScan};
 use crate::dataset::data_sheet::{DATA_SHEET, DataSheet, LabeledRegion};
@@ -79,13 +79,13 @@ impl ProposalWriter {
         let folder = &self.folder;
         match self.format {
             ProposalFormat::Kitti => {
-                folder.write(&format!("velodyne/{name}.bin"), &bin_bytes(&scan.cloud))?;
+                folder.write(&format!("velodyne/{name}.bin"), &bin_file(scan)?)?;
                 folder.write(&format!("label_2/{name}.txt"), kitti_labels(proposals).as_bytes())?;
                 folder.write(&format!("calib/{name}.txt"), CALIBRATION.as_bytes())
             }
             ProposalFormat::Labelcloud => {
                 let filename = format!("{name}.bin");
-                folder.write(&format!("pointclouds/{filename}"), &bin_bytes(&scan.cloud))?;
+                folder.write(&format!("pointclouds/{filename}"), &bin_file(scan)?)?;
                 let objects = proposals.iter().map(|it| LabelCloudObject::new(&listed(it, None), it.score));
                 let file = LabelCloudFile {
                     folder: "pointclouds".to_owned(),

@@ -12,7 +12,7 @@ use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 
 use super::instance_numbers::{InstanceNumbers, MAX_INSTANCES};
-use super::kitti_writer::bin_bytes;
+use super::kitti_writer::bin_file;
 use super::whole_folder::WholeFolder;
 use super::{ConversionError, ScanToWrite, ScanWriter};
 use crate::annotation::{Annotation, LabeledScan, PointRegion};
@@ -61,7 +61,7 @@ impl ScanWriter for SemanticKittiWriter {
         let labels = labels_of(scan, &mut drive.instances)?;
         let labels: Vec<u8> = labels.into_iter().flat_map(u32::to_le_bytes).collect();
         let file = |kind: &str, extension: &str| format!("sequences/{name}/{kind}/{number:06}.{extension}");
-        self.folder.write(&file("velodyne", "bin"), &bin_bytes(&scan.cloud))?;
+        self.folder.write(&file("velodyne", "bin"), &bin_file(scan)?)?;
         self.folder.write(&file("labels", "label"), &labels)
     }
 

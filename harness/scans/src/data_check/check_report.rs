@@ -59,6 +59,7 @@ impl CheckReport {
         report.describe(description);
         report.count_scans(scans);
         report.count_points(&facts);
+        report.name_empty(scans);
         // Where another axis points up, z says nothing of heights.
         if !suspicions.iter().any(|it| matches!(it, FrameSuspicion::Axis(_))) {
             report.check_ground(description, &facts);
@@ -157,8 +158,16 @@ impl CheckReport {
         };
         let densities: Vec<String> = ring_areas_m2().into_iter().enumerate().map(density).collect();
         self.line("points per m²", densities.join(", "));
-        if n_points == 0 {
-            self.warnings.push("no scan has a point".to_owned());
+    }
+
+    fn name_empty(&mut self, scans: &[CheckedScan]) {
+        let is_empty = |it: &ScanFacts| it.n_points == it.n_without_position;
+        let empty = scans.iter().filter(|it| it.facts.as_ref().is_ok_and(is_empty));
+        let ids: Vec<&ScanId> = empty.map(|it| &it.id).collect();
+        if let [first, ..] = ids[..] {
+            let (n, n_scans) = (ids.len(), plural(scans.len(), "scan"));
+            self.warnings
+                .push(format!("{n} of {n_scans} without a point that has a position, first {first}"));
         }
     }
 
@@ -187,7 +196,10 @@ impl CheckReport {
             n_by_class.iter().map(|(class, n)| format!("{n} {}", class.name())).collect();
         let classes = if classes.is_empty() { String::new() } else { format!(": {}", classes.join(", ")) };
         self.line("annotations", format!("{}{classes}", annotations().count()));
-        let near: Vec<_> = annotations().filter(|it| it.box_range_m.is_some_and(|it| it < NEAR_M)).collect();
+        // In a scan without points all boxes are empty.
+        let with_points = facts.iter().filter(|it| it.n_points > it.n_without_position);
+        let near = with_points.flat_map(|it| &it.annotations);
+        let near: Vec<_> = near.filter(|it| it.box_range_m.is_some_and(|it| it < NEAR_M)).collect();
         if near.is_empty() {
             return;
         }
@@ -425,6 +437,22 @@ mod tests {
         let back =
             |it: &mut CheckedScan| it.time_ns = it.time_ns.map(|ns| if ns == 2e8 as u64 { 0 } else { ns });
         check(back, Some("the time of a scan is not later than that of the one before: 1 time"));
+    }
+
+    #[test]
+    fn a_scan_without_points_is_named_and_its_boxes_say_nothing() {
+        let empty = |it: &mut CheckedScan| {
+            let facts = facts(it);
+            (facts.n_points, facts.n_without_position) = (5, 5);
+            facts.annotations.iter_mut().for_each(|it| it.n_points = 0);
+        };
+        let first = |it: &mut CheckedScan| {
+            if it.id.index < 3 {
+                empty(it);
+            }
+        };
+        check(first, Some("3 of 4 scans without a point that has a position, first 0000/000000"));
+        check(empty, Some("4 of 4 scans without a point"));
     }
 
     #[test]

@@ -51,6 +51,10 @@ impl SeenVehicles {
         annotations: &[Annotation],
         moved: impl Fn(&OrientedBox) -> OrientedBox,
     ) {
+        // A cloud without points says nothing about labels.
+        if cloud.is_empty() {
+            return;
+        }
         for annotation in annotations.iter().filter(|it| is_vehicle(it.class)) {
             let Some(bounding_box) = annotation.bounding_box.as_ref().map(&moved) else { continue };
             if bounding_box.range_m() > MAX_RANGE_M {

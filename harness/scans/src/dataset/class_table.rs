@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use reports::run_folder::command_line::shell_word;
 use reports::vocabulary::class::AnnotationClass;
 
 use super::class_name::{class_named, likeliest_class, plain_name};
@@ -233,10 +234,7 @@ fn option_of(name: &str) -> Option<String> {
     if name.chars().any(char::is_control) {
         return None;
     }
-    let is_plain = |it: char| it.is_ascii_alphanumeric() || matches!(it, '-' | '_' | '.');
-    let option = format!("{name}={}", likeliest_class(name).name());
-    let is_word = name.chars().all(is_plain);
-    Some(if is_word { option } else { format!("'{}'", option.replace('\'', "'\\''")) })
+    Some(shell_word(&format!("{name}={}", likeliest_class(name).name())))
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 
 use nalgebra::{Isometry3, Matrix3x4, Matrix4};
 
+use super::time_pairs::Moment;
+
 /// How a scan is named in results made elsewhere beside its id, and how the frame of their boxes lies to the sensor's.
 /// Metres.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,10 +38,8 @@ pub enum ForeignFrame {
     },
     /// A recording: boxes name their frame.
     Recording {
-        /// When the cloud was taken, in nanoseconds.
-        stamp_ns: u64,
-        /// When it was logged, in nanoseconds.
-        log_time_ns: u64,
+        /// When the cloud was taken, as far as it says, and when it was logged.
+        moment: Moment,
         /// The frame of the cloud.
         frame: String,
         /// From coordinates of that frame to those of the sensor.

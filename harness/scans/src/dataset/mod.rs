@@ -29,6 +29,7 @@ pub mod png_size;
 pub mod points_of_boxes;
 pub mod upright_box;
 pub mod pose;
+pub mod time_pairs;
 pub mod checksum;
 pub mod class_name;
 pub mod class_table;
@@ -121,6 +122,12 @@ pub trait Dataset: Send + Sync {
     /// Files may have to be read through for it.
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         self.inner().map_or_else(|| Ok(Vec::new()), Dataset::oddities)
+    }
+
+    /// How labels were found for scans, if not by time stamps where the format has them: one line for the user, who may know
+    /// better.
+    fn note_of_labels(&self) -> Option<String> {
+        self.inner()?.note_of_labels()
     }
 
     /// Where the sensor was at scan `scan_idx`, in a frame that rests, as far as the files say.

@@ -101,9 +101,9 @@ impl Dataset for MountedDataset {
                 timestamp_ns,
                 car_from_sensor: car_from_sensor * file_from_sensor,
             },
-            ForeignFrame::Recording { stamp_ns, log_time_ns, frame, sensor_from_frame } => {
+            ForeignFrame::Recording { moment, frame, sensor_from_frame } => {
                 let sensor_from_frame = sensor_from_file * sensor_from_frame;
-                ForeignFrame::Recording { stamp_ns, log_time_ns, frame, sensor_from_frame }
+                ForeignFrame::Recording { moment, frame, sensor_from_frame }
             }
         })
     }

@@ -16,6 +16,7 @@ use super::root_template::UnsetVariable;
 use super::shown_name::is_printable;
 use super::source::{ChosenParts, DamagePolicy, DatasetSource, StatedBy, TopicChoice};
 use super::{Dataset, DatasetError};
+use reports::run_folder::command_line::shell_word;
 
 /// How a data set is opened other than the catalogue says.
 #[derive(Debug, Clone, Default)]
@@ -102,7 +103,8 @@ fn open_catalogued(
     if let Some(asked_for) = options.format.filter(|it| *it != entry.format) {
         return Err(DatasetError::other_format(id, entry.format.name(), asked_for.name()));
     }
-    let by_us = entry.download.as_ref().map(|_| format!(", or scanbench data get {id}")).unwrap_or_default();
+    let by_us = entry.download.as_ref().map(|_| format!(", or scanbench data get {}", shell_word(id)));
+    let by_us = by_us.unwrap_or_default();
     let download = entry.url.as_ref().map_or_else(String::new, |it| format!(" (download: {it}{by_us})"));
     let root = entry.root.expand(|name| std::env::var_os(name)).map_err(|UnsetVariable(variable)| {
         DatasetError::Unsound(format!("the folder of {id:?} is not known: set {variable} to it{download}"))

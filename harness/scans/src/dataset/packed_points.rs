@@ -130,6 +130,10 @@ impl PackedPoints<'_> {
         };
         let n_bytes = self.data.len();
         match (n_points, n_needed) {
+            // Points that nobody announced.
+            (Some(0), _) if n_bytes > 0 => {
+                Err(format!("announces no points, but has {n_bytes} bytes of them"))
+            }
             (Some(_), Some(n_needed)) if n_needed <= n_bytes => Ok(()),
             _ => {
                 let (rows, columns, step) = (self.n_rows, self.n_columns, self.point_step);
@@ -147,8 +151,13 @@ impl PackedPoints<'_> {
     }
 
     /// The points in metres, with their lasers and times where there are [such](time_field) fields.
+    ///
+    /// A cloud without points needs no fields either: drivers send such placeholders.
     pub fn positioned(&self) -> Result<PositionedPoints, String> {
         self.check()?;
+        if self.n_rows == 0 || self.n_columns == 0 {
+            return Ok(PositionedPoints::default());
+        }
         let position = ["x", "y", "z"].map(|name| self.field(name).ok_or_else(|| self.lacks(name)));
         let [x, y, z] = position;
         let (x, y, z) = (x?, y?, z?);
@@ -329,7 +338,14 @@ mod tests {
     #[test]
     fn what_is_announced_must_be_there() {
         assert_eq!(xyz(2, 1, 24, &[0; 24]).positioned().unwrap().n_in_file(), 2);
-        assert_eq!(xyz(0, 1, 0, &[]).positioned().unwrap().n_in_file(), 0);
+        for placeholder in [xyz(0, 1, 0, &[]), xyz(0, 0, 0, &[]), xyz(5, 0, 60, &[])] {
+            assert_eq!(placeholder.positioned().unwrap().n_in_file(), 0);
+            let without_fields = PackedPoints { fields: Vec::new(), point_step: 0, ..placeholder };
+            assert_eq!(without_fields.positioned().unwrap().n_in_file(), 0);
+        }
+        check_refused(&xyz(0, 1, 0, &[0; 12]), "announces no points, but has 12 bytes of them");
+        let without_fields = PackedPoints { fields: Vec::new(), ..xyz(1, 1, 12, &[0; 12]) };
+        check_refused(&without_fields, "without x");
         // Some drivers leave the row step of a single row at 0.
         assert_eq!(xyz(2, 1, 0, &[0; 24]).positioned().unwrap().n_in_file(), 2);
         check_refused(

@@ -124,6 +124,15 @@ impl PositionedPoints {
         LabeledScan { points_left_out, ..LabeledScan::everywhere(id, cloud, annotations) }
     }
 
+    /// These, of a file that says how many there are: it may say that there are none. `path` is named in errors.
+    ///
+    /// # Errors
+    ///
+    /// If there are points, but none has a position.
+    pub fn none_or_some(self, path: &Path) -> Result<Self, DatasetError> {
+        if self.left_out.is_empty() { Ok(self) } else { self.not_empty(path) }
+    }
+
     /// These, if there are any; `path` is named in errors.
     pub fn not_empty(self, path: &Path) -> Result<Self, DatasetError> {
         if !self.cloud.is_empty() {
@@ -225,6 +234,10 @@ mod tests {
         };
         assert_eq!(message(&[]), "\"a.bin\" has no points");
         assert_eq!(message(&[f64::NAN; 3]), "\"a.bin\" has 3 points, but none with a position");
+        let announced = |x_m: &[f64]| points(x_m).unwrap().none_or_some(Path::new("a.pcd"));
+        assert_eq!(announced(&[]).unwrap().n_in_file(), 0);
+        assert_eq!(announced(&[f64::NAN, 1.0]).unwrap().n_in_file(), 2);
+        assert!(announced(&[f64::NAN; 3]).is_err());
     }
 
     proptest! {

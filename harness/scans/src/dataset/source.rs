@@ -52,7 +52,7 @@ pub struct ChosenParts {
 /// Which topics of a recording were asked for.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct TopicChoice {
-    /// That of the clouds; the only one if this is left out.
+    /// That of the clouds, or the address of the sensor in a capture of packets; the only one if this is left out.
     pub cloud: Option<String>,
     /// That of the annotations; `/annotations` or the only one if this is left out.
     pub annotations: Option<String>,

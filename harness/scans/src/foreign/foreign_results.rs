@@ -243,6 +243,9 @@ impl ForeignResults {
     }
 
     fn count_boxes(&mut self, scan: &LabeledScan, found: &ForeignDetections) {
+        if scan.cloud.is_empty() {
+            return;
+        }
         let near = found.boxes.iter().filter(|it| it.bounding_box.range_m() < NEAR_M);
         let mut points = None;
         for it in near.take(MAX_COUNTED) {

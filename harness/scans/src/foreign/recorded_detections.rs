@@ -1,9 +1,9 @@
 //! Detections in an MCAP recording: `foxglove.SceneUpdate` or `vision_msgs/Detection3DArray`, a message for each scan.
 //!
-//! A message belongs to the scan whose time stamp is nearest, at most 50 ms off, and to no other one. Its boxes may be in
-//! another frame than the cloud, if the recording of the results says how that lies. The score is that of the likeliest
-//! hypothesis, or the metadata `score`, `confidence` or `probability` of a scene entity; an empty class is one that nobody
-//! says.
+//! A message belongs to the scan whose time stamp is nearest (see [`time_pairs`](crate::dataset::time_pairs)). Its boxes
+//! may be in another frame than the cloud, if the recording of the results says how that lies. The score is that of the
+//! likeliest hypothesis, or the metadata `score`, `confidence` or `probability` of a scene entity; an empty class is one
+//! that nobody says.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -25,9 +25,7 @@ use crate::dataset::mcap::recorded_cloud::RecordedCloud;
 use crate::dataset::mcap::recorded_messages::{Channel, RecordedMessages};
 use crate::dataset::mcap::scene_objects::SceneObject;
 use crate::dataset::mcap::topics::{DetectionChannels, MessageKind, choose_detections};
-
-/// Results of another time than the cloud's are taken if they are no farther off than this, in nanoseconds.
-const MAX_OFFSET_NS: u64 = 50_000_000;
+use crate::dataset::time_pairs::{Moment, TimePairs, times_ns};
 
 /// The frame of scans that are not recorded, as `data convert` calls it.
 const SENSOR_FRAME: &str = "lidar";
@@ -48,15 +46,14 @@ pub struct RecordedDetections {
     classes: ClassRules,
     messages: RecordedMessages,
     channel: Channel,
-    by_stamp: BTreeMap<u64, MessagePosition>,
     asked: BTreeMap<usize, ScanFrame>,
-    // By scan, the stamp of its message.
-    stamp_by_scan: BTreeMap<usize, u64>,
+    // By scan, its message.
+    by_scan: BTreeMap<usize, MessagePosition>,
 }
 
 /// When a scan was taken, and the frame of its cloud.
 struct ScanFrame {
-    stamp_ns: u64,
+    moment: Moment,
     frame: String,
     sensor_from_frame: Isometry3<f64>,
 }
@@ -65,13 +62,11 @@ impl ScanFrame {
     /// Of a scan that was taken at `time_ns`; `own_frame` is the frame of what is not recorded. `None` without a time.
     fn of(frame: &ForeignFrame, time_ns: Option<u64>, own_frame: &str) -> Option<Self> {
         match frame {
-            ForeignFrame::Recording { stamp_ns, frame, sensor_from_frame, .. } => Some(Self {
-                stamp_ns: *stamp_ns,
-                frame: frame.clone(),
-                sensor_from_frame: *sensor_from_frame,
-            }),
+            ForeignFrame::Recording { moment, frame, sensor_from_frame } => {
+                Some(Self { moment: *moment, frame: frame.clone(), sensor_from_frame: *sensor_from_frame })
+            }
             _ => Some(Self {
-                stamp_ns: time_ns?,
+                moment: Moment { stamp_ns: Some(time_ns?), log_time_ns: time_ns? },
                 frame: own_frame.to_owned(),
                 sensor_from_frame: Isometry3::identity(),
             }),
@@ -92,15 +87,7 @@ impl RecordedDetections {
         let cloud = cloud.map(|it| Channel::take(&mut index, it));
         let transforms = transforms.into_iter().map(|it| Channel::take(&mut index, it)).collect();
         let messages = RecordedMessages::new(McapFile::new(path, chunks), transforms)?;
-        let mut by_stamp = BTreeMap::new();
-        for &position in &channel.positions {
-            let (stamp_ns, _) = messages.read_objects(&channel, position)?;
-            let stamp_ns = stamp_ns.unwrap_or(position.log_time_ns);
-            if by_stamp.insert(stamp_ns, position).is_some() {
-                let problem = format!("has two messages of results with the time stamp {stamp_ns} ns");
-                return Err(messages.damaged(problem));
-            }
-        }
+        let found = moments_of(&messages, &channel)?;
         // That of the clouds in the recording of the results.
         let own_frame = cloud.as_ref().map(|it| frame_of_clouds(&messages, it)).transpose()?.flatten();
         let own_frame = own_frame.unwrap_or_else(|| SENSOR_FRAME.to_owned());
@@ -112,20 +99,21 @@ impl RecordedDetections {
         let has_times = asked.is_some();
         of.require(path, |_| has_times, "names scans by their times", "has none")?;
         let asked = asked.unwrap_or_default();
-        let stamp_by_scan = nearest_pairs(&asked, &by_stamp);
-        let taken: BTreeSet<u64> = stamp_by_scan.values().copied().collect();
+        let (of_scans, scans) = scans_to_pair(&asked, of);
+        let pairs = TimePairs::of(&scans, &found);
+        let message_of = |(at, scan_idx): (usize, &usize)| Some((*scan_idx, pairs.message_of(at)?));
+        let by_scan: BTreeMap<usize, usize> = of_scans.iter().enumerate().filter_map(message_of).collect();
         // Only known where all scans are asked for.
         let are_all = asked.len() >= of.dataset.scan_ids().len();
-        let left_over = by_stamp.keys().filter(|it| are_all && !taken.contains(it));
-        let left_over = left_over.map(|it| format!("{it} ns")).collect();
+        let taken = pairs.taken();
+        let left_over =
+            times_ns(&found).into_iter().enumerate().filter(|(it, _)| are_all && !taken.contains(it));
+        let left_over = left_over.map(|(_, time_ns)| format!("{time_ns} ns")).collect();
+        let oddities = pairs.note("results").into_iter().collect();
+        let by_scan = by_scan.into_iter().map(|(scan_idx, it)| (scan_idx, channel.positions[it])).collect();
         let (name, classes) = (path.display().to_string(), of.classes.clone());
-        let results = Self { name, classes, messages, channel, by_stamp, asked, stamp_by_scan };
-        Ok(OpenResults::new(results, left_over))
-    }
-
-    /// The results of this scan.
-    fn position_of(&self, scan_idx: usize) -> Option<MessagePosition> {
-        self.by_stamp.get(self.stamp_by_scan.get(&scan_idx)?).copied()
+        let results = Self { name, classes, messages, channel, asked, by_scan };
+        Ok(OpenResults { oddities, ..OpenResults::new(results, left_over) })
     }
 
     fn boxes_of(
@@ -136,7 +124,7 @@ impl RecordedDetections {
     ) -> Result<Vec<ForeignBox>, DatasetError> {
         let is_elsewhere = |it: &SceneObject| !it.frame.is_empty() && it.frame != scan.frame;
         let tree = if objects.iter().any(is_elsewhere) {
-            self.messages.frames_at(scan.stamp_ns, position.log_time_ns)?
+            self.messages.frames_at(Moment { log_time_ns: position.log_time_ns, ..scan.moment })?
         } else {
             FrameTree::default()
         };
@@ -171,38 +159,42 @@ impl RecordedDetections {
 
 impl ResultReader for RecordedDetections {
     fn has(&self, scan_idx: usize) -> bool {
-        self.stamp_by_scan.contains_key(&scan_idx)
+        self.by_scan.contains_key(&scan_idx)
     }
 
     fn read(&mut self, scan_idx: usize, _scan: &LabeledScan) -> FoundInScan {
         let Some(scan) = self.asked.get(&scan_idx) else { return Ok(None) };
-        let Some(position) = self.position_of(scan_idx) else { return Ok(None) };
+        let Some(&position) = self.by_scan.get(&scan_idx) else { return Ok(None) };
         let (_, objects) = self.messages.read_objects(&self.channel, position)?;
         Ok(Some(ForeignDetections::of_boxes(self.boxes_of(&objects, position, scan)?)))
     }
 }
 
-/// Scans with the stamps of their messages: the nearest two first, then the nearest of the others, as long as any are near
-/// enough.
-fn nearest_pairs(
-    asked: &BTreeMap<usize, ScanFrame>,
-    by_stamp: &BTreeMap<u64, MessagePosition>,
-) -> BTreeMap<usize, u64> {
-    let mut pairs = Vec::new();
-    for (&scan_idx, ScanFrame { stamp_ns, .. }) in asked {
-        let (first_ns, last_ns) =
-            (stamp_ns.saturating_sub(MAX_OFFSET_NS), stamp_ns.saturating_add(MAX_OFFSET_NS));
-        let near = by_stamp.range(first_ns..=last_ns);
-        pairs.extend(near.map(|(message_ns, _)| (message_ns.abs_diff(*stamp_ns), scan_idx, *message_ns)));
+/// Times of all results, of which no two may be the same: each belongs to another scan.
+fn moments_of(messages: &RecordedMessages, channel: &Channel) -> Result<Vec<Moment>, DatasetError> {
+    let mut moments = Vec::with_capacity(channel.positions.len());
+    for &position in &channel.positions {
+        let (stamp_ns, _) = messages.read_objects(channel, position)?;
+        moments.push(Moment { stamp_ns, log_time_ns: position.log_time_ns });
     }
-    pairs.sort_unstable();
-    let (mut stamp_by_scan, mut taken) = (BTreeMap::new(), BTreeSet::new());
-    for (_, scan_idx, message_ns) in pairs {
-        if !stamp_by_scan.contains_key(&scan_idx) && taken.insert(message_ns) {
-            stamp_by_scan.insert(scan_idx, message_ns);
-        }
+    let mut seen = BTreeSet::new();
+    let twice = times_ns(&moments).into_iter().find(|it| !seen.insert(*it));
+    let problem = |it| format!("has two messages of results with the time stamp {it} ns");
+    twice.map_or(Ok(moments), |it| Err(messages.damaged(problem(it))))
+}
+
+/// Scans and their times. Where time stamps are known these are all scans of the data set, so that results of one that is
+/// not asked for are not given to its neighbour.
+fn scans_to_pair(asked: &BTreeMap<usize, ScanFrame>, of: &ResultsOf<'_>) -> (Vec<usize>, Vec<Moment>) {
+    if asked.values().all(|it| it.moment.stamp_ns.is_none()) {
+        return asked.iter().map(|(scan_idx, it)| (*scan_idx, it.moment)).unzip();
     }
-    stamp_by_scan
+    let moment = |scan_idx: usize| {
+        let of_asked = asked.get(&scan_idx).map(|it| it.moment);
+        let stamp_ns = of.dataset.scan_time_ns(scan_idx);
+        Some((scan_idx, of_asked.or(Some(Moment { stamp_ns, log_time_ns: stamp_ns? }))?))
+    };
+    (0..of.dataset.scan_ids().len()).filter_map(moment).unzip()
 }
 
 /// The frame of the first cloud.

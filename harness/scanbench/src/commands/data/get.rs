@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use reports::run_folder::command_line::shell_word;
 use scans::dataset::DatasetError;
 use scans::dataset::catalogue::CatalogueEntry;
 use scans::dataset::root_template::UnsetVariable;
@@ -47,9 +48,11 @@ pub fn data_get(arguments: &GetArgs) -> Result<(), Failure> {
 /// The entry of the data set `id`, which is no simulated one.
 fn recorded<'a>(id: &str, catalogue: &'a Catalogue) -> Result<&'a CatalogueEntry, Failure> {
     if catalogue.simulated.contains_key(id) {
-        return Err(
-            Usage(format!("{id:?} is simulated; there is nothing to fetch: scanbench run {id}")).into()
-        );
+        return Err(Usage(format!(
+            "{id:?} is simulated; there is nothing to fetch: scanbench run {}",
+            shell_word(id)
+        ))
+        .into());
     }
     if let Some(members) = catalogue.groups.get(id) {
         return Err(Usage(format!("{id:?} is a group; fetch one of {}", members.join(", "))).into());

@@ -8,6 +8,7 @@ use evaluation::training::box_training::{
     train_boxes as train_trees,
 };
 use jiff::Timestamp;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
@@ -65,8 +66,8 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
         &finished,
         format_args!("{}\n\n{}", drives(&data.parted), text([n_taught, judged.len()], &judgement)),
     );
-    let path = finished.display();
-    print_diagnostic(format_args!("Run it: scanbench run -P vehicle_model.boxes_directory={path}"));
+    let setting = shell_word(&format!("vehicle_model.boxes_directory={}", finished.display()));
+    print_diagnostic(format_args!("Run it: scanbench run -P {setting}"));
     printed
 }
 

@@ -23,6 +23,7 @@ use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::files::regular_file::{MOST_OF_MODEL, read_bytes};
 use reports::rows::training_row::CalibrationRow;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
@@ -63,10 +64,8 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let finished = directory.finish()?;
     let printed =
         print_result_in("Model", &finished, format_args!("{}\n\n{}", drives(&data.parted), trained.text()));
-    let path = finished.display();
-    print_diagnostic(format_args!(
-        "Run it: scanbench run -d hierarchical -P vehicle_model.groupings_directory={path}"
-    ));
+    let setting = shell_word(&format!("vehicle_model.groupings_directory={}", finished.display()));
+    print_diagnostic(format_args!("Run it: scanbench run -d hierarchical -P {setting}"));
     printed
 }
 

@@ -7,6 +7,7 @@ use evaluation::partial::model_training::{ModelTrainingError, PartialRecipe, tra
 use jiff::Timestamp;
 use reports::files::archive::SCHEMA;
 use reports::files::causes::with_causes;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
@@ -78,7 +79,7 @@ fn provenance(arguments: &PartialTrainingArgs, recipe: &PartialRecipe) -> Proven
     let mut command = "scanbench train partial".to_owned();
     if !arguments.objects.is_empty() {
         command.push_str(" --objects ");
-        command.push_str(&recipe.objects.join(","));
+        command.push_str(&shell_word(&recipe.objects.join(",")));
     }
     if let Some(per_class) = arguments.per_class {
         command.push_str(" --per-class ");

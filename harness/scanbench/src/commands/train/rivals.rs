@@ -23,6 +23,7 @@ use evaluation::training::prototypes::is_seen_well;
 use evaluation::training::{CHOICE_SEED, PROTOTYPES};
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
@@ -60,9 +61,9 @@ pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     }
     let finished = directory.finish()?;
     let printed = print_result_in("Models", &finished, text);
-    let path = finished.display();
+    let setting = shell_word(&format!("vehicle_model.rivals_directory={}", finished.display()));
     print_diagnostic(format_args!(
-        "Run them: scanbench run -d kd-tree-trained,kd-tree-tree,kd-tree -P vehicle_model.rivals_directory={path}"
+        "Run them: scanbench run -d kd-tree-trained,kd-tree-tree,kd-tree -P {setting}"
     ));
     printed
 }

@@ -20,6 +20,7 @@ use evaluation::training::model_kind::ModelKind;
 use evaluation::training::selection::select;
 use evaluation::training::{CHOICE_SEED, PROTOTYPES};
 use jiff::Timestamp;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
 
@@ -74,10 +75,9 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
     }
     let finished = directory.finish()?;
     let printed = print_result_in("Model", &finished, printed);
-    let (detector, path) = (kind.detector(), finished.display());
-    print_diagnostic(format_args!(
-        "Run it: scanbench run -d {detector} -P vehicle_model.{detector}_directory={path}"
-    ));
+    let detector = kind.detector();
+    let setting = shell_word(&format!("vehicle_model.{detector}_directory={}", finished.display()));
+    print_diagnostic(format_args!("Run it: scanbench run -d {detector} -P {setting}"));
     printed
 }
 

@@ -9,8 +9,8 @@ use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
 use super::recordings::{
-    CLOUD, Cdr, Logged, POSITIONS_M, SECOND, category, cloud_at, foxglove_messages, organised_cloud, write,
-    write_drive, write_options,
+    CLOUD, Cdr, DETECTIONS, Logged, POSITIONS_M, SECOND, TRANSFORMS, category, cloud_at, detections,
+    foxglove_messages, organised_cloud, transforms, write, write_drive, write_options,
 };
 use super::{check_damaged, open, try_open};
 use crate::program::Workplace;
@@ -189,4 +189,169 @@ fn a_file_that_is_no_recording_is_refused() {
     workplace.write("drive.mcap", "no recording");
     let error = try_open(&workplace.path("drive.mcap")).err().expect("no recording");
     assert!(error.to_string().contains("has no data set in a known format"), "{error}");
+}
+
+const MS: u64 = SECOND / 1000;
+
+/// A delay of each message of a stream, by its number.
+type Delay = fn(u64) -> u64;
+
+/// Clouds and labels that are taken together, `period_ms` apart; the box of each label says in metres which it is.
+fn labelled_clouds(period_ms: u64, [of_clouds, of_labels]: [Delay; 2], is_json: bool) -> Vec<Logged> {
+    let messages = |number: u64| {
+        let stamp_ns = 100 * SECOND + number * period_ms * MS;
+        let [cloud_ns, labels_ns] = [of_clouds, of_labels].map(|delay_ms| stamp_ns + delay_ms(number) * MS);
+        if is_json {
+            let [cloud, scene] = foxglove_messages(stamp_ns, &category("car"));
+            let scene =
+                String::from_utf8(scene.4).unwrap().replace("\"x\":6.0", &format!("\"x\":{number}.0"));
+            return [
+                (cloud.0, cloud.1, cloud.2, cloud_ns, cloud.4),
+                ("/scene", "foxglove.SceneUpdate", "json", labels_ns, scene.into_bytes()),
+            ];
+        }
+        let labels = detections(stamp_ns, "lidar", [number as f64, 0.0, 0.0], 0.0);
+        [
+            ("/top", CLOUD, "cdr", cloud_ns, organised_cloud(stamp_ns, "lidar", false)),
+            ("/labels", DETECTIONS, "cdr", labels_ns, labels),
+        ]
+    };
+    (0..12).flat_map(messages).collect()
+}
+
+#[test]
+fn labels_belong_to_the_cloud_of_their_stamp_whenever_both_were_logged() {
+    let none: Delay = |_| 0;
+    let sweep: Delay = |_| 100;
+    let jitter: Delay = |number| 90 + number * 7919 % 37;
+    let swapped: Delay = |number| if number % 2 == 0 { 260 } else { 20 };
+    let late: Delay = |_| 5_000;
+    for period_ms in [50, 100] {
+        for delays in [
+            [none, none],
+            [sweep, none],
+            [sweep, sweep],
+            [sweep, late],
+            [jitter, none],
+            [none, jitter],
+            [jitter, swapped],
+            [swapped, late],
+        ] {
+            for is_json in [false, true] {
+                let workplace = Workplace::new();
+                let mut messages = labelled_clouds(period_ms, delays, is_json);
+                // In another order than they were logged in.
+                messages.rotate_left(7);
+                let dataset = open(&write(&workplace, WriteOptions::new(), &messages));
+                let mut numbers = std::collections::BTreeSet::new();
+                for scan_idx in 0..12 {
+                    let time_ns = dataset.scan_time_ns(scan_idx).unwrap();
+                    let number = (time_ns - 100 * SECOND) / (period_ms * MS);
+                    let scan = dataset.read_scan(scan_idx).unwrap();
+                    let [label] = &scan.annotations[..] else {
+                        panic!("scan {scan_idx}, {period_ms} ms: {scan:?}")
+                    };
+                    let x_m = label.bounding_box.unwrap().center_m[0] + if is_json { 1.0 } else { 0.0 };
+                    assert_eq!(x_m.round() as u64, number, "scan {scan_idx}, {period_ms} ms");
+                    numbers.insert(number);
+                }
+                assert_eq!((numbers.len(), dataset.oddities().unwrap()), (12, Vec::new()));
+            }
+        }
+    }
+}
+
+#[test]
+fn without_stamps_labels_go_by_log_times_and_verbs_say_so() {
+    let workplace = Workplace::new();
+    let messages: Vec<Logged> = (0..6)
+        .flat_map(|number| {
+            let time_ns = 100 * SECOND + number * 100 * MS;
+            let labels = detections(0, "lidar", [number as f64, 0.0, 0.0], 0.0);
+            [
+                ("/top", CLOUD, "cdr", time_ns + 100 * MS, organised_cloud(time_ns, "lidar", false)),
+                ("/labels", DETECTIONS, "cdr", time_ns + 110 * MS, labels),
+            ]
+        })
+        .collect();
+    let dataset = open(&write(&workplace, WriteOptions::new(), &messages));
+    for scan_idx in 0..6 {
+        let labels = dataset.read_scan(scan_idx).unwrap().annotations;
+        assert_eq!(labels[0].bounding_box.unwrap().center_m[0], scan_idx as f32);
+    }
+    let said = "labels are paired with clouds by when they were logged, since labels have no time stamps";
+    workplace.succeed("data check drive.mcap").check_stdout(&[said]);
+    workplace
+        .run("run drive.mcap -d pca --no-rrd -o run")
+        .check_stderr(&[&format!("warning: labels of \"drive\": {said}")]);
+}
+
+#[test]
+fn poses_are_those_of_the_stamp_of_the_cloud() {
+    let workplace = Workplace::new();
+    let mut messages: Vec<Logged> = Vec::new();
+    // The car drives 10 m a second. Clouds come five seconds late, transforms at once.
+    for number in 0..1200 {
+        let stamp_ns = 100 * SECOND + number * 10 * MS;
+        let pose = transforms(stamp_ns, "map", "lidar", 0.1 * number as f64, 0.0);
+        messages.push(("/tf", TRANSFORMS, "cdr", stamp_ns + MS, pose));
+        if number % 100 == 0 {
+            let labels = detections(stamp_ns, "map", [0.1 * number as f64 + 5.0, 0.0, 0.0], 0.0);
+            messages.push(("/labels", DETECTIONS, "cdr", stamp_ns + 9 * SECOND, labels));
+            let cloud = organised_cloud(stamp_ns, "lidar", false);
+            messages.push(("/top", CLOUD, "cdr", stamp_ns + 5 * SECOND, cloud));
+        }
+    }
+    messages.sort_by_key(|it| it.3);
+    let dataset = open(&write(&workplace, WriteOptions::new(), &messages));
+    for scan_idx in 0..12 {
+        let at = dataset.world_from_sensor(scan_idx).unwrap().unwrap().translation.x;
+        assert!((at - 10.0 * scan_idx as f64).abs() < 1e-6, "scan {scan_idx}: {at}");
+        let labels = dataset.read_scan(scan_idx).unwrap().annotations;
+        let x_m = labels[0].bounding_box.unwrap().center_m[0];
+        assert!((x_m - 5.0).abs() < 1e-4, "scan {scan_idx}: {x_m}");
+    }
+}
+
+/// A cloud of ROS with a width of 0 and without fields, as nodes send where nothing was measured.
+fn placeholder(stamp_ns: u64) -> Vec<u8> {
+    let mut cdr = Cdr::new(false);
+    cdr.header(stamp_ns, "lidar").u32(1).u32(0).u32(0).u8(0).u32(0).u32(0).data(&[]).u8(1);
+    cdr.bytes
+}
+
+#[test]
+fn a_placeholder_is_an_empty_scan_and_its_labels_are_not_suspect() {
+    let workplace = Workplace::new();
+    let mut messages = labelled_clouds(100, [|_| 0, |_| 0], false);
+    for message in messages.iter_mut().filter(|it| it.0 == "/top").take(9) {
+        message.4 = placeholder(message.3);
+    }
+    // Around the points of the others.
+    for message in messages.iter_mut().filter(|it| it.0 == "/labels") {
+        message.4 = detections(message.3, "lidar", [5.0, 1.0, -0.75], 0.0);
+    }
+    let dataset = open(&write(&workplace, WriteOptions::new(), &messages));
+    let n_points: Vec<usize> = (0..12).map(|it| dataset.read_scan(it).unwrap().cloud.len()).collect();
+    assert_eq!(n_points, [[0; 9].as_slice(), &[3; 3]].concat());
+    assert_eq!(dataset.read_scan(0).unwrap().annotations.len(), 1);
+    let checked = workplace.succeed("data check drive.mcap");
+    checked.check_stdout(&["9 of 12 scans without a point that has a position, first drive/000000"]);
+    let run = workplace.run("run drive.mcap -d hierarchical,pca,kd-tree --no-rrd -o run");
+    run.check_stderr(&["warning: 9 scans of \"drive\" have no points, first drive/000000"]);
+    for said in [&checked.stdout, &run.stderr] {
+        assert!(!said.contains("contain no point") && !said.contains("hold no point"), "{said}");
+    }
+    workplace.succeed("detect drive.mcap --scan 0");
+    // They go on as they are, but not to files that cannot say it.
+    workplace.succeed("data convert drive.mcap -o again.mcap");
+    let again = open(&workplace.path("again.mcap"));
+    assert_eq!((again.read_scan(0).unwrap().cloud.len(), again.read_scan(11).unwrap().cloud.len()), (0, 3));
+    let refused = "scan drive/000000 cannot be written as .bin: it has no points";
+    workplace.refuse("data convert drive.mcap --to kitti-tracking -o again", 2, &[refused]);
+    // Foxglove's, without fields and bytes of a point.
+    let empty = r#"{"timestamp": {"sec": 1, "nsec": 0}, "frame_id": "base", "point_stride": 0, "fields": [], "data": ""}"#;
+    let message = ("/points", "foxglove.PointCloud", "json", SECOND, empty.as_bytes().to_vec());
+    let dataset = open(&write(&workplace, WriteOptions::new(), &[message]));
+    assert_eq!(dataset.read_scan(0).unwrap().cloud.len(), 0);
 }

@@ -91,5 +91,48 @@ fn what_is_missing_or_damaged_is_named() {
     check("b.npy", Some(""), &["b.npy", "is not an .npy file"]);
     check("c.pcd", Some(&PCD.replace("POINTS 2", "POINTS 3")), &["c.pcd", "announces 3 points but has 2"]);
     check("d.ply", Some(&PLY[..40]), &["d.ply", "header without end"]);
-    check("d.ply", Some(&PLY.replace("vertex 2", "vertex 0")), &["d.ply", "has no points"]);
+    check(
+        "d.ply",
+        Some(&PLY.replace("vertex 2", "vertex 0")),
+        &["d.ply", "announces no vertices, but has lines"],
+    );
+    check(
+        "c.pcd",
+        Some(&PCD.replace("POINTS 2", "POINTS 0")),
+        &["c.pcd", "announces no points, but has lines"],
+    );
+}
+
+#[test]
+fn a_file_that_says_that_it_has_no_points_is_an_empty_scan() {
+    let workplace = Workplace::new();
+    let none = PCD.replace("WIDTH 2", "WIDTH 0").replace("POINTS 2", "POINTS 0");
+    let header = &none[..none.find("ascii").unwrap()];
+    let npy = "{'descr': '<f4', 'fortran_order': False, 'shape': (0, 4), }";
+    let npy = [b"\x93NUMPY\x01\x00", &(npy.len() as u16).to_le_bytes()[..], npy.as_bytes()].concat();
+    let ply = PLY.replace("vertex 2", "vertex 0");
+    let ply = &ply[..ply.find("5 1").unwrap()];
+    for (name, content) in [
+        ("a.npy", npy),
+        ("b.pcd", format!("{header}ascii\n").into_bytes()),
+        ("c.pcd", format!("{header}binary\n").into_bytes()),
+        ("d.pcd", format!("{header}binary_compressed\n").into_bytes()),
+        ("e.ply", ply.as_bytes().to_vec()),
+        ("f.ply", ply.replace("ascii", "binary_little_endian").into_bytes()),
+        ("g.pcd", PCD.as_bytes().to_vec()),
+    ] {
+        workplace.write(&format!("drive/{name}"), &content);
+        workplace.write(&format!("drive/labels/{}.json", &name[..1]), BOXES);
+    }
+    let dataset = open(&workplace.path("drive"));
+    let n_points: Vec<usize> = (0..7).map(|it| dataset.read_scan(it).unwrap().cloud.len()).collect();
+    assert_eq!(n_points, [0, 0, 0, 0, 0, 0, 2]);
+    let checked = workplace.succeed("data check drive");
+    checked.check_stdout(&["6 of 7 scans without a point that has a position, first drive/000000"]);
+    assert!(!checked.stdout.contains("contain no point"), "{checked:#?}");
+    // What says nothing of itself is half a file.
+    workplace.write("drive/a.bin", "");
+    workplace.write("drive/labels/a.json", BOXES);
+    std::fs::remove_file(workplace.path("drive/a.npy")).unwrap();
+    check_damaged(&workplace.path("drive"), &["a.bin", "has no points"]);
 }

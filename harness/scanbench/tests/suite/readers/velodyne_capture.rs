@@ -1,11 +1,12 @@
 //! Captures of Velodyne's packets, drawn: there are no real ones here.
 
+use proptest::prelude::*;
 use scans::annotation::PointRegion;
-use scans::dataset::source::DamagePolicy;
+use scans::dataset::source::{DamagePolicy, TopicChoice};
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
-use super::made::{calibration_of_64, packets, pcap, pcapng, steps_of, write};
+use super::made::{Captured, Head, calibration_of_64, packets, pcap, pcap_at, pcapng, steps_of, write};
 use super::{check_damaged, open};
 use crate::program::Workplace;
 
@@ -136,4 +137,163 @@ fn damage_is_named_or_skipped() {
     check_damaged(&path, &["a packet of more than 524288 bytes at byte 24"]);
     write(&path, pcap(&[vec![0; 500]]));
     check_damaged(&path, &["has no data packets"]);
+}
+
+/// Measurements with a return in the blocks of a packet whose returns are taken.
+fn n_taken(bytes: &[u8], block: usize, head: &Head) -> usize {
+    let is_dual = head.n_blocks_of_column == if head.last == [0, 0] { 4 } else { 2 };
+    let is_taken = match (is_dual, head.last) {
+        (false, _) => true,
+        (true, [0, 0]) => block % 4 >= 2,
+        (true, _) => block % 2 == 0,
+    };
+    let measurements = bytes[100 * block + 4..100 * (block + 1)].chunks_exact(3);
+    if is_taken { measurements.filter(|it| it[..2] != [0, 0]).count() } else { 0 }
+}
+
+/// The points of each turn that has any.
+fn points_of_turns(packets: &[Captured], head: &Head) -> Vec<usize> {
+    let mut n_by_turn = std::collections::BTreeMap::<u32, usize>::new();
+    for packet in packets {
+        for (block, turn) in packet.turns.iter().enumerate() {
+            *n_by_turn.entry(*turn).or_default() += n_taken(&packet.bytes, block, head);
+        }
+    }
+    n_by_turn.into_values().collect()
+}
+
+fn capture_of(packets: &[Captured]) -> Vec<u8> {
+    pcap_at(&packets.iter().map(|it| (it.time_ns, it.bytes.clone(), 201)).collect::<Vec<_>>())
+}
+
+/// The points of each scan of a capture of these packets.
+fn points_of_scans(packets: &[Captured]) -> Vec<usize> {
+    let workplace = Workplace::new();
+    write(&workplace.path("a.pcap"), capture_of(packets));
+    write(&workplace.path("a.yaml"), calibration_of_64());
+    // Only an HDL-64E needs its lasers named.
+    if packets[0].bytes[1204..] != [0, 0] {
+        std::fs::remove_file(workplace.path("a.yaml")).unwrap();
+    }
+    let dataset = open(&workplace.path("a.pcap"));
+    (0..dataset.scan_ids().len()).map(|it| dataset.read_scan(it).unwrap().cloud.len()).collect()
+}
+
+#[test]
+fn a_turn_of_a_limited_field_of_view_is_one_scan() {
+    for (field, turns_per_s, first) in [([27_000, 9000], 10, 18_000), ([10_000, 25_000], 20, 0)] {
+        let head = Head {
+            field,
+            first,
+            turned: 36_000 * 5 + 15_000,
+            turns_per_s,
+            is_clockwise: true,
+            n_blocks_of_column: 1,
+            last: VLP_16,
+        };
+        let packets = head.packets();
+        let found = points_of_scans(&packets);
+        // The sixth turn is not whole.
+        let expected = points_of_turns(&packets, &head);
+        assert_eq!(expected.len(), 6);
+        assert_eq!(found, expected[..5]);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    /// No point is lost but those of turns that are not whole at both ends, and none is in another turn.
+    #[test]
+    fn scans_are_turns_whatever_is_seen(
+        [from, width] in prop_oneof![
+            Just([0, 0]), prop::array::uniform2(2000_u32..34_000), (0_u32..36_000).prop_map(|it| [it, 18_000]),
+        ],
+        first in 0_u32..36_000,
+        n_turns in 3_u32..6,
+        turns_per_s in prop::sample::select(vec![5_u32, 10, 20]),
+        is_clockwise in any::<bool>(),
+        sensor in prop::sample::select(vec![(1, VLP_16), (2, [0x39, 0x22]), (1, HDL_32E), (2, [0x39, 0x21]), (2, [0, 0]), (4, [0, 0])]),
+        lost in prop::collection::vec((0_usize..2000, 1_usize..8), 0..4),
+    ) {
+        let head = Head {
+            field: [from, (from + width) % 36_000],
+            first,
+            turned: 36_000 * n_turns + 7000,
+            turns_per_s,
+            is_clockwise,
+            n_blocks_of_column: sensor.0,
+            last: sensor.1,
+        };
+        let mut packets = head.packets();
+        for (at, n) in lost {
+            let at = at % packets.len();
+            packets.drain(at..(at + n).min(packets.len()));
+        }
+        prop_assume!(!packets.is_empty());
+        let (found, expected) = (points_of_scans(&packets), points_of_turns(&packets, &head));
+        // Turns at the ends may be left out, if they are not whole.
+        let is_part = (0..2).flat_map(|first| (0..2).map(move |last| (first, last))).any(|(first, last)| {
+            expected.len() >= first + last && found == expected[first..expected.len() - last]
+        });
+        prop_assert!(is_part, "{:?} of {:?}: {:?}", found, expected, head);
+        let n_left_out = expected.len() - found.len();
+        let most = expected.iter().max().copied().unwrap_or_default();
+        let left_out = expected.iter().sum::<usize>() - found.iter().sum::<usize>();
+        prop_assert!(left_out <= n_left_out * most);
+        // A field that begins and ends with whole turns loses none.
+        prop_assert!(found.len() + 2 >= expected.len());
+    }
+}
+
+#[test]
+fn the_sensor_is_chosen_where_several_send() {
+    let workplace = Workplace::new();
+    let path = workplace.path("a.pcap");
+    let own = turns(1, VLP_16);
+    let at = |number: usize| 1_600_000_000_000_000_000 + 1_327_000 * number as u64;
+    let both: Vec<(u64, Vec<u8>, u8)> = own
+        .iter()
+        .enumerate()
+        .flat_map(|(number, it)| {
+            [(at(number), it.clone(), 201), (at(number), own[own.len() - 1 - number].clone(), 202)]
+        })
+        .collect();
+    write(&path, pcap_at(&both));
+    let n = own.len();
+    let several = format!(
+        "has packets of several sensors to port 2368; choose one with --topic ADDRESS: 192.168.1.201 ({n} packets), \
+         192.168.1.202 ({n} packets)"
+    );
+    workplace.refuse("detect a.pcap --scan 0", 2, &[&several]);
+    workplace.succeed("detect a.pcap --scan 0 --topic 192.168.1.201");
+    let options = |sender: &str| {
+        let topics = TopicChoice { cloud: Some(sender.to_owned()), annotations: None };
+        OpenOptions { topics, ..OpenOptions::default() }
+    };
+    let catalogue = built_in_catalogue().unwrap();
+    let chosen = open_dataset(path.to_str().unwrap(), &options("192.168.1.201"), &catalogue).unwrap();
+    assert_eq!(chosen.read_scan(0).unwrap().cloud.len(), n_returns(32));
+    for (sender, part) in
+        [("192.168.1.7", "has no packets from 192.168.1.7"), ("/top", "no address of a sender")]
+    {
+        let error =
+            open_dataset(path.to_str().unwrap(), &options(sender), &catalogue).err().expect("another");
+        assert!(error.is_usage_error() && error.to_string().contains(part), "{error}");
+    }
+}
+
+#[test]
+fn a_turn_without_returns_is_an_empty_scan() {
+    let mut packets = turns(1, VLP_16);
+    // The first whole turn.
+    for column in 675..1575 {
+        let block = column % 12;
+        packets[column / 12][100 * block + 4..100 * (block + 1)].fill(0);
+    }
+    let workplace = Workplace::new();
+    workplace.write("a.pcap", &pcap(&packets));
+    let dataset = open(&workplace.path("a.pcap"));
+    assert_eq!(dataset.read_scan(0).unwrap().cloud.len(), 0);
+    assert_eq!(dataset.read_scan(1).unwrap().cloud.len(), n_returns(32));
 }

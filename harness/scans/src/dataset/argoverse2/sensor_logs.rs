@@ -221,7 +221,7 @@ fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<Positione
     let offsets_s: Vec<f64> = take_if_there(OFFSET).into_iter().map(|it| it as f64 * 1e-9).collect();
     points.take_rings(&lasers);
     points.take_time_offsets_s(&offsets_s);
-    points.not_empty(path)
+    points.none_or_some(path)
 }
 
 /// The folders of logs in the splits of `folder`, or `folder` itself.

@@ -161,12 +161,12 @@ impl PointCloud {
         };
         let fields = self.fields.iter().map(field).collect::<Result<_, String>>()?;
         let (point_step, n_bytes) = (self.point_stride as usize, self.data.len());
-        if point_step == 0 || n_bytes % point_step != 0 {
+        if n_bytes % point_step.max(1) != 0 || (point_step == 0 && n_bytes > 0) {
             return Err(format!("has a cloud of {n_bytes} bytes in points of {point_step}"));
         }
         Ok(PackedPoints {
             fields,
-            n_columns: n_bytes / point_step,
+            n_columns: n_bytes / point_step.max(1),
             n_rows: 1,
             point_step,
             row_step: n_bytes,
@@ -202,6 +202,15 @@ pub fn number_of(number: NumberType) -> i32 {
         NumberType::F32 => 7,
         NumberType::F64 => 8,
     }
+}
+
+/// A cloud of which only the time is looked at.
+#[derive(Clone, Copy, PartialEq, Eq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct CloudTime {
+    /// When it was taken.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
 }
 
 /// One frame within another.

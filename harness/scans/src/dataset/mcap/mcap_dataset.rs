@@ -1,10 +1,10 @@
 //! An MCAP recording as a data set: every message of one topic of clouds is a scan.
 //!
-//! Scans are read one at a time, with the annotations that are stamped the same; of the rest of the recording only the
-//! positions of messages are kept, 32 bytes each.
+//! Scans are read one at a time, with the annotations whose time stamp is nearest; of the rest of the recording only the
+//! positions and times of messages are kept, 56 bytes each.
 
-use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use nalgebra::Isometry3;
 use reports::files::regular_file::RegularFile;
@@ -12,7 +12,7 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::frame_tree::FrameTree;
 use super::mcap_file::McapFile;
-use super::mcap_index::{McapIndex, MessagePosition, index_mcap, window};
+use super::mcap_index::{McapIndex, MessagePosition, index_mcap};
 use super::recorded_cloud::RecordedCloud;
 use super::recorded_messages::{Channel, RecordedMessages};
 use super::scene_objects::SceneObject;
@@ -26,6 +26,7 @@ use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::on_disk::stem_of;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::{DamagePolicy, DatasetSource};
+use crate::dataset::time_pairs::{Moment, TimePairs, times_ns};
 use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 /// The metadata record in which scanbench says what the messages do not, and the names in it.
@@ -38,12 +39,6 @@ pub mod own_metadata {
     pub const SCAN_IDS: &str = "scan_ids";
 }
 
-/// Annotations of another time than the cloud's are taken if they are nearer than this, in nanoseconds.
-const MAX_ANNOTATION_OFFSET_NS: u64 = 50_000_000;
-
-/// Annotations may be logged this long after the cloud they belong to, in nanoseconds.
-const MAX_ANNOTATION_DELAY_NS: u64 = 2_000_000_000;
-
 /// An open recording.
 #[derive(Debug)]
 struct McapDataset {
@@ -52,16 +47,18 @@ struct McapDataset {
     messages: RecordedMessages,
     clouds: Channel,
     annotations: Option<Channel>,
+    // Read from all messages where times matter.
+    times: OnceLock<RecordedTimes>,
     cut_off: Option<String>,
     classes: ClassRules,
     names_not_taken: Option<String>,
 }
 
-/// Annotations and how far from a scan they are in time.
-struct NearestAnnotations {
-    offset_ns: u64,
-    position: MessagePosition,
-    objects: Vec<SceneObject>,
+/// When the scans were taken, and which annotations are theirs.
+#[derive(Debug)]
+struct RecordedTimes {
+    scans_ns: Vec<u64>,
+    pairs: TimePairs,
 }
 
 /// Whether the file at `path` is MCAP, by its first bytes.
@@ -114,6 +111,7 @@ pub fn open_mcap(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetE
         },
         annotations,
         clouds,
+        times: OnceLock::new(),
         messages: RecordedMessages::new(McapFile::new(&path, chunks), transforms)?,
         cut_off: index.cut_off.take(),
     };
@@ -152,7 +150,7 @@ impl Dataset for McapDataset {
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let position = self.clouds.positions[scan_idx];
         let recorded = self.read_cloud(position)?;
-        let annotations = self.annotations_of(&recorded, position)?;
+        let annotations = self.annotations_of(scan_idx, &recorded)?;
         let is_annotated = annotations.is_some();
         let mut annotations = annotations.unwrap_or_default();
         match &recorded.objects {
@@ -182,11 +180,17 @@ impl Dataset for McapDataset {
         let names: Vec<String> = without_scan.iter().map(ToString::to_string).collect();
         let mut oddities = labels_without_scan(&names);
         oddities.extend(self.names_not_taken.clone());
+        oddities.extend(self.note_of_labels());
         Ok(oddities)
     }
 
+    fn note_of_labels(&self) -> Option<String> {
+        self.annotations.as_ref()?;
+        self.times().pairs.note("labels")
+    }
+
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        Some(self.clouds.positions[scan_idx].log_time_ns)
+        Some(self.times().scans_ns[scan_idx])
     }
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
@@ -194,14 +198,15 @@ impl Dataset for McapDataset {
             return Ok(None);
         }
         let recorded = self.read_cloud(self.clouds.positions[scan_idx])?;
-        let tree = self.messages.frames_at(recorded.stamp_ns, self.clouds.positions[scan_idx].log_time_ns)?;
+        let tree = self.messages.frames_at(self.moment_of(scan_idx, &recorded))?;
         Ok(Some(tree.root_from(&recorded.frame) * recorded.sensor_from_frame.inverse()))
     }
 
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
-        let position = self.clouds.positions[scan_idx];
-        let RecordedCloud { stamp_ns, frame, sensor_from_frame, .. } = self.read_cloud(position)?;
-        Ok(ForeignFrame::Recording { stamp_ns, log_time_ns: position.log_time_ns, frame, sensor_from_frame })
+        let recorded = self.read_cloud(self.clouds.positions[scan_idx])?;
+        let moment = self.moment_of(scan_idx, &recorded);
+        let RecordedCloud { frame, sensor_from_frame, .. } = recorded;
+        Ok(ForeignFrame::Recording { moment, frame, sensor_from_frame })
     }
 }
 
@@ -209,48 +214,41 @@ impl McapDataset {
     fn read_cloud(&self, position: MessagePosition) -> Result<RecordedCloud, DatasetError> {
         let message = self.messages.message(position)?;
         let recorded = RecordedCloud::read(self.clouds.kind, &self.clouds.encoding, message.as_slice());
-        let mut recorded = recorded.map_err(|problem| self.messages.damaged_at(position, &problem))?;
-        if recorded.stamp_ns == 0 {
-            recorded.stamp_ns = position.log_time_ns;
-        }
-        Ok(recorded)
+        recorded.map_err(|problem| self.messages.damaged_at(position, &problem))
     }
 
-    /// The message of annotations nearest to a cloud that is stamped so and lies at `position`; `None` where none is near
-    /// enough.
-    fn nearest_annotations(
-        &self,
-        stamp_ns: u64,
-        position: MessagePosition,
-    ) -> Result<Option<NearestAnnotations>, DatasetError> {
-        let Some(channel) = &self.annotations else { return Ok(None) };
-        let window = window(
-            &channel.positions,
-            position.log_time_ns.saturating_sub(MAX_ANNOTATION_OFFSET_NS),
-            position.log_time_ns.saturating_add(MAX_ANNOTATION_DELAY_NS),
-        );
-        let mut nearest: Option<NearestAnnotations> = None;
-        for candidate in window {
-            let (said_ns, objects) = self.messages.read_objects(channel, *candidate)?;
-            let offset_ns = said_ns.unwrap_or(candidate.log_time_ns).abs_diff(stamp_ns);
-            if nearest.as_ref().is_none_or(|it| offset_ns < it.offset_ns) {
-                nearest = Some(NearestAnnotations { offset_ns, position: *candidate, objects });
-            }
-            if offset_ns == 0 {
-                break;
-            }
-        }
-        Ok(nearest.filter(|it| it.offset_ns < MAX_ANNOTATION_OFFSET_NS))
+    /// When the cloud of scan `scan_idx`, which is `recorded`, was taken and logged.
+    fn moment_of(&self, scan_idx: usize, recorded: &RecordedCloud) -> Moment {
+        let stamp_ns = (recorded.stamp_ns > 0).then_some(recorded.stamp_ns);
+        Moment { stamp_ns, log_time_ns: self.clouds.positions[scan_idx].log_time_ns }
     }
 
-    /// The annotations of the scan without their points; `None` where no message belongs to it.
+    fn times(&self) -> &RecordedTimes {
+        self.times.get_or_init(|| {
+            let (clouds, annotations) = match &self.annotations {
+                Some(annotations) => {
+                    let [clouds, annotations] = self.messages.moments([&self.clouds, annotations]);
+                    (clouds, annotations)
+                }
+                None => {
+                    let [clouds] = self.messages.moments([&self.clouds]);
+                    (clouds, Vec::new())
+                }
+            };
+            RecordedTimes { scans_ns: times_ns(&clouds), pairs: TimePairs::of(&clouds, &annotations) }
+        })
+    }
+
+    /// The annotations of scan `scan_idx`, which is `recorded`, without their points; `None` where no message belongs to it.
     fn annotations_of(
         &self,
+        scan_idx: usize,
         recorded: &RecordedCloud,
-        position: MessagePosition,
     ) -> Result<Option<Vec<Annotation>>, DatasetError> {
-        let nearest = self.nearest_annotations(recorded.stamp_ns, position)?;
-        let Some(NearestAnnotations { position: logged, objects, .. }) = nearest else { return Ok(None) };
+        let Some(channel) = &self.annotations else { return Ok(None) };
+        let Some(message_idx) = self.times().pairs.message_of(scan_idx) else { return Ok(None) };
+        let logged = channel.positions[message_idx];
+        let (_, objects) = self.messages.read_objects(channel, logged)?;
         let mut reader = ClassReader::new(&self.classes, &[]);
         let mut classes = Vec::with_capacity(objects.len());
         for object in &objects {
@@ -261,7 +259,7 @@ impl McapDataset {
         }
         let is_elsewhere = |it: &SceneObject| !it.frame.is_empty() && it.frame != recorded.frame;
         let tree = if objects.iter().any(is_elsewhere) {
-            self.messages.frames_at(recorded.stamp_ns, position.log_time_ns)?
+            self.messages.frames_at(self.moment_of(scan_idx, recorded))?
         } else {
             FrameTree::default()
         };
@@ -300,18 +298,10 @@ impl McapDataset {
     /// The positions of annotations that belong to no scan.
     fn positions_without_scan(&self) -> Result<Vec<MessagePosition>, DatasetError> {
         let Some(channel) = &self.annotations else { return Ok(Vec::new()) };
-        let mut taken = BTreeSet::new();
-        for &position in &self.clouds.positions {
-            let stamp_ns = self.read_cloud(position)?.stamp_ns;
-            if let Some(nearest) = self.nearest_annotations(stamp_ns, position)? {
-                taken.insert((nearest.position.chunk_idx, nearest.position.offset));
-            }
-        }
+        let taken = self.times().pairs.taken();
         let mut without_scan = Vec::new();
-        for &position in &channel.positions {
-            if !taken.contains(&(position.chunk_idx, position.offset))
-                && !self.messages.read_objects(channel, position)?.1.is_empty()
-            {
+        for (message_idx, &position) in channel.positions.iter().enumerate() {
+            if !taken.contains(&message_idx) && !self.messages.read_objects(channel, position)?.1.is_empty() {
                 without_scan.push(position);
             }
         }

@@ -54,6 +54,11 @@ pub struct Detection3D {
     pub id: String,
 }
 
+/// The time stamp in the header that `message` begins with, in nanoseconds; 0 if nobody said.
+pub fn stamp_ns(message: &[u8]) -> Result<u64, String> {
+    Ok(header(&mut CdrReader::new(message)?)?.stamp_ns)
+}
+
 /// The cloud in `message`. Errors, here and below, are the rest of a sentence about the file.
 pub fn point_cloud_2(message: &[u8]) -> Result<(Header, PackedPoints<'_>), String> {
     let mut reader = CdrReader::new(message)?;

@@ -4,7 +4,7 @@ use detector::OrientedBox;
 use nalgebra::Isometry3;
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
-use super::foxglove_messages::decode;
+use super::foxglove_messages::{Timestamp, decode};
 use super::foxglove_scene::{SceneEntity, SceneUpdate};
 use super::ros_messages::{Detection3D, detection_3d_array};
 use super::topics::MessageKind;
@@ -93,12 +93,16 @@ pub fn objects_of_message(
         for object in objects.iter_mut().filter(|it| it.frame.is_empty()) {
             object.frame.clone_from(&header.frame);
         }
-        return Ok((header.stamp_ns, objects));
+        // Some say when only of each object.
+        let stamps_ns = std::iter::once(&header).chain(detections.iter().map(|it| &it.header));
+        let stamp_ns = stamps_ns.map(|it| it.stamp_ns).find(|it| *it > 0);
+        return Ok((stamp_ns.unwrap_or(0), objects));
     }
     let scene: SceneUpdate = decode(encoding, bytes)?;
-    let stamp = scene.entities.iter().find_map(|it| it.timestamp);
-    let stamp = stamp.or_else(|| scene.deletions.iter().find_map(|it| it.timestamp));
-    Ok((stamp.unwrap_or_default().nanoseconds(), objects_of_scene(&scene)?))
+    let stamps = scene.entities.iter().map(|it| it.timestamp);
+    let stamps = stamps.chain(scene.deletions.iter().map(|it| it.timestamp)).flatten();
+    let stamp_ns = stamps.map(Timestamp::nanoseconds).find(|it| *it > 0);
+    Ok((stamp_ns.unwrap_or(0), objects_of_scene(&scene)?))
 }
 
 /// The objects of a scene, in order. Errors are the rest of a sentence about the file.

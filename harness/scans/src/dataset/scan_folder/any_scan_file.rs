@@ -30,11 +30,11 @@ pub fn read_scan_file(path: &Path) -> Result<ScanPoints, DatasetError> {
         Some("npy") => parse_npy(&bytes),
         Some("las" | "laz") => {
             let ScanPoints { points, origin_m } = parse_las(&bytes).map_err(damaged(path))?;
-            return Ok(ScanPoints { points: points.not_empty(path)?, origin_m });
+            return Ok(ScanPoints { points: points.none_or_some(path)?, origin_m });
         }
         _ => return Ok(at_origin(parse_velodyne_bin(path, &bytes)?)),
     };
-    Ok(at_origin(points.map_err(damaged(path))?.not_empty(path)?))
+    Ok(at_origin(points.map_err(damaged(path))?.none_or_some(path)?))
 }
 
 /// [`ScanPoints::origin_m`] of the scan at `path`, for readers that want no points.

@@ -124,6 +124,9 @@ fn fields_of(
 
 fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, String> {
     let text = std::str::from_utf8(data).map_err(|_| "has points that are not text")?;
+    if header.n_points == 0 && !text.trim().is_empty() {
+        return Err("announces no points, but has lines of numbers".to_owned());
+    }
     let column = |name: &str| {
         let mut column = 0_usize;
         for (field, count) in &header.fields {
@@ -176,6 +179,9 @@ fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, Stri
 
 /// The points as rows: compressed points are stored field by field.
 fn decompressed_rows(header: &Header<'_>, data: &[u8]) -> Result<Vec<u8>, String> {
+    if header.n_points == 0 && data.is_empty() {
+        return Ok(Vec::new());
+    }
     let (sizes, compressed) = data.split_first_chunk::<8>().ok_or("has no compressed points")?;
     let [a, b, c, d, e, f, g, h] = *sizes;
     let (n_compressed, n_plain) =

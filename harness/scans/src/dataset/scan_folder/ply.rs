@@ -68,6 +68,9 @@ fn number_type(kind: &str) -> Result<NumberType, String> {
 /// Lines of numbers, turned into rows of `f64`.
 fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<PositionedPoints, String> {
     let text = std::str::from_utf8(data).map_err(|_| "has vertices that are not text")?;
+    if n_points == 0 && !text.trim().is_empty() {
+        return Err("announces no vertices, but has lines of numbers".to_owned());
+    }
     let (mut rows, mut n_rows) = (Vec::new(), 0);
     for line in text.lines().filter(|line| !line.trim().is_empty()).take(n_points) {
         let mut words = line.split_whitespace();

@@ -2,7 +2,9 @@
 //!
 //! Walked from record to record, so that a capture may be larger than memory; a record may be no larger than the buffer.
 
+use std::collections::BTreeMap;
 use std::io::Read as _;
+use std::net::Ipv4Addr;
 use std::path::Path;
 
 use etherparse::{LaxNetSlice, LaxSlicedPacket, TransportSlice};
@@ -40,42 +42,63 @@ pub fn is_capture(path: &Path) -> bool {
         )
 }
 
-/// The payloads of `length` bytes in the capture at `path` that go to `port`, from the first sender there is, in the order
-/// of the file. `take` is shown each and may refuse the file; its errors are the rest of a sentence about it.
-///
-/// Returns the rest of a sentence about the end of the file if it is cut off.
+/// What is meant for somebody: payloads of so many bytes to a port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wanted {
+    /// The port of UDP that they go to.
+    pub port: u16,
+    /// Their length in bytes.
+    pub length: usize,
+    /// Their sender; the first one if this is left out.
+    pub sender: Option<Ipv4Addr>,
+}
+
+/// What a walk through a capture found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Walked {
+    /// The number of packets to the port from each sender.
+    pub n_by_sender: BTreeMap<Ipv4Addr, usize>,
+    /// The rest of a sentence about the end of the file, if it is cut off.
+    pub cut_off: Option<String>,
+}
+
+/// The payloads in the capture at `path` that are `wanted`, in the order of the file. `take` is shown each and may refuse the
+/// file; its errors are the rest of a sentence about it.
 pub fn walk_payloads(
     path: &Path,
-    port: u16,
-    length: usize,
+    wanted: Wanted,
     mut take: impl FnMut(Payload, &[u8]) -> Result<(), String>,
-) -> Result<Option<String>, DatasetError> {
+) -> Result<Walked, DatasetError> {
+    let Wanted { port, length, mut sender } = wanted;
     let io_error = DatasetError::io(path);
     let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
     let file = RegularFile::open(path).map_err(io_error)?;
     let mut reader = create_reader(BUFFER_BYTES, file)
         .map_err(|_| damaged("is not a capture of packets, or is cut off at its beginning".to_owned()))?;
-    let (mut interfaces, mut sender, mut offset) = (Interfaces::default(), None, 0);
+    let (mut interfaces, mut n_by_sender, mut offset) = (Interfaces::default(), BTreeMap::new(), 0);
     loop {
         match reader.next() {
             Ok((n_bytes, block)) => {
                 if let Some(packet) = interfaces.packet(&block).map_err(damaged)?
                     && let Some((from, at)) = datagram(packet.link, packet.bytes, port, length)
-                    && *sender.get_or_insert(from) == from
                 {
-                    let payload = Payload {
-                        offset: offset + (packet.offset_in_block + at) as u64,
-                        time_ns: packet.time_ns,
-                    };
-                    take(payload, &packet.bytes[at..at + length]).map_err(damaged)?;
+                    *n_by_sender.entry(from).or_default() += 1;
+                    if *sender.get_or_insert(from) == from {
+                        let payload = Payload {
+                            offset: offset + (packet.offset_in_block + at) as u64,
+                            time_ns: packet.time_ns,
+                        };
+                        take(payload, &packet.bytes[at..at + length]).map_err(damaged)?;
+                    }
                 }
                 offset += n_bytes as u64;
                 reader.consume(n_bytes);
             }
-            Err(PcapError::Eof) => return Ok(None),
+            Err(PcapError::Eof) => return Ok(Walked { n_by_sender, cut_off: None }),
             Err(PcapError::Incomplete(_) | PcapError::UnexpectedEof) => {
                 if reader.reader_exhausted() {
-                    return Ok(Some(format!("is cut off at byte {offset}")));
+                    let cut_off = Some(format!("is cut off at byte {offset}"));
+                    return Ok(Walked { n_by_sender, cut_off });
                 }
                 reader.refill().map_err(|_| io_error(std::io::Error::other("reading failed")))?;
             }
@@ -136,7 +159,7 @@ fn ns_of(ticks: u64, ticks_per_s: u64) -> u64 {
 }
 
 /// The sender and the position of the payload, if `packet` is a whole datagram of that length to `port`.
-fn datagram(link: Linktype, packet: &[u8], port: u16, length: usize) -> Option<([u8; 4], usize)> {
+fn datagram(link: Linktype, packet: &[u8], port: u16, length: usize) -> Option<(Ipv4Addr, usize)> {
     let sliced = match get_packetdata(packet, link, packet.len())? {
         PacketData::L2(frame) => LaxSlicedPacket::from_ethernet(frame).ok()?,
         PacketData::L3(_, bytes) => LaxSlicedPacket::from_ip(bytes).ok()?,
@@ -150,5 +173,5 @@ fn datagram(link: Linktype, packet: &[u8], port: u16, length: usize) -> Option<(
     let payload = udp.payload();
     let is_meant = udp.destination_port() == port && payload.len() == length;
     // It is a part of the packet.
-    is_meant.then_some((internet.header().source(), payload.as_ptr().addr() - packet.as_ptr().addr()))
+    is_meant.then_some((internet.header().source_addr(), payload.as_ptr().addr() - packet.as_ptr().addr()))
 }

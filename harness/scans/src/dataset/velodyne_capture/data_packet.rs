@@ -32,11 +32,39 @@ const DUAL_RETURN: u8 = 0x39;
 const PRODUCTS: [(u8, VelodyneModel); 2] = [(0x21, VelodyneModel::Hdl32e), (0x22, VelodyneModel::Vlp16)];
 
 /// More than a column of lasers turns before the next, in hundredths of a degree; a larger step is a gap.
-const MAX_STEP: u16 = 300;
+pub const MAX_STEP: u16 = 300;
 
 /// The two distances at which lasers are measured, along and across, in metres.
 const FAR_M: f32 = 25.04;
 const NEAR_M: [f32; 2] = [2.40, 1.93];
+
+/// The way that the head turns, seen from above.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rotation {
+    /// Azimuths ascend.
+    Clockwise,
+    /// Azimuths descend.
+    CounterClockwise,
+}
+
+impl Rotation {
+    /// How far the head turns from one azimuth to another, in hundredths of a degree, below a whole turn.
+    pub fn from(self, azimuth: u16, to: u16) -> u16 {
+        let [from, to] = match self {
+            Self::Clockwise => [azimuth, to],
+            Self::CounterClockwise => [to, azimuth],
+        };
+        ((u32::from(to) + u32::from(FULL_TURN) - u32::from(from)) % u32::from(FULL_TURN)) as u16
+    }
+
+    /// So many hundredths of a degree as a change of the azimuth.
+    fn signed(self, step: u16) -> f32 {
+        match self {
+            Self::Clockwise => f32::from(step),
+            Self::CounterClockwise => -f32::from(step),
+        }
+    }
+}
 
 /// Which laser measured a point, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +81,7 @@ pub struct DataPacket<'a> {
     bytes: &'a [u8; N_PACKET_BYTES],
     model: VelodyneModel,
     is_dual: bool,
+    rotation: Rotation,
 }
 
 impl<'a> DataPacket<'a> {
@@ -73,7 +102,8 @@ impl<'a> DataPacket<'a> {
             let unknown = || format!("has packets of an unknown sensor, {product:#04x}");
             known.map(|(_, model)| *model).ok_or_else(unknown)?
         };
-        let mut packet = Self { bytes, model, is_dual: returns == DUAL_RETURN };
+        let rotation = Rotation::Clockwise;
+        let mut packet = Self { bytes, model, is_dual: returns == DUAL_RETURN, rotation };
         if model == VelodyneModel::Hdl64e {
             // What other sensors say with the last bytes is something else here.
             packet.is_dual = packet.azimuth(0) == packet.azimuth(2);
@@ -82,6 +112,16 @@ impl<'a> DataPacket<'a> {
             Some(azimuth) => Err(format!("has a packet with an azimuth of {azimuth} hundredths of a degree")),
             None => Ok(packet),
         }
+    }
+
+    /// The same of a head that turns this way.
+    pub fn turning(self, rotation: Rotation) -> Self {
+        Self { rotation, ..self }
+    }
+
+    /// The azimuths of all blocks.
+    pub fn azimuths(&self) -> [u16; N_BLOCKS] {
+        std::array::from_fn(|block| self.azimuth(block))
     }
 
     /// The sensor that sent it.
@@ -110,16 +150,34 @@ impl<'a> DataPacket<'a> {
         }
     }
 
-    /// By how much the head turns from this column to the next.
+    /// By how much the azimuth changes from this column to the next.
     fn step(&self, block: usize) -> f32 {
         let n = self.n_blocks_of_column();
         let column = block / n;
-        let n_columns = N_BLOCKS / n;
-        // The last one is followed by the next packet, and as wide as the one before.
-        let from = column.min(n_columns.saturating_sub(2));
-        let step =
-            (self.azimuth(((from + 1) % n_columns) * n) + FULL_TURN - self.azimuth(from * n)) % FULL_TURN;
-        if step > MAX_STEP { 0.0 } else { f32::from(step) }
+        let last = (N_BLOCKS / n).saturating_sub(2);
+        let step_of = |column: usize| {
+            self.rotation.from(self.azimuth(column * n), self.azimuth((column + 1) % (N_BLOCKS / n) * n))
+        };
+        // The last one is followed by the next packet, and as wide as the one before. So is one before a gap.
+        let is_gap = |step: u16| (MAX_STEP + 1..FULL_TURN - MAX_STEP).contains(&step);
+        let steps = [column.min(last), column.saturating_sub(1), 0, last].map(step_of);
+        let step = steps.into_iter().find(|it| !is_gap(*it)).unwrap_or(0);
+        if step > MAX_STEP { 0.0 } else { self.rotation.signed(step) }
+    }
+
+    /// The first block behind a gap of the field of view that lies within the packet.
+    pub fn block_after_gap(&self) -> Option<usize> {
+        let is_after_gap = |block: &usize| {
+            let step = self.rotation.from(self.azimuth(block - 1), self.azimuth(*block));
+            (MAX_STEP + 1..FULL_TURN - MAX_STEP).contains(&step)
+        };
+        (1..N_BLOCKS).find(is_after_gap)
+    }
+
+    /// Microseconds from the first lasers of a packet to those of the next.
+    pub fn duration_micros(&self) -> f32 {
+        let [_, of_column] = self.micros_of(0);
+        (N_BLOCKS / self.n_blocks_of_column()) as f32 * of_column
     }
 
     /// When its first lasers fired, in microseconds of an hour.

@@ -1,4 +1,4 @@
-//! Captures of packets as scans, one a revolution, which begins where the azimuth is 0.
+//! Captures of packets as scans, one a [turn](super::turns) of the head.
 //!
 //! ```text
 //! NAME.pcap, NAME.pcapng               the packets
@@ -7,15 +7,18 @@
 //!
 //! The packets are read once when a capture is opened; what stays in memory is where they lie.
 
+use std::collections::BTreeMap;
 use std::io::{Read as _, Seek as _, SeekFrom};
+use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
 
 use reports::files::regular_file::RegularFile;
 
 use super::calibration_file::parse_calibration_file;
-use super::capture_file::{Payload, walk_payloads};
-use super::data_packet::{DATA_PORT, DataPacket, FULL_TURN, N_BLOCKS, N_PACKET_BYTES};
+use super::capture_file::{Payload, Walked, Wanted, walk_payloads};
+use super::data_packet::{DATA_PORT, DataPacket, Firing, N_BLOCKS, N_PACKET_BYTES, Rotation};
 use super::laser_table::{Laser, VelodyneModel, lasers_of};
+use super::turns::{PacketAzimuths, Turn, turns_of};
 use crate::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
@@ -23,13 +26,8 @@ use crate::dataset::on_disk::stem_of;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::{DamagePolicy, DatasetSource, StatedBy};
 use crate::dataset::text_file::read_text_file;
+use crate::dataset::unpaired_files::few_of;
 use crate::dataset::{Dataset, DatasetError, Listing};
-
-/// Longer than this without a packet, in nanoseconds, and nobody knows how often the head has turned.
-const MAX_GAP_NS: u64 = 40_000_000;
-
-/// A revolution that begins and ends this near to azimuth 0 is whole, in hundredths of a degree.
-const WHOLE_WITHIN: u16 = 500;
 
 /// After so many microseconds the clock of a packet begins again.
 const MICROS_OF_HOUR: u32 = 3_600_000_000;
@@ -43,40 +41,26 @@ struct VelodyneCapture {
     listing: Listing,
     path: PathBuf,
     lasers: Vec<Laser>,
-    // Invariant: `scan_ids` and `revolutions` have the same length and order.
-    revolutions: Vec<Revolution>,
+    rotation: Rotation,
+    // Invariant: `scan_ids` and `turns` have the same length and order.
+    turns: Vec<Turn>,
     payloads: Vec<Payload>,
     left_out: Option<String>,
 }
 
-/// The packets of a revolution, of which the first and the last may belong to it in part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Revolution {
-    first_packet: usize,
-    first_block: usize,
-    last_packet: usize,
-    end_block: usize,
-    first_azimuth: u16,
-    last_azimuth: u16,
-}
-
-impl Revolution {
-    fn is_whole(&self) -> bool {
-        self.first_azimuth <= WHOLE_WITHIN && self.last_azimuth >= FULL_TURN - WHOLE_WITHIN
-    }
-}
-
 /// Opens the capture of `source`.
 ///
-/// What is not a whole revolution at its beginning or end is left out, unless there is nothing else. If damage is to be
-/// skipped, so are packets that are none, and the end of a capture that is cut off is left out.
+/// Several sensors send to one port; which one is meant is chosen as topics are, by the address. If damage is to be skipped,
+/// so are packets that are none, and the end of a capture that is cut off is left out.
 pub fn open_velodyne_capture(source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let path = source.path.clone();
-    let mut finder = RevolutionFinder::default();
+    let sender = source.parts.topics.cloud.as_deref().map(|it| address(&path, it)).transpose()?;
+    let mut packets = Packets::default();
     let mut first_bad = None;
-    let cut_off = walk_payloads(&path, DATA_PORT, N_PACKET_BYTES, |payload, bytes| {
+    let wanted = Wanted { port: DATA_PORT, length: N_PACKET_BYTES, sender };
+    let Walked { n_by_sender, cut_off } = walk_payloads(&path, wanted, |payload, bytes| {
         let bytes: &[u8; N_PACKET_BYTES] = bytes.try_into().map_err(|_| "has a packet of another length")?;
-        match DataPacket::parse(bytes).and_then(|packet| finder.add(payload, &packet)) {
+        match DataPacket::parse(bytes).and_then(|packet| packets.add(payload, &packet)) {
             Err(problem) if source.damage == DamagePolicy::Skip => {
                 first_bad.get_or_insert(problem);
                 Ok(())
@@ -87,17 +71,18 @@ pub fn open_velodyne_capture(source: DatasetSource) -> Result<Box<dyn Dataset>, 
     if let (Some(problem), DamagePolicy::Refuse) = (&cut_off, source.damage) {
         return Err(DatasetError::Damaged { path, problem: problem.clone() });
     }
-    let Some(model) = finder.model else {
+    refuse_several(&path, sender, &n_by_sender)?;
+    let Packets { model: Some(model), payloads, azimuths } = packets else {
         let problem = format!("has no data packets of a Velodyne sensor to port {DATA_PORT}");
         return Err(DatasetError::Damaged { path, problem: first_bad.unwrap_or(problem) });
     };
-    let (revolutions, payloads) = finder.finish();
+    let (turns, rotation) = turns_of(&azimuths);
     let mut checksum = DatasetChecksum::default();
     checksum.add_file("capture", &path)?;
     let lasers = lasers_beside(&path, model, &mut checksum)?;
     let sequence = stem_of(&path);
     let scan_ids =
-        (0..revolutions.len() as u32).map(|index| ScanId { sequence: sequence.clone(), index }).collect();
+        (0..turns.len() as u32).map(|index| ScanId { sequence: sequence.clone(), index }).collect();
     let mut source = source;
     if source.stated_by == StatedBy::Nobody {
         model.sensor().clone_into(&mut source.sensor);
@@ -105,7 +90,7 @@ pub fn open_velodyne_capture(source: DatasetSource) -> Result<Box<dyn Dataset>, 
     let description = source.describe(DatasetFormat::VelodynePcap, checksum.finish());
     let left_out = cut_off.or(first_bad);
     let listing = Listing { description, scan_ids };
-    Ok(Box::new(VelodyneCapture { listing, path, lasers, revolutions, payloads, left_out }))
+    Ok(Box::new(VelodyneCapture { listing, path, lasers, rotation, turns, payloads, left_out }))
 }
 
 impl Dataset for VelodyneCapture {
@@ -114,7 +99,7 @@ impl Dataset for VelodyneCapture {
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let (cloud, points_left_out) = self.read_points(&self.revolutions[scan_idx])?.into_parts();
+        let (cloud, points_left_out) = self.read_points(&self.turns[scan_idx])?.into_parts();
         let point_regions = vec![PointRegion::Outside; cloud.len()];
         let (id, labeled_area) = (self.listing.scan_ids[scan_idx].clone(), LabeledArea::AsPoints);
         let annotations = Vec::new();
@@ -122,7 +107,7 @@ impl Dataset for VelodyneCapture {
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        Some(self.payloads[self.revolutions[scan_idx].first_packet].time_ns)
+        Some(self.payloads[self.turns[scan_idx].first_packet].time_ns)
     }
 
     fn left_out(&self) -> Option<&str> {
@@ -131,7 +116,7 @@ impl Dataset for VelodyneCapture {
 }
 
 impl VelodyneCapture {
-    fn read_points(&self, revolution: &Revolution) -> Result<PositionedPoints, DatasetError> {
+    fn read_points(&self, turn: &Turn) -> Result<PositionedPoints, DatasetError> {
         let io_error = DatasetError::io(&self.path);
         let damaged = |problem| DatasetError::Damaged { path: self.path.clone(), problem };
         let mut file = RegularFile::open(&self.path).map_err(io_error)?;
@@ -139,26 +124,77 @@ impl VelodyneCapture {
         let (mut rings, mut offsets_s) = (Vec::new(), Vec::new());
         let (mut firings, mut clock) = (Vec::new(), PacketClock::default());
         let mut bytes = [0; N_PACKET_BYTES];
-        for packet_idx in revolution.first_packet..=revolution.last_packet {
+        let mut is_after_gap = false;
+        for packet_idx in turn.first_packet..=turn.last_packet {
             file.seek(SeekFrom::Start(self.payloads[packet_idx].offset)).map_err(io_error)?;
             file.read_exact(&mut bytes).map_err(io_error)?;
-            let first = if packet_idx == revolution.first_packet { revolution.first_block } else { 0 };
-            let end = if packet_idx == revolution.last_packet { revolution.end_block } else { N_BLOCKS };
+            let first = if packet_idx == turn.first_packet { turn.first_block } else { 0 };
+            let end = if packet_idx == turn.last_packet { turn.end_block } else { N_BLOCKS };
             // Read before, unless the file has changed since.
-            let packet = DataPacket::parse(&bytes).map_err(damaged)?;
+            let packet = DataPacket::parse(&bytes).map_err(damaged)?.turning(self.rotation);
             firings.clear();
             packet.append_points(first..end, &self.lasers, &mut points, &mut firings).map_err(damaged)?;
-            let packet_s = clock.seconds_since_first(packet.micros_of_hour());
+            let firing_s = |it: &Firing| 1e-6 * f64::from(it.micros);
+            if packet_idx == turn.first_packet && first > 0 && packet.block_after_gap() == Some(first) {
+                // Its clock is that of the blocks before the gap, so that of the next packet has to do.
+                let packet_s = -1e-6 * f64::from(packet.duration_micros());
+                offsets_s.extend(firings.iter().map(|it| packet_s + firing_s(it)));
+                is_after_gap = true;
+            } else {
+                let packet_s = clock.seconds_since_first(packet.micros_of_hour());
+                offsets_s.extend(firings.iter().map(|it| packet_s + firing_s(it)));
+            }
             rings.extend(firings.iter().map(|it| it.laser_idx as f64));
-            offsets_s.extend(firings.iter().map(|it| packet_s + 1e-6 * f64::from(it.micros)));
         }
         points.take_rings(&rings);
+        if is_after_gap {
+            shift_to_first(&mut offsets_s);
+        }
         points.take_time_offsets_s(&offsets_s);
-        points.not_empty(&self.path)
+        Ok(points)
     }
 }
 
-/// The clocks of the packets of one revolution.
+/// The address of a sensor that the user chose.
+fn address(path: &Path, chosen: &str) -> Result<Ipv4Addr, DatasetError> {
+    let problem = || {
+        format!(
+            "{path:?} is a capture of packets: {chosen:?} is no address of a sender, such as 192.168.1.201"
+        )
+    };
+    chosen.parse().map_err(|_| DatasetError::Usage(problem()))
+}
+
+/// An error if there are several senders and none of them was chosen, or another one.
+fn refuse_several(
+    path: &Path,
+    chosen: Option<Ipv4Addr>,
+    n_by_sender: &BTreeMap<Ipv4Addr, usize>,
+) -> Result<(), DatasetError> {
+    let sender = |(address, n): (&Ipv4Addr, &usize)| format!("{address} ({n} packets)");
+    let senders = || few_of(&n_by_sender.iter().map(sender).collect::<Vec<String>>());
+    match chosen {
+        None if n_by_sender.len() > 1 => Err(DatasetError::Usage(format!(
+            "{path:?} has packets of several sensors to port {DATA_PORT}; choose one with --topic ADDRESS: {}",
+            senders()
+        ))),
+        Some(chosen) if !n_by_sender.is_empty() && !n_by_sender.contains_key(&chosen) => {
+            Err(DatasetError::Usage(format!(
+                "{path:?} has no packets from {chosen} to port {DATA_PORT}: {}",
+                senders()
+            )))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Lets times begin at the first one.
+fn shift_to_first(times_s: &mut [f64]) {
+    let first_s = times_s.first().copied().unwrap_or(0.0);
+    times_s.iter_mut().for_each(|it| *it -= first_s);
+}
+
+/// The clocks of the packets of one turn.
 #[derive(Default)]
 struct PacketClock {
     first_and_last_micros: Option<[u32; 2]>,
@@ -181,59 +217,24 @@ impl PacketClock {
     }
 }
 
-/// Cuts packets into revolutions.
+/// The data packets of a sensor.
 #[derive(Default)]
-struct RevolutionFinder {
+struct Packets {
     model: Option<VelodyneModel>,
     payloads: Vec<Payload>,
-    revolutions: Vec<Revolution>,
-    last_azimuth: u16,
+    azimuths: Vec<PacketAzimuths>,
 }
 
-impl RevolutionFinder {
+impl Packets {
     fn add(&mut self, payload: Payload, packet: &DataPacket<'_>) -> Result<(), String> {
         let model = *self.model.get_or_insert(packet.model());
         if model != packet.model() {
             let (one, other) = (model.sensor(), packet.model().sensor());
             return Err(format!("has packets of two sensors, {one} and {other}"));
         }
-        let gap_ns = self.payloads.last().map_or(0, |it| payload.time_ns.saturating_sub(it.time_ns));
-        let packet_idx = self.payloads.len();
+        self.azimuths.push(PacketAzimuths { azimuths: packet.azimuths(), time_ns: payload.time_ns });
         self.payloads.push(payload);
-        for block in 0..N_BLOCKS {
-            let azimuth = packet.azimuth(block);
-            let has_wrapped = self.last_azimuth > azimuth && self.last_azimuth - azimuth > FULL_TURN / 2;
-            let is_after_gap = block == 0 && gap_ns > MAX_GAP_NS;
-            if has_wrapped || is_after_gap || self.revolutions.is_empty() {
-                self.revolutions.push(Revolution {
-                    first_packet: packet_idx,
-                    first_block: block,
-                    last_packet: packet_idx,
-                    end_block: block,
-                    first_azimuth: azimuth,
-                    last_azimuth: azimuth,
-                });
-            }
-            if let Some(revolution) = self.revolutions.last_mut() {
-                (revolution.last_packet, revolution.end_block) = (packet_idx, block + 1);
-                revolution.last_azimuth = azimuth;
-            }
-            self.last_azimuth = azimuth;
-        }
         Ok(())
-    }
-
-    fn finish(self) -> (Vec<Revolution>, Vec<Payload>) {
-        let Self { mut revolutions, payloads, .. } = self;
-        if revolutions.iter().any(Revolution::is_whole) {
-            if revolutions.first().is_some_and(|it| !it.is_whole()) {
-                revolutions.remove(0);
-            }
-            if revolutions.last().is_some_and(|it| !it.is_whole()) {
-                revolutions.pop();
-            }
-        }
-        (revolutions, payloads)
     }
 }
 

@@ -17,7 +17,7 @@ mod packets;
 pub use kitti_raw::{DRIVE, kitti_raw};
 pub use las::las_file;
 pub use nuscenes::nuscenes;
-pub use packets::{calibration_of_64, packets, pcap, pcapng, steps_of};
+pub use packets::{Captured, Head, calibration_of_64, packets, pcap, pcap_at, pcapng, steps_of};
 
 /// A simulated street, seen by few beams, whose scans are kept: most tests of readers read them several times.
 struct KeptStreet {
