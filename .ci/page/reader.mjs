@@ -6,11 +6,15 @@ import { chromium } from 'playwright-core';
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 export const problems = new Set();
 export const check = (holds, problem) => { if (!holds) problems.add(problem); };
-export const browser = await chromium.launch({
+const LAUNCH = {
     executablePath: '/usr/bin/chromium',
     args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
         '--disable-component-update', '--disable-sync'],
-});
+};
+export const browser = await chromium.launch(LAUNCH);
+
+/** A browser that shows where something can be scrolled, which is hidden where there is no screen. */
+export const launch_with_scrollbars = () => chromium.launch({ ...LAUNCH, ignoreDefaultArgs: ['--hide-scrollbars'] });
 
 /** The page at `url`; whatever it throws, or asks for beyond `own`, is a problem. */
 export async function open(url, own, where, options) {

@@ -1,10 +1,12 @@
 """What recordings hold, as Rerun's own reader sees it, and what is seen of them in the real viewer: check.py SCANBENCH
-PICTURES
+PICTURES [NEWEST]
 
 Runs of some simulated scans are recorded and opened at each of their tabs, and so are a sweep, partly seen objects and the
-worst scans of a run. The same checks have to fail on recordings from which something was taken.
+worst scans of a run. The same checks have to fail on recordings from which something was taken. All is opened in the viewer
+that is pinned, and once more in that of the Python in the folder NEWEST.
 """
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -29,12 +31,13 @@ PRODUCTS = {
     "kd-tree": [*WALLS, HULLS, BOXES, SPHERES],
     "pca": [*FOREGROUND, "contours/boxes/rectangles", BOXES],
 }
-# Columns of the points.
+# Columns of the points: what they are, by id and by colour, and what they belong to, by colour.
+CLASSES = ["foreground:points", "foreground:points:colors"]
 LABELS = {
-    "hierarchical": ["foreground:points", "grouping:smallest_groups", "best_cut:clusters"],
-    "paper": ["foreground:points", "separation:clusters"],
-    "kd-tree": ["foreground:points", "components:dropped_clusters", "components:clusters"],
-    "pca": ["foreground:points", "components:dropped_clusters", "components:clusters"],
+    "hierarchical": [*CLASSES, "grouping:smallest_groups:colors", "best_cut:clusters:colors"],
+    "paper": [*CLASSES, "separation:clusters:colors"],
+    "kd-tree": [*CLASSES, "components:dropped_clusters:colors", "components:clusters:colors"],
+    "pca": [*CLASSES, "components:dropped_clusters:colors", "components:clusters:colors"],
 }
 # Not every scan has all of them.
 SOMETIMES = ["matched", "found", "missed", "false"]
@@ -80,10 +83,14 @@ def problems_of_rows(path, n_scans, detectors):
     return [f"{name} has {rows[name]} rows, not {least} to {most}" for name, (least, most) in wrong.items()] + problems
 
 
-def problems_of_views(path, picture, seconds=60):
-    """What is wrong with the picture of the viewer, of which each is seen by a program of its own."""
-    command = [sys.executable, Path(__file__).with_name("viewer.py"), path, picture, str(seconds)]
-    ended = subprocess.run(command, stderr=subprocess.PIPE, text=True, check=False, timeout=600)
+def problems_of_views(path, picture, binaries=None, seconds=60, **environment):
+    """What is wrong with the picture of the viewer, of which each is seen by a program of its own; `binaries` has another
+    viewer than the pinned one."""
+    python = binaries / "python" if binaries else sys.executable
+    command = [python, Path(__file__).with_name("viewer.py"), path, picture, str(seconds)]
+    environment |= {"PATH": f"{binaries}:{os.environ['PATH']}"} if binaries else {}
+    environment = os.environ | environment
+    ended = subprocess.run(command, stderr=subprocess.PIPE, text=True, check=False, timeout=600, env=environment)
     return (ended.stderr.splitlines() or [f"exit code {ended.returncode}"]) if ended.returncode else []
 
 
@@ -97,7 +104,13 @@ def damaged(path, prefix):
     return copy
 
 
-def main(scanbench, pictures, scratch):
+def version_of(binaries):
+    """The version of a viewer."""
+    command = [binaries / "rerun" if binaries else "rerun", "--version"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()[1]
+
+
+def main(scanbench, pictures, scratch, newest=None):
     pictures.mkdir(parents=True, exist_ok=True)
     # Few points, since a software rasteriser draws them.
     quick = "run street-main-road --scans 0..3 --rerun-points 20000"
@@ -127,12 +140,21 @@ def main(scanbench, pictures, scratch):
     ]:
         judge(path, problems_of_rows(path, n_scans, detectors), is_sound)
     tabs = ["compare/run", "stages/run", "drive/run"]
-    for file in [*tabs, "compare/worst", "sweep/sweep", "partial/partial", "drives/partial"]:
-        folder, name = file.split("/")
-        picture = pictures / f"{name if name == 'worst' else folder}.png"
-        judge(scratch / f"{file}.rrd", problems_of_views(scratch / f"{file}.rrd", picture), True)
-    for path in (empty, unjudged):
-        judge(path, problems_of_views(path, pictures / f"{path.stem}.png", seconds=8), False)
+    if not newest:
+        print("newest viewer: NOT TRIED, the package index has none that runs here", flush=True)
+    for binaries in [None, *([newest / "bin"] if newest else [])]:
+        print(f"viewer {version_of(binaries)}", flush=True)
+        of_viewer = pictures / "newest" if binaries else pictures
+        of_viewer.mkdir(exist_ok=True)
+        for file in [*tabs, "compare/worst", "sweep/sweep", "partial/partial", "drives/partial"]:
+            folder, name = file.split("/")
+            picture = of_viewer / f"{name if name == 'worst' else folder}.png"
+            judge(scratch / f"{file}.rrd", problems_of_views(scratch / f"{file}.rrd", picture, binaries), True)
+        for path in (empty, unjudged):
+            judge(path, problems_of_views(path, of_viewer / f"{path.stem}.png", binaries, 8), False)
+        # Colours that the points do not have are not found.
+        turned = problems_of_views(compared, of_viewer / "turned.png", binaries, 8, TURN_COLOURS="yes")
+        judge(compared, [it for it in turned if "points have the colour" in it], False)
 
 
 def judge(path, problems, is_sound):
@@ -143,4 +165,4 @@ def judge(path, problems, is_sound):
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as scratch:
-        main(sys.argv[1], Path(sys.argv[2]), Path(scratch))
+        main(sys.argv[1], Path(sys.argv[2]), Path(scratch), *map(Path, sys.argv[3:]))

@@ -1,8 +1,9 @@
 """The real viewer, without a window: viewer.py FILE PICTURE [SECONDS]
 
-Opens FILE, takes a picture of every view of the tab in front, and looks for what has to be there: points and boxes, lines,
-the colours of right and wrong, for so many seconds (60 if left out). PICTURE is of the whole viewer, with 256 colours: a
-fifth of the bytes, and no difference to be seen.
+Opens FILE, takes a picture of every view of the tab in front, and looks for what has to be there: points in the colours of
+the recording, boxes, lines, the colours of right and wrong, for so many seconds (60 if left out). PICTURE is of the whole
+viewer, with 256 colours: a fifth of the bytes, and no difference to be seen. TURN_COLOURS=yes expects other colours of
+points, which are nowhere.
 """
 
 import os
@@ -12,17 +13,27 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from contextlib import contextmanager
 from pathlib import Path
 
 from PIL import Image
-from rerun.experimental import RrdReader, ViewerClient
+from rerun.experimental import ViewerClient
+
+try:
+    from rerun.chunk import RrdReader
+except ImportError:  # Before 0.41.
+    from rerun.experimental import RrdReader
 
 # Until everything has been drawn.
 PATIENCE_S = float(sys.argv[3]) if len(sys.argv) > 3 else 60
 # harness/viewer/src/palette.rs
 OUTCOMES = {"matched": (0, 158, 115), "missed": (240, 228, 66), "false": (213, 94, 0)}
 TABS = 1
+POINTS = "/world/sensor/scan/points"
+# What so many of the points of a scan have is a colour that can be looked for, and so many of its points, at least, are each
+# seen as a pixel of its own: others are hidden, far away, or outside.
+LEAST_SHARE, LEAST_PIXELS = 0.03, 0.02
 
 
 @contextmanager
@@ -97,8 +108,32 @@ def views_in_front(path):
     return below(root)
 
 
-def problem_of(kind, is_judged, image):
-    """A problem of the picture of a view, or None; and which outcomes it shows."""
+def colors_of_points(path):
+    """How many points each view in three dimensions has of each colour that is not rare, by the id of the view."""
+    reader, columns, shares = RrdReader(path), {}, {}
+    for chunk in reader.stream(store=reader.blueprints()[0]):
+        view, overrides, instruction = str(chunk.entity_path).partition(f"/ViewContents/overrides{POINTS}/visualizers/")
+        if not (overrides and instruction):
+            continue
+        mappings = chunk.to_record_batch().column("VisualizerInstruction:component_map").to_pylist()[-1]
+        for it in mappings:
+            if it["target"] == "Points3D:colors":
+                columns[view.removeprefix("/view/")] = it["source_component"]
+    for chunk in reader.stream():
+        if str(chunk.entity_path) != POINTS:
+            continue
+        batch = chunk.to_record_batch()
+        for name in set(batch.schema.names) & set(columns.values()):
+            for row in filter(None, batch.column(name).to_pylist()):
+                of_scan = {it: n for it, n in Counter(row).items() if n >= LEAST_SHARE * len(row)}
+                known = shares.setdefault(name, of_scan)
+                shares[name] = {it: min(n, known[it]) for it, n in of_scan.items() if it in known}
+    rgb = lambda it: (it >> 24, it >> 16 & 255, it >> 8 & 255)
+    return {view: {rgb(it): n for it, n in shares.get(name, {}).items()} for view, name in columns.items()}
+
+
+def problem_of(kind, is_judged, image, expected):
+    """A problem of the picture of a view, whose points have the `expected` colours, or None; and which outcomes it shows."""
     n_pixels = image.width * image.height
     colors = image.getcolors(n_pixels)
     n_near = lambda wanted, tolerance: sum(n for n, it in colors if max(abs(a - b) for a, b in zip(it, wanted)) <= tolerance)
@@ -107,6 +142,9 @@ def problem_of(kind, is_judged, image):
     if kind == "3D":
         if len(colors) < 60 or n_drawn < 0.02 * n_pixels:
             return f"{len(colors)} colours, {n_drawn} of {n_pixels} pixels drawn", set()
+        for color, n_points in expected.items():
+            if (n_shown := n_near(color, 8)) < LEAST_PIXELS * n_points:
+                return f"{n_points} points have the colour {color}, and {n_shown} pixels", set()
         shown = {name for name, color in OUTCOMES.items() if is_judged and n_near(color, 12) >= 40}
         return "nothing matched" if is_judged and "matched" not in shown else None, shown
     if kind == "TextLog":
@@ -118,7 +156,9 @@ def problem_of(kind, is_judged, image):
 
 def problems_of_views(path, picture):
     """What is wrong with the views in front."""
-    views = views_in_front(path)
+    views, expected = views_in_front(path), colors_of_points(path)
+    if os.environ.get("TURN_COLOURS"):
+        expected = {view: {(b // 2, r, g): n for (r, g, b), n in colors.items()} for view, colors in expected.items()}
     # Where detectors are compared, each matches something, and one at least is wrong somewhere.
     logs = {title.split(":")[0] for _, kind, title, _ in views if kind == "TextLog"}
     detectors = logs or {title for _, _, title, origin in views if origin == "/world"}
@@ -133,7 +173,7 @@ def problems_of_views(path, picture):
                 view_id, kind, title, _ = view
                 is_judged = title in detectors or title.endswith("right and wrong")
                 image = screenshot(client, Path(folder, f"{view_id}.png"), view_id)
-                problem, shown = problem_of(kind, is_judged, image) if image else ("no picture", set())
+                problem, shown = problem_of(kind, is_judged, image, expected.get(view_id, {})) if image else ("no picture", set())
                 is_wrong_shown = is_wrong_shown or bool(shown & {"missed", "false"})
                 if problem:
                     problems[view_id] = f"{kind} view {title!r}: {problem}"
@@ -150,4 +190,6 @@ def problems_of_views(path, picture):
 if __name__ == "__main__":
     if found := problems_of_views(*sys.argv[1:3]):
         sys.exit(f"{sys.argv[1]}:\n  " + "\n  ".join(found))
-    Image.open(sys.argv[2]).convert("RGB").quantize(256).save(sys.argv[2], optimize=True)
+    # Other methods give up the colours of thin lines.
+    shown = Image.open(sys.argv[2]).convert("RGB").quantize(256, method=Image.Quantize.FASTOCTREE)
+    shown.save(sys.argv[2], optimize=True)

@@ -33,9 +33,8 @@ additional-js = ["site.js"]
 [output.html.playground]
 runnable = false
 """
-# Pictures of the program have black text. Links differ from text by more than a pale colour.
+# Links differ from text by more than a pale colour.
 CSS = """main { overflow-wrap: anywhere }
-main img[src$=".svg"] { background: #fff }
 main a:not(.header) { text-decoration: underline }
 .navy { --links: #8ab4ff }
 .navy :is(.hljs-variable, .hljs-attr, .hljs-attribute, .hljs-name, .hljs-deletion) { color: #ee9999 }

@@ -6,31 +6,46 @@ use detector::OrientedBox;
 use detector::detection::SeenSides;
 use detector::stage_product::{ProductLink, ProductSphere};
 use re_sdk_types::archetypes::{Boxes3D, Ellipsoids3D, LineStrips3D, Points2D, Points3D};
-use re_sdk_types::components::{ClassId, FillMode, Radius};
+use re_sdk_types::components::{ClassId, Color, FillMode, Radius};
 use re_sdk_types::datatypes::{Quaternion, Rgba32};
-use rerun::external::arrow::array::{ArrayRef, FixedSizeListArray, Float32Array, UInt16Array};
+use rerun::external::arrow::array::{ArrayRef, FixedSizeListArray, Float32Array, UInt16Array, UInt32Array};
 use rerun::external::arrow::datatypes::{DataType, Field};
 use rerun::{Component as _, ComponentDescriptor, ComponentIdentifier, SerializedComponentBatch};
 
 use super::box_edges::box_edges;
+use super::legend;
+use super::palette::Rgb;
 
 /// Cells are drawn at least this high, so that a flat one can be seen.
 const MIN_CELL_HEIGHT_M: f32 = 0.04;
 
-/// Points without a colour of their own.
+/// Points of one `color`, unless a view maps a column of [`colors`] to them.
 ///
 /// The Arrow array is made by hand, because Rerun's own conversion copies every point several times.
-pub fn points(positions_m: impl Iterator<Item = [f32; 3]>, radius: Radius) -> Vec<SerializedComponentBatch> {
+pub fn points(
+    positions_m: impl Iterator<Item = [f32; 3]>,
+    radius: Radius,
+    color: Rgba32,
+) -> Vec<SerializedComponentBatch> {
     let coordinates: Vec<f32> = positions_m.flatten().collect();
     let coordinate = Arc::new(Field::new("item", DataType::Float32, false));
     let coordinates: ArrayRef = Arc::new(Float32Array::from(coordinates));
     let array = Arc::new(FixedSizeListArray::new(coordinate, 3, coordinates, None));
-    let radii = Points3D::update_fields().with_radii([radius]).radii;
+    let Points3D { radii, colors, .. } = Points3D::update_fields().with_radii([radius]).with_colors([color]);
     let positions = SerializedComponentBatch::new(array, Points3D::descriptor_positions());
-    [Some(positions), radii].into_iter().flatten().collect()
+    [Some(positions), radii, colors].into_iter().flatten().collect()
 }
 
-/// Class ids that colour nothing until a view maps their column to the points.
+/// Colours that nothing has until a view maps their column to the points.
+///
+/// Viewers from 0.38 on draw mapped colours and ignore mapped class ids.
+pub fn colors(colors: Vec<Rgb>, column: ComponentIdentifier) -> SerializedComponentBatch {
+    let descriptor = ComponentDescriptor::partial(column).with_component_type(Color::name());
+    let colors = UInt32Array::from_iter_values(colors.into_iter().map(|it| legend::rgba(it).to_u32()));
+    SerializedComponentBatch::new(Arc::new(colors), descriptor)
+}
+
+/// Class ids that name nothing until a view maps their column to the points.
 pub fn class_ids(ids: Vec<u16>, column: ComponentIdentifier) -> SerializedComponentBatch {
     let descriptor = ComponentDescriptor::partial(column).with_component_type(ClassId::name());
     SerializedComponentBatch::new(Arc::new(UInt16Array::from(ids)), descriptor)

@@ -22,7 +22,7 @@ pub const RANGE_RINGS: &str = "world/sensor/range_rings";
 pub const DRIVE: &str = "world/drive";
 /// What does not depend on a detector.
 pub const SCAN: &str = "world/sensor/scan";
-/// The points of the scan, and one column of class ids per detector.
+/// The points of the scan, and columns of colours and of class ids per detector.
 pub const POINTS: &str = "world/sensor/scan/points";
 /// The labelled objects.
 pub const ANNOTATIONS: &str = "world/sensor/scan/annotations";
@@ -193,10 +193,29 @@ pub fn stage_times(detector: &str) -> EntityPath {
     below(STAGE_TIMES, &[detector])
 }
 
-/// The column of [`POINTS`] that holds a stage product which labels points.
-pub fn label_column(detector: &str, product: &StageProduct) -> ComponentIdentifier {
-    let name = format!("{detector}:{}:{}", product.stage, product.name);
-    ComponentIdentifier::try_new(name).expect("a name with a colon is not empty")
+/// The columns of [`POINTS`] that hold a stage product which labels points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PointColumns {
+    /// Colours.
+    pub colors: ComponentIdentifier,
+    /// Ids of what points are, by which a viewer names them; `None` of clusters, which have no names.
+    pub class_ids: Option<ComponentIdentifier>,
+}
+
+impl PointColumns {
+    /// Those of `product`; `None` if it labels no points.
+    pub fn of(detector: &str, product: &StageProduct) -> Option<Self> {
+        let name = format!("{detector}:{}:{}", product.stage, product.name);
+        let column =
+            |name: String| ComponentIdentifier::try_new(name).expect("a name with a colon is not empty");
+        let is_classified = match product.shape {
+            Shape::LabeledPoints(_) => true,
+            Shape::Clusters(_) => false,
+            _ => return None,
+        };
+        let colors = column(format!("{name}:colors"));
+        Some(Self { colors, class_ids: is_classified.then(|| column(name)) })
+    }
 }
 
 /// What is shown of a growing object.

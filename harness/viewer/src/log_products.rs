@@ -10,7 +10,7 @@ use rerun::{EntityPath, RecordingStream, SerializedComponentBatch};
 
 use super::archetypes::Column;
 use super::drawn_points::DrawnPoints;
-use super::entity_paths::ProductKind;
+use super::entity_paths::{PointColumns, ProductKind};
 use super::error::StreamError;
 use super::palette::{self, Rgb};
 use super::{archetypes, entity_paths, legend, recording};
@@ -24,8 +24,8 @@ const LINK_RADIUS_PX: f32 = 1.0;
 
 /// Logs `products` of `detector` at the current time and returns the entities they became.
 ///
-/// Labels of points become columns of the points of the scan: two bytes a point that compress well, where the positions
-/// again would be twelve that do not.
+/// Labels of points become columns of the points of the scan, which compress well, where the positions again would be twelve
+/// bytes a point that do not: colours, and for classes of surfaces also class ids, by which a viewer names them.
 ///
 /// # Errors
 ///
@@ -39,11 +39,14 @@ pub fn log_products(
     for product in products {
         check_length(points.n_points_of_scan(), detector, product)?;
     }
-    let columns = products.iter().filter_map(|product| {
-        let ids = point_ids(points, &product.shape)?;
-        Some(archetypes::class_ids(ids, entity_paths::label_column(detector, product)))
-    });
-    let columns: Vec<SerializedComponentBatch> = columns.collect();
+    let mut columns: Vec<SerializedComponentBatch> = Vec::new();
+    for (product, PointColumns { colors, class_ids }) in
+        products.iter().filter_map(|it| Some((it, PointColumns::of(detector, it)?)))
+    {
+        columns.extend(point_colors(points, &product.shape).map(|it| archetypes::colors(it, colors)));
+        let ids = point_ids(points, &product.shape).zip(class_ids);
+        columns.extend(ids.map(|(ids, column)| archetypes::class_ids(ids, column)));
+    }
     if !columns.is_empty() {
         recording::log(stream, entity_paths::POINTS, &columns)?;
     }
@@ -144,19 +147,25 @@ fn log_links(
     Ok(())
 }
 
-/// The class id of every point that is drawn; none if the product does not label points.
-fn point_ids(points: &DrawnPoints, shape: &Shape) -> Option<Vec<u16>> {
-    let no_cluster = legend::surface_id(SurfaceClass::Unseen);
+/// The colour of every point that is drawn; none if the product does not label points.
+fn point_colors(points: &DrawnPoints, shape: &Shape) -> Option<Vec<Rgb>> {
+    let no_cluster = palette::surface_color(SurfaceClass::Unseen);
     match shape {
         Shape::LabeledPoints(classes) => {
-            Some(points.indices().map(|point_idx| legend::surface_id(classes[point_idx])).collect())
+            Some(points.indices().map(|point_idx| palette::surface_color(classes[point_idx])).collect())
         }
         Shape::Clusters(clusters) => {
-            let id = |point_idx: usize| clusters[point_idx].map_or(no_cluster, legend::cluster_id);
-            Some(points.indices().map(id).collect())
+            let color = |point_idx: usize| clusters[point_idx].map_or(no_cluster, palette::cluster_color);
+            Some(points.indices().map(color).collect())
         }
         _ => None,
     }
+}
+
+/// The class id of every point that is drawn; none if the product does not classify points.
+fn point_ids(points: &DrawnPoints, shape: &Shape) -> Option<Vec<u16>> {
+    let Shape::LabeledPoints(classes) = shape else { return None };
+    Some(points.indices().map(|point_idx| legend::surface_id(classes[point_idx])).collect())
 }
 
 fn check_length(n_points: usize, detector: &str, product: &StageProduct) -> Result<(), StreamError> {

@@ -23,7 +23,7 @@ const MARK_LENGTH_M: f32 = 3.5;
 
 /// Logs the points that are drawn and the annotations of a scan at the current time.
 ///
-/// The points have no colour: each detector adds columns of class ids, and its view chooses one.
+/// The points are grey: each detector adds columns of colours, and its view chooses one.
 ///
 /// # Errors
 ///
@@ -36,7 +36,8 @@ pub fn log_scan(
     let scan = view.scan;
     let cloud = &scan.cloud;
     let positions_m = drawn_points.indices().map(|point_idx| cloud.position_m(point_idx));
-    let points = archetypes::points(positions_m, Radius::new_ui_points(POINT_RADIUS_PX));
+    let radius = Radius::new_ui_points(POINT_RADIUS_PX);
+    let points = archetypes::points(positions_m, radius, legend::rgba(palette::GREY));
     recording::log(stream, entity_paths::POINTS, &points)?;
 
     let drawn = scan.annotations.iter().filter_map(|it| Some((it, drawn_box(it, cloud)?)));

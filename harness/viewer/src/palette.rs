@@ -34,6 +34,11 @@ pub const BACKGROUND: Rgb = [16, 17, 21];
 /// Hues for things that have no meaning of their own, such as clusters; neighbours in the list differ most.
 pub const CYCLE: [Rgb; 7] = [SKY_BLUE, ORANGE, BLUISH_GREEN, REDDISH_PURPLE, YELLOW, BLUE, VERMILION];
 
+/// The colour of cluster `cluster`; clusters share a few colours in turn.
+pub fn cluster_color(cluster: u32) -> Rgb {
+    CYCLE[cluster as usize % CYCLE.len()]
+}
+
 /// The hue of the detector at `detector_idx` in the order of the run, as in plots and on pages.
 pub fn detector_color(detector_idx: usize) -> Rgb {
     detector_hue(detector_idx).on_dark
@@ -102,11 +107,11 @@ pub fn score_color(score: f32) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use evaluation::run::detector_list::DEFAULT_DETECTORS;
+    use reports::plots::palette::DETECTOR_HUES;
 
     #[test]
     fn no_detector_has_the_colour_of_right_or_wrong_nor_that_of_another() {
-        let colors: Vec<Rgb> = (0..DEFAULT_DETECTORS.len()).map(detector_color).collect();
+        let colors: Vec<Rgb> = (0..DETECTOR_HUES.len()).map(detector_color).collect();
         for (idx, color) in colors.iter().enumerate() {
             assert!(![MATCHED, MISSED, FALSE, IGNORED].contains(color), "{idx}");
             assert!(!colors[..idx].contains(color), "{idx}");

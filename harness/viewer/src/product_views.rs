@@ -2,9 +2,9 @@
 
 use detector::StageProduct;
 use detector::stage_product::Shape;
-use rerun::{ComponentIdentifier, EntityPath};
+use rerun::EntityPath;
 
-use super::entity_paths::{self, ProductKind};
+use super::entity_paths::{self, PointColumns, ProductKind};
 
 /// What the views of one detector show, as far as it follows from its stage products.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,9 +12,9 @@ pub struct DetectorViews {
     /// Its name.
     pub detector: String,
     /// What the points are taken for in the end, or else which clusters they belong to.
-    pub surfaces: Option<ComponentIdentifier>,
+    pub surfaces: Option<PointColumns>,
     /// Which clusters they belong to in the end.
-    pub clusters: Option<ComponentIdentifier>,
+    pub clusters: Option<PointColumns>,
     /// What each stage left behind, in the order of the stages.
     pub stages: Vec<StageView>,
 }
@@ -27,7 +27,7 @@ pub struct StageView {
     /// What is drawn.
     pub entities: Vec<EntityPath>,
     /// What colours the points: the labels of this stage, or else of the one before.
-    pub labels: Option<ComponentIdentifier>,
+    pub labels: Option<PointColumns>,
     /// It is a picture of cells, which points would hide, or be hidden by.
     pub is_of_cells: bool,
 }
@@ -38,10 +38,10 @@ impl DetectorViews {
         let mut views =
             Self { detector: detector.to_owned(), surfaces: None, clusters: None, stages: Vec::new() };
         for product in products {
-            let column = entity_paths::label_column(detector, product);
+            let columns = PointColumns::of(detector, product);
             match product.shape {
-                Shape::LabeledPoints(_) => views.surfaces = Some(column),
-                Shape::Clusters(_) => views.clusters = Some(column),
+                Shape::LabeledPoints(_) => views.surfaces = columns,
+                Shape::Clusters(_) => views.clusters = columns,
                 _ => {}
             }
             let is_same = |it: &StageView| it.stage == product.stage;
@@ -58,7 +58,7 @@ impl DetectorViews {
             view.is_of_cells |= matches!(product.shape, Shape::Cells { .. } | Shape::Links(_));
             match ProductKind::of(&product.shape) {
                 Some(kind) => view.entities.push(entity_paths::stage_product(detector, kind, product)),
-                None => view.labels = Some(column),
+                None => view.labels = columns,
             }
         }
         // A detector that does not say what points are shows at least which belong together.
@@ -88,10 +88,10 @@ mod tests {
             product("boxes", "boxes", Shape::Boxes(Vec::new())),
         ];
         let views = DetectorViews::of("grid", &products);
-        let column = Some(entity_paths::label_column("grid", &products[1]));
-        assert_eq!((views.surfaces, views.clusters), (column, None));
+        let columns = PointColumns::of("grid", &products[1]);
+        assert!(columns.is_some() && (views.surfaces, views.clusters) == (columns, None));
         let described: Vec<_> =
             views.stages.iter().map(|it| (it.stage, it.entities.len(), it.labels)).collect();
-        assert_eq!(described, [("walls", 1, None), ("foreground", 0, column), ("boxes", 2, column)]);
+        assert_eq!(described, [("walls", 1, None), ("foreground", 0, columns), ("boxes", 2, columns)]);
     }
 }

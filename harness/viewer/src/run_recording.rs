@@ -10,6 +10,7 @@ use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder
 use evaluation::run::side_by_side::DetectorScan;
 use reports::files::unfinished::{Kind, Unfinished};
 use reports::numbers::tally::Tally;
+use reports::rows::counts::Counts;
 use scans::dataset::{DatasetDescription, DatasetError};
 use tempfile::NamedTempFile;
 
@@ -119,10 +120,9 @@ impl ScanRecorder for RunRecording {
             let products = detector.stage_products(&scan.cloud);
             let criterion = judged.watched.criterion;
             let evidence = Evidence::gather(scan, &result.output.detections, &products, criterion);
-            let f_rates = result
-                .assignments
-                .iter()
-                .map(|it| self.tally.counts(&description.id, it.task, result.detector)?.f_rate());
+            let f_rates = result.assignments.iter().map(|it| {
+                self.tally.counts(&description.id, it.task, result.detector)?.drawn(Counts::f_rate)
+            });
             let tasks = task_views(result, description, &evidence, f_rates);
             let view = DetectorView {
                 name: result.detector,

@@ -10,6 +10,7 @@ use evaluation::run::side_by_side::{DetectionTimes, DetectorScan};
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::{SweepScore, SweepScores};
+use reports::rows::counts::Counts;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::sweep_entry::SweptParameter;
 use reports::vocabulary::extent::Extent;
@@ -86,7 +87,7 @@ pub fn record_sweep(
             let compared_detector = ComparedDetector::of(chosen.clone(), &plan.points[point_idx].config);
             let detector = compared_detector.begin(description);
             let of_detector = there.iter().filter(|it| it.subject.detector == compared_detector.name);
-            let f_rates = of_detector.map(|it| it.counts.f_rate());
+            let f_rates = of_detector.map(|it| it.counts.drawn(Counts::f_rate));
             look_again(&mut stream, &scan, description, detector, &config.matching, f_rates)?;
         }
     }

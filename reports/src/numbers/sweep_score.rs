@@ -132,10 +132,10 @@ impl FitnessValue {
 }
 
 impl SweepScore {
-    /// The F-rate; where it cannot be known, the recall.
+    /// The F-rate; where it cannot be known, the recall. Nothing where nothing is annotated.
     pub fn rate(&self) -> Option<f64> {
         match self.counts.fo() {
-            Some(_) => self.counts.f_rate(),
+            Some(_) => self.counts.drawn(Counts::f_rate),
             None => self.counts.recall(),
         }
     }

@@ -16,7 +16,7 @@ pub(super) fn labels(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
             let picture = wide_picture(&title, &svg, &html! {
                 "All " (labels.n_boxes) " boxes of class " (labels.class.name()) " in a few scans of " (id)
                 ", laid over one another: the mean box, its front to the right, and the points around it; each shade is half as full as the \
-                 next darker one. From above, points belong along the sides, without those of the ground. From the side, the ground belongs \
+                 next fuller one. From above, points belong along the sides, without those of the ground. From the side, the ground belongs \
                  at the bottom."
             });
             let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };

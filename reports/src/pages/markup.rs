@@ -3,6 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 
 use crate::plots::themed_panel::{Arrangement, KeyEntry, ThemedPanel, sheet};
+use crate::tables::folding::pieces;
 use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
 use crate::tables::notes::Notes;
 use crate::tables::sheet::Sheet;
@@ -69,8 +70,26 @@ pub(super) fn key(entries: &[KeyEntry]) -> Markup {
     }
 }
 
-/// A table that scrolls sideways where it is too wide, by keyboard too.
+/// So many characters of a table stand side by side on a wide screen, and on paper.
+const TABLE_WIDTH: usize = 100;
+
+/// A table, in pieces below each other where it is too wide for a page. Each scrolls sideways, by keyboard too, where the
+/// screen is narrower.
 pub(super) fn table(grid: &Grid, notes: &Notes, label: &str) -> Markup {
+    let pieces = pieces(grid, notes, TABLE_WIDTH);
+    let n_pieces = pieces.len();
+    html! {
+        @for (piece, number) in pieces.iter().zip(1..) {
+            @if n_pieces == 1 {
+                (piece_of_table(piece, notes, label))
+            } @else {
+                (piece_of_table(piece, notes, &format!("{label} ({number} of {n_pieces})")))
+            }
+        }
+    }
+}
+
+fn piece_of_table(grid: &Grid, notes: &Notes, label: &str) -> Markup {
     let fraction_widths = grid.fraction_widths();
     let groups = grid.groups();
     let n_row_heads = grid.columns.iter().take_while(|it| it.alignment == Alignment::Left).count();

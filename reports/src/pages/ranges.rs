@@ -47,3 +47,32 @@ fn annotations(of_task: &TaskRanges) -> String {
     let bins = bins.map(|(bin, n)| format!("{n} within {} m", bin.replace('-', "–")));
     bins.collect::<Vec<_>>().join(", ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pages::sample_run::{SampleRun, USUAL};
+
+    #[test]
+    fn a_curve_has_no_point_where_nothing_is_annotated() {
+        let facts = RunFacts::read(SampleRun { false_m: 90.0, ..USUAL }.write().path()).unwrap();
+        let of_task = &facts.pools[0].ranges[0];
+        assert_eq!(
+            (of_task.bins.last().map(String::as_str), &*of_task.n_annotations),
+            (Some("80+"), &[36, 24, 48, 12, 0][..])
+        );
+        for (rate, series) in &of_task.rates {
+            for of_detector in series {
+                let drawn: Vec<bool> = of_detector.positions.iter().map(Option::is_some).collect();
+                // From 50 to 80 m nothing is detected, so that there is no precision, either.
+                assert_eq!(
+                    drawn,
+                    [true, true, true, *rate != "precision", false],
+                    "{rate} of {}",
+                    of_detector.name
+                );
+            }
+        }
+        assert_eq!(of_task.rates.len(), 3);
+    }
+}

@@ -11,6 +11,7 @@ use crate::numbers::pools::Pool;
 use crate::numbers::precision_recall_row::PrecisionRecallRow;
 use crate::numbers::run_report::{RunReport, Subject};
 use crate::numbers::tally::Tally;
+use crate::plots::marks::SeriesMark;
 use crate::plots::series::{Position, Series};
 use crate::protocols::given_classes::GivenClasses;
 use crate::protocols::protocol_report::ProtocolReport;
@@ -274,22 +275,24 @@ fn task_ranges(
     let sample =
         |detector: &str, slice: Slice| tally.sample(&Question { dataset, task, detector, slice }, draws);
     // They are the same for every detector.
-    let n_annotations = |&slice: &Slice| {
-        let of_detectors = detectors.iter().filter_map(|it| sample(it, slice));
+    let n_annotations = |slice: &Slice| {
+        let of_detectors = detectors.iter().filter_map(|it| sample(it, *slice));
         of_detectors.map(|it| it.total.of(Term::Annotations) as u64).max().unwrap_or(0)
     };
+    let n_annotations: Vec<u64> = slices.iter().map(n_annotations).collect();
     let rate = |detector: &str, (bin, slice): (u32, &Slice), metric: &Metric| {
-        let sample = sample(detector, *slice)?;
+        // Where nothing is annotated a single false detection would be a precision and an F-rate of 0.
+        let sample = sample(detector, *slice).filter(|_| n_annotations[bin as usize] > 0)?;
         let within = Distribution::new(sample.resampled_values(metric), sample.blocks)
             .map(|it| it.interval().ends.map(|it| 100.0 * it));
         Some(Position { x: bin.into(), y: 100.0 * sample.value(metric)?, within })
     };
     let of_detectors = |metric: &Metric| {
-        let of_detector = |it: &String| {
+        let of_detector = |(detector_idx, it): (usize, &String)| {
             let rates = (0..).zip(&slices).map(|bin| rate(it, bin, metric));
-            Series { name: it.clone(), positions: rates.collect() }
+            Series { name: it.clone(), mark: SeriesMark(detector_idx), positions: rates.collect() }
         };
-        detectors.iter().map(of_detector).collect::<Vec<_>>()
+        detectors.iter().enumerate().map(of_detector).collect::<Vec<_>>()
     };
     let rates = [("precision", Metric::Precision), ("recall", Metric::Recall), ("F-rate", Metric::FRate)];
     let rates = rates.into_iter().map(|(name, metric)| (name, of_detectors(&metric)));
@@ -298,7 +301,6 @@ fn task_ranges(
         |(_, rates): &(_, Vec<Series>)| rates.iter().flat_map(|it| &it.positions).any(Option::is_some);
     let rates: Vec<_> = rates.filter(is_defined).collect();
     let bins = slices.iter().map(|it| it.name().trim_start_matches("range/").to_owned()).collect();
-    let n_annotations = slices.iter().map(n_annotations).collect();
     (!rates.is_empty()).then_some(TaskRanges { task, bins, n_annotations, rates })
 }
 

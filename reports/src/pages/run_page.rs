@@ -111,7 +111,7 @@ fn short(facts: &RunFacts, tables: Vec<TaskTable>) -> RunInShort {
             .map_or_else(Vec::new, |it| ProtocolInShort::all(it, &facts.manifest, &facts.given)),
         agreement: facts.agreement.clone(),
         verdict: verdict
-            .chain(facts.speeds.iter().filter_map(Speeds::sentence))
+            .chain(facts.speeds.iter().filter(|it| !it.is_doubted).filter_map(Speeds::sentence))
             .chain(times_doubts(&facts.manifest, &facts.report))
             .collect(),
     }
@@ -215,6 +215,16 @@ mod tests {
         let html = page(&SampleRun { detectors: &["pca"], ..USUAL }).html;
         check_holds(&html, &["pca has an F-rate of 90.0 %", "pca takes 4.00 ms for a scan (median)."]);
         assert!(!html.contains("leads with") && !html.contains("× faster"));
+    }
+
+    #[test]
+    fn nothing_rests_on_times_of_a_busy_machine() {
+        let page = page(&SampleRun { processor_share: 0.6, ..USUAL });
+        let said = "No statement on speed: the machine was busy, so times are unreliable.";
+        check_holds(&page.html, &[said, "250<sup>‖</sup>", "‖ unreliable: the machine was busy."]);
+        assert!(!page.html.contains("× faster"), "{}", page.html);
+        let verdict = page.short.verdict.join(" ");
+        assert!(verdict.contains("Times are unreliable") && !verdict.contains("faster"), "{verdict}");
     }
 
     #[test]

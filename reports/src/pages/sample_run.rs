@@ -32,6 +32,10 @@ pub(super) struct SampleRun<'a> {
     pub(super) n_blocks: u32,
     /// The last detector gave no answer to so many of the first of them.
     pub(super) n_failed: u32,
+    /// The share of its time that each detector has a processor.
+    pub(super) processor_share: f64,
+    /// How far away something is detected that is not there.
+    pub(super) false_m: f32,
 }
 
 /// Three detectors on a simulated street.
@@ -42,6 +46,8 @@ pub(super) const USUAL: SampleRun<'_> = SampleRun {
     class: AnnotationClass::Car,
     n_blocks: 12,
     n_failed: 0,
+    processor_share: 1.0,
+    false_m: 60.0,
 };
 
 const N_OBJECTS: u64 = 10;
@@ -150,7 +156,7 @@ impl SampleRun<'_> {
                 }
             });
             let mut false_one = detection(N_OBJECTS);
-            false_one.bounding_box = box_at(N_OBJECTS);
+            false_one.bounding_box.center_m = [self.false_m, 3.0, 0.0];
             let beyond = if knows_false(dataset) || task == Task::Vehicles {
                 MatchOutcome::False { detection: false_one, reason: FalseReason::NothingThere }
             } else {
@@ -179,6 +185,7 @@ impl SampleRun<'_> {
                     rows.push(row(Metric::FailedScans, f64::from(self.n_failed)));
                 }
                 rows.push(row(Metric::FpsMean, 1000.0 / median_ms));
+                rows.push(row(Metric::CpuMean, self.processor_share * median_ms));
                 rows.push(row(Metric::Latency(LatencyStatistic::P50), median_ms));
                 rows.push(row(Metric::StageP50("dense_level".to_owned()), median_ms));
             }

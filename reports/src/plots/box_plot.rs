@@ -21,7 +21,7 @@ pub fn box_plot(lines: &[BoxErrorLine], title: &str) -> String {
         heading.push(key_name(fit, LEFT_PX + 24.0, y_px));
     }
     let rows = BoxError::OF_SLICES.map(|error| (ROW_PX, row(lines, error)));
-    Figure { width_px: 1000, heading_px: 166, heading, rows: rows.into() }.svg()
+    Figure { width_px: 1000, heading_px: 166, heading, rows: rows.into() }.svg(title)
 }
 
 /// The panels of an error, to the same scale.

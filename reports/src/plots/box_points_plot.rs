@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use super::figure::{Axis, Chart, Figure, Frame, Grid, Panel, TEXT_PX, USUAL_FRAME};
 use super::marks::{LINE_WIDTH_PX, Mark, color};
-use super::palette::{BLUE, VERMILION};
+use super::palette::{N_SHADES, VERMILION, shade_hue};
 use crate::numbers::box_points::{Across, BoxPoints, CELL_M};
 
 const PANEL_WIDTH_PX: u32 = 420;
@@ -21,8 +21,6 @@ const FRAME: Frame = Frame {
 };
 /// What is shown beyond the box, as a share of its length and of its width.
 const BEYOND: [f64; 2] = [0.3, 0.5];
-/// Shades of the cells. The darkest is for the fullest, and each holds half of what the next one does.
-const N_SHADES: u32 = 7;
 
 /// The panels of each class in a row, to the same scale within the row, as an SVG document. `title` says what is shown, and
 /// whether it is simulated.
@@ -38,7 +36,7 @@ pub fn box_points_plot(rows: &[Vec<BoxPoints>], title: &str) -> String {
         heading: vec![Mark::title(title, (16.0, 24.0))],
         rows: rows.iter().map(row).collect(),
     };
-    figure.svg()
+    figure.svg(title)
 }
 
 /// Half of what is shown along and across, in metres: the largest box of the row and some room.
@@ -88,15 +86,16 @@ fn panel(points: &BoxPoints, [half_length_m, half_width_m]: [f64; 2]) -> Panel {
     Chart { caption, frame: FRAME, ..Chart::new(x, y, marks) }.into()
 }
 
-/// 1 to [`N_SHADES`] for what holds so much of what the fullest cell holds; nothing for less than the lightest.
+/// 1 to [`N_SHADES`] for what holds so much of what the fullest cell holds, each for half of what the next one holds; nothing
+/// for less than the first.
 fn shade(of_fullest: f64) -> Option<u32> {
     let steps_below = (-of_fullest.log2()).floor();
     (steps_below < f64::from(N_SHADES)).then(|| N_SHADES - steps_below.max(0.0) as u32)
 }
 
-/// Between white and the colour of the fullest. Without transparency, of which files become large.
+/// Without transparency, of which files become large.
 fn color_of(shade: u32) -> RGBColor {
-    color(BLUE.map(|channel| (255 - (255 - u32::from(channel)) * shade / N_SHADES) as u8))
+    color(shade_hue(shade).on_light)
 }
 
 /// Cells of one shade above one another.

@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::figure::{
     Axis, Chart, Figure, Frame, LEFT_MARGIN_PX, LEFT_PX, LEFT_ROOM_PX, Labels, Panel, TEXT_PX, USUAL_FRAME,
 };
-use super::marks::{BLACK, Mark, text_style};
+use super::marks::{BLACK, Mark, SeriesMark, text_style};
 use super::series::{KEY_LINE_PX, Points, Position, Series, key_lines, key_name, series_marks};
 
 const WIDTH_PX: u32 = 900;
@@ -50,17 +50,24 @@ impl CurvePanel {
     }
 }
 
-/// The panels below each other, under a `title` and the key to the series of the first.
+/// The panels below each other, under a `title` and the key to their series.
 pub(crate) fn curve_figure(panels: &[CurvePanel], title: &str) -> Figure {
-    let names: Vec<&str> =
-        panels.first().iter().flat_map(|it| &it.series).map(|it| it.name.as_str()).collect();
+    let series = panels.iter().flat_map(|it| &it.series).map(|it| (it.mark, it.name.as_str()));
+    let mut key: Vec<(SeriesMark, &str)> = Vec::new();
+    for entry in series {
+        if !key.contains(&entry) {
+            key.push(entry);
+        }
+    }
     // A single series needs no key.
-    let names = if names.len() > 1 { &names[..] } else { &[] };
+    if key.len() == 1 {
+        key.clear();
+    }
     let mut heading = vec![Mark::title(title, (LEFT_MARGIN_PX.into(), 20.0))];
-    heading.extend(key_lines(names.iter().copied(), 50.0));
+    heading.extend(key_lines(key.iter().copied(), 50.0));
     Figure {
         width_px: WIDTH_PX,
-        heading_px: 40 + KEY_LINE_PX * names.len() as u32 + 6,
+        heading_px: 40 + KEY_LINE_PX * key.len() as u32 + 6,
         heading,
         rows: panels.iter().map(|it| (PANEL_PX, vec![drawn(it)])).collect(),
     }
@@ -141,13 +148,13 @@ mod tests {
         let positions = positions.iter().map(position).collect();
         CurvePanel {
             title: "objects".to_owned(),
-            series: vec![Series { name: "hierarchical".to_owned(), positions }],
+            series: vec![Series { name: "hierarchical".to_owned(), mark: SeriesMark(0), positions }],
             ..CurvePanel::over("cell size (m)", "F-rate (%)")
         }
     }
 
     fn svg(panels: &[CurvePanel], title: &str) -> String {
-        curve_figure(panels, title).svg()
+        curve_figure(panels, title).svg(title)
     }
 
     #[test]
@@ -155,12 +162,26 @@ mod tests {
         let mut two = panel(&[(0.2, 3.0), (0.4, 4.0)]);
         let single = svg(&[two.clone()], "Street (simulated)");
         assert!(!single.contains("hierarchical"), "{single}");
-        two.series.push(Series { name: "pca".to_owned(), positions: two.series[0].positions.clone() });
+        let pca = Series { name: "pca".to_owned(), mark: SeriesMark(4), ..two.series[0].clone() };
+        two.series.push(pca);
         let both = svg(&[two], "Street (simulated)");
         check_holds(
             &both,
             &["cell size (m)", "F-rate (%)", "hierarchical", "pca", "Street (simulated)", "objects"],
         );
+    }
+
+    #[test]
+    fn a_detector_has_the_same_colour_where_others_are_missing() {
+        let mut both = panel(&[(0.2, 3.0), (0.4, 4.0)]);
+        let pca = Series { name: "pca".to_owned(), mark: SeriesMark(1), ..both.series[0].clone() };
+        both.series.push(pca.clone());
+        let alone = CurvePanel { series: vec![pca], ..both.clone() };
+        let svg = svg(&[alone, both], "");
+        // Of each detector its line in the key, then on the panels: intervals, line and markers are elements of their own.
+        let n_of = |class: &str| svg.matches(&format!("class=\"{class}\"")).count();
+        assert!(n_of("k-d1") > n_of("k-d0") && n_of("k-d0") > 0, "{svg}");
+        assert_eq!(svg.matches(">pca</text>").count(), 1);
     }
 
     #[test]

@@ -7,7 +7,8 @@ use super::bar_chart::{bar_chart, bar_key};
 use super::figure::{
     Axis, Chart, Figure, Frame, LEFT_MARGIN_PX, LEFT_PX, LEFT_ROOM_PX, Labels, Scale, TEXT_PX, USUAL_FRAME,
 };
-use super::marks::{BLACK, Mark, color, text_style};
+use super::marks::{BLACK, Mark, SeriesMark, color, text_style};
+use super::palette::BAND;
 use super::series::{Points, Position, Series, key_lines, series_marks};
 use crate::numbers::curve_pair::{ALIKE_FACTOR, CurveBin, CurvePair, Measured, Sides};
 
@@ -30,10 +31,11 @@ pub fn curve_plot(curves: &CurvePair, names: Sides<&str>) -> String {
         Some([from_m, to_m])
     });
     let by = curves.bins_of.map_or_else(String::new, |it| format!(" by {it}"));
-    let mut heading = vec![Mark::title(&format!("{}{by}", curves.title), (LEFT_PX, 20.0))];
+    let title = format!("{}{by}", curves.title);
+    let mut heading = vec![Mark::title(&title, (LEFT_PX, 20.0))];
     let names = [format!("left: {}", names.left), format!("right: {}", names.right)];
     let rows = if let Some(ends_m) = ends_m {
-        heading.extend(key_lines(names.iter().map(String::as_str), 48.0));
+        heading.extend(key_lines((0..).map(SeriesMark).zip(names.iter().map(String::as_str)), 48.0));
         vec![
             (CURVES_PX, vec![line_chart(curves, ends_m).into()]),
             (PANELS_PX - CURVES_PX, vec![ratio_chart(curves, ends_m).into()]),
@@ -42,7 +44,7 @@ pub fn curve_plot(curves: &CurvePair, names: Sides<&str>) -> String {
         heading.extend(bar_key(&names, 48.0));
         vec![(PANELS_PX, vec![bar_chart(curves).into()])]
     };
-    Figure { width_px: 900, heading_px: HEADING_PX, heading, rows }.svg()
+    Figure { width_px: 900, heading_px: HEADING_PX, heading, rows }.svg(&title)
 }
 
 /// Both curves, on a scale on which the same ratio is the same distance everywhere. Values of 0, which have no position on
@@ -50,7 +52,11 @@ pub fn curve_plot(curves: &CurvePair, names: Sides<&str>) -> String {
 fn line_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
     let ends = value_range(curves);
     let sides: [fn(&CurveBin) -> Measured; 2] = [|bin| bin.measured.left, |bin| bin.measured.right];
-    let series = sides.map(|side| Series { name: String::new(), positions: positions(curves, side) });
+    let series = [0, 1].map(|idx| Series {
+        name: String::new(),
+        mark: SeriesMark(idx),
+        positions: positions(curves, sides[idx]),
+    });
     let x = Axis::linear("", ends_m, 16).labelled(Labels::Blank);
     let y = Axis::linear(format!("{} ({})", curves.title, curves.unit), ends, 11);
     let y = Axis { scale: Scale::Logarithmic(ends), ..y };
@@ -81,7 +87,7 @@ fn ratio_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
     let x = Axis::linear(format!("{} (m)", curves.bins_of.unwrap_or_default()), ends_m, 16);
     let y = Axis::linear("ratio, left / right", [-reach, reach], 7).labelled(Labels::Ratios);
     let frame = Frame { margins_px: [0, 20, 0, LEFT_MARGIN_PX], ..USUAL_FRAME };
-    let band = Mark::rectangle([(ends_m[0], -band), (ends_m[1], band)], color([225; 3]));
+    let band = Mark::rectangle([(ends_m[0], -band), (ends_m[1], band)], color(BAND));
     Chart { frame, band: Some(band), ..Chart::new(x, y, marks) }
 }
 

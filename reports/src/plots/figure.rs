@@ -11,7 +11,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::marks::{BLACK, Mark, QUIET, text_style};
-use super::svg_backend::{Colours, SvgBackend};
+use super::svg_backend::SvgBackend;
 use super::themed_panel::ThemedPanel;
 use crate::files::fixed_decimals::fixed_decimals;
 
@@ -131,38 +131,29 @@ impl Figure {
         Self { width_px, heading_px: height_px, heading: marks, rows: Vec::new() }
     }
 
-    /// A document in the colours of print.
-    pub fn svg(&self) -> String {
-        let [width, height] = self.size_px();
-        let elements = self.elements(Colours::Print);
-        let head = format!(
-            "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\">"
-        );
-        format!("{head}\n{elements}</svg>\n\n")
+    /// A document that stands alone; `label` says what is seen.
+    pub fn svg(&self, label: &str) -> String {
+        self.panel(label.to_owned()).document()
     }
 
     /// For a page; `label` says what is seen.
     pub fn panel(&self, label: String) -> ThemedPanel {
-        ThemedPanel { size_px: self.size_px(), label, elements: self.elements(Colours::Themed) }
+        ThemedPanel { size_px: self.size_px(), label, elements: self.elements() }
     }
 
     fn size_px(&self) -> [u32; 2] {
         [self.width_px, self.heading_px + self.rows.iter().map(|(height_px, _)| height_px).sum::<u32>()]
     }
 
-    fn elements(&self, colours: Colours) -> String {
+    fn elements(&self) -> String {
         let mut elements = String::new();
-        let size_px = self.size_px().into();
-        let backend = SvgBackend { elements: &mut elements, size_px, colours };
-        self.draw(&backend.into_drawing_area(), colours)
+        let backend = SvgBackend { elements: &mut elements, size_px: self.size_px().into() };
+        self.draw(&backend.into_drawing_area())
             .expect("the panels have room, and memory takes all that is drawn");
         elements
     }
 
-    fn draw(&self, root: &Area<'_>, colours: Colours) -> Drawn {
-        if colours == Colours::Print {
-            root.fill(&WHITE)?;
-        }
+    fn draw(&self, root: &Area<'_>) -> Drawn {
         let part = |left: u32, top: u32, size_px: (u32, u32)| {
             root.clone().shrink((left as i32, top as i32), (size_px.0 as i32, size_px.1 as i32))
         };
@@ -340,7 +331,10 @@ mod tests {
         let page = figure.panel("a < b".to_owned()).inline();
         check_holds(&page, &["k-d1", "k-grid", "f-ink", "x &lt; y &amp;", "<title>a &lt; b</title>"]);
         assert_eq!((page.matches("<svg").count(), page.matches(" id=").count()), (1, 0), "{page}");
-        let print = figure.svg();
-        assert!(!print.contains("class=") && print.contains("#FFFFFF"), "{print}");
+        let alone = figure.svg("a < b");
+        check_holds(
+            &alone,
+            &["f-paper", "fill=\"#FFFFFF\"", "prefers-color-scheme: dark", "stroke=\"#D55E00\""],
+        );
     }
 }

@@ -2,7 +2,7 @@
 
 use super::curve_panels::{CurvePanel, Note, curve_figure};
 use super::series::{Position, Series};
-use super::sweep_panels::{about_bars, curves_of, heading, words};
+use super::sweep_panels::{about_bars, curves_of, heading, marks_of, words};
 use crate::numbers::sweep_curve::{SweepCurve, highest};
 use crate::numbers::sweep_score::{FitnessValue, SweepScores};
 use crate::vocabulary::extent::Extent;
@@ -15,16 +15,22 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
     let curves: Vec<_> = curves_of(sweep, extent).into_iter().filter(SweepCurve::sweeps_cells).collect();
     let first = curves.first()?;
     let n_readings = first.first().cells.as_ref().map_or(0, |it| it.readings.len());
+    let marks = marks_of(sweep);
     let panels = (0..n_readings).map(|reading_idx| {
-        let mut series: Vec<Series> = Vec::new();
+        let (mut series, mut of_detectors): (Vec<Series>, Vec<String>) = Default::default();
         for curve in &curves {
             let positions: Vec<_> =
                 readings(curve, reading_idx).map(|(x, it)| fitness_position(x, it)).collect();
             // Tasks, and parameters that are none of the grid's, have the same cells.
             if series.iter().all(|it| it.positions != positions) {
-                let subject = &curve.first().subject;
-                let name = curve.named(&subject.detector);
-                series.push(Series { name, positions });
+                let detector = &curve.first().subject.detector;
+                let turn = of_detectors.iter().filter(|it| *it == detector).count();
+                of_detectors.push(detector.clone());
+                series.push(Series {
+                    name: curve.named(detector),
+                    mark: marks.mark(detector, turn),
+                    positions,
+                });
             }
         }
         let mut notes = Vec::new();
@@ -59,7 +65,7 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
         }
     });
     let title = format!("Cell fitness, {}. Ring: best fitness. {}", heading(&curves), about_bars(&curves));
-    Some(curve_figure(&panels.collect::<Vec<_>>(), &title).panel(title).document())
+    Some(curve_figure(&panels.collect::<Vec<_>>(), &title).svg(&title))
 }
 
 fn readings<'a>(

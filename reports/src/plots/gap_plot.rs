@@ -2,7 +2,7 @@
 
 use super::figure::{Axis, Chart, Figure, LEFT_PX, Panel};
 use super::marks::Mark;
-use super::series::{KEY_LINE_PX, Points, Position, Series, key_lines, series_marks};
+use super::series::{DetectorMarks, KEY_LINE_PX, Points, Position, Series, key_lines, series_marks};
 use crate::numbers::gap_curve::GapCurve;
 use crate::tables::studies::gap_table::curves_by_range;
 
@@ -13,22 +13,24 @@ const PANEL_PX: u32 = 270;
 /// share. `title` says what the pairs are, and that they are simulated.
 pub fn gap_plot(curves: &[GapCurve], title: &str) -> String {
     let ranges = curves_by_range(curves);
+    let marks = DetectorMarks::of(curves.iter().map(|it| it.detector.as_str()));
     let n_series = ranges.iter().map(Vec::len).max().unwrap_or(0);
     let mut heading = Vec::new();
     if let Some(of_range) = ranges.first() {
         heading.push(Mark::title(title, (LEFT_PX, 20.0)));
-        heading.extend(key_lines(of_range.iter().map(|it| it.detector.as_str()), 50.0));
+        let key = of_range.iter().map(|it| (marks.mark(&it.detector, 0), it.detector.as_str()));
+        heading.extend(key_lines(key, 50.0));
     }
     let figure = Figure {
         width_px: WIDTH_PX,
         heading_px: 40 + KEY_LINE_PX * n_series as u32 + 10,
         heading,
-        rows: ranges.iter().map(|it| (PANEL_PX, vec![panel(it)])).collect(),
+        rows: ranges.iter().map(|it| (PANEL_PX, vec![panel(it, &marks)])).collect(),
     };
-    figure.svg()
+    figure.svg(title)
 }
 
-fn panel(curves: &[&GapCurve]) -> Panel {
+fn panel(curves: &[&GapCurve], marks: &DetectorMarks<'_>) -> Panel {
     let gaps_m = curves.iter().flat_map(|it| &it.points).map(|(gap_m, _)| *gap_m);
     let (least_m, most_m) =
         gaps_m.fold((f64::INFINITY, 0.0_f64), |(least, most), it| (least.min(it), most.max(it)));
@@ -36,7 +38,7 @@ fn panel(curves: &[&GapCurve]) -> Panel {
         return Panel::default();
     }
     let [from_m, to_m] = curves[0].range_m;
-    let series: Vec<Series> = curves.iter().map(|it| series(it)).collect();
+    let series: Vec<Series> = curves.iter().map(|it| series(it, marks)).collect();
     let shares = [-3.0, 103.0];
     let x_title = format!("gap (m), pairs {from_m} to {to_m} m from the sensor");
     let x = Axis::linear(x_title, [least_m - 0.06, most_m + 0.06], 12);
@@ -45,12 +47,13 @@ fn panel(curves: &[&GapCurve]) -> Panel {
 }
 
 /// The shares at the gaps at which pairs were judged.
-fn series(curve: &GapCurve) -> Series {
+fn series(curve: &GapCurve, marks: &DetectorMarks<'_>) -> Series {
     let positions = curve.points.iter().filter_map(|(gap_m, counts)| {
         let within = counts.separated_within()?.map(|it| it * 100.0);
         Some(Some(Position { x: *gap_m, y: counts.separated()? * 100.0, within: Some(within) }))
     });
-    Series { name: curve.detector.clone(), positions: positions.collect() }
+    let mark = marks.mark(&curve.detector, 0);
+    Series { name: curve.detector.clone(), mark, positions: positions.collect() }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The share of scans that are done within a time.
 
 use super::figure::{Axis, Scale};
+use super::marks::SeriesMark;
 use super::series::{Points, Position, Series};
 use super::small_panel::small_panel;
 use super::themed_panel::ThemedPanel;
@@ -15,7 +16,8 @@ pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<
     let to = (1.5 * most).max(12.0 * from);
     let series: Vec<Series> = of_detectors
         .iter()
-        .map(|(name, times)| Series { name: name.clone(), positions: steps(times) })
+        .zip((0..).map(SeriesMark))
+        .map(|((name, times), mark)| Series { name: name.clone(), mark, positions: steps(times) })
         .collect();
     let about = "share of scans that finish within a time in milliseconds";
     let scale = Scale::Logarithmic([from, to]);

@@ -113,7 +113,7 @@ pub(crate) fn bold_style(height_px: i32) -> TextStyle<'static> {
     style.pos(Pos::new(HPos::Left, VPos::Center))
 }
 
-/// How the series of this number is drawn: series differ by form as well as by colour; a sixth looks like the first.
+/// How the series of this number is drawn: series differ by form as well as by colour, and no two of sixty in both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SeriesMark(pub(crate) usize);
 

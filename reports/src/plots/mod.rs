@@ -3,7 +3,7 @@
 pub mod palette;
 pub mod theme;
 mod svg_backend;
-mod marks;
+pub(crate) mod marks;
 pub mod themed_panel;
 pub mod figure;
 pub(crate) mod series;

@@ -13,7 +13,7 @@ pub fn operating_plot(rows: &[OperatingRow], title: &str) -> String {
     let panels =
         vec![panel(roc, ["false-positive rate", "recall"]), panel(precision_recall, ["recall", "precision"])];
     let heading = vec![Mark::title(title, (LEFT_PX, 20.0))];
-    Figure { width_px: 900, heading_px: 40, heading, rows: vec![(440, panels)] }.svg()
+    Figure { width_px: 900, heading_px: 40, heading, rows: vec![(440, panels)] }.svg(title)
 }
 
 fn panel(positions: impl Iterator<Item = (f64, f64)>, names: [&str; 2]) -> Panel {

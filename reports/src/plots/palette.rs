@@ -7,8 +7,12 @@ pub type Rgb = [u8; 3];
 pub const BLACK: Rgb = [0, 0, 0];
 /// Behind what stands alone.
 pub const WHITE: Rgb = [255, 255, 255];
+/// Behind everything on a dark page.
+pub const DARK_PAPER: Rgb = [20, 22, 27];
 /// What is not data: grid lines, frames.
 pub const QUIET: Rgb = [215, 215, 215];
+/// Behind grid lines.
+pub const BAND: Rgb = [232, 234, 237];
 /// Orange.
 pub const ORANGE: Rgb = [230, 159, 0];
 /// Sky blue.
@@ -33,18 +37,39 @@ pub struct Hue {
     pub on_light: Rgb,
 }
 
-/// Hues for detectors, none of which means right or wrong in the viewer.
-pub const DETECTOR_HUES: [Hue; 5] = [
+/// Hues for detectors, none of which means right or wrong in the viewer. A thirteenth detector has the hue of the first.
+pub const DETECTOR_HUES: [Hue; 12] = [
     Hue { on_dark: SKY_BLUE, on_light: BLUE },
     Hue { on_dark: ORANGE, on_light: VERMILION },
     Hue { on_dark: REDDISH_PURPLE, on_light: [156, 74, 120] },
     Hue { on_dark: [214, 214, 222], on_light: [70, 72, 84] },
     Hue { on_dark: [120, 90, 255], on_light: [58, 32, 190] },
+    Hue { on_dark: [75, 205, 186], on_light: [66, 154, 141] },
+    Hue { on_dark: [182, 128, 84], on_light: [128, 67, 16] },
+    Hue { on_dark: [161, 69, 153], on_light: [226, 29, 210] },
+    Hue { on_dark: [171, 226, 129], on_light: [92, 142, 54] },
+    Hue { on_dark: [49, 93, 212], on_light: [4, 42, 143] },
+    Hue { on_dark: [166, 81, 71], on_light: [88, 21, 14] },
+    Hue { on_dark: [160, 112, 226], on_light: [109, 14, 241] },
 ];
 
 /// The hue of the detector at `detector_idx` in the order of the run: the same in the viewer, in plots and on pages.
 pub fn detector_hue(detector_idx: usize) -> Hue {
     DETECTOR_HUES[detector_idx % DETECTOR_HUES.len()]
+}
+
+/// Number of the shades of a share.
+pub const N_SHADES: u32 = 7;
+
+/// Shade `shade`, 1 to [`N_SHADES`]: the last is the fullest, the others are between it and the background.
+pub fn shade_hue(shade: u32) -> Hue {
+    let between = |background: Rgb, fullest: Rgb| {
+        std::array::from_fn(|channel| {
+            let [from, to] = [background, fullest].map(|it| i64::from(it[channel]));
+            (from + (to - from) * i64::from(shade) / i64::from(N_SHADES)) as u8
+        })
+    };
+    Hue { on_dark: between(DARK_PAPER, SKY_BLUE), on_light: between(WHITE, BLUE) }
 }
 
 #[cfg(test)]
@@ -94,8 +119,8 @@ mod tests {
     #[test]
     fn hues_stand_out_from_their_backgrounds() {
         for hue in DETECTOR_HUES {
-            assert!(contrast(hue.on_light, [255, 255, 255]) >= 3.0, "{hue:?}");
-            assert!(contrast(hue.on_dark, [20, 22, 27]) >= 3.0, "{hue:?}");
+            assert!(contrast(hue.on_light, WHITE) >= 3.0, "{hue:?}");
+            assert!(contrast(hue.on_dark, DARK_PAPER) >= 3.0, "{hue:?}");
         }
     }
 }

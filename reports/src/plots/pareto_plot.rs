@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::curve_panels::{CurvePanel, Note, curve_figure};
 use super::series::{Position, Series};
-use super::sweep_panels::{curves_of, heading};
+use super::sweep_panels::{curves_of, heading, marks_of};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::task::Task;
@@ -14,35 +14,33 @@ use crate::vocabulary::task::Task;
 pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
     let curves = curves_of(sweep, extent);
     let tasks: BTreeSet<Task> = curves.iter().map(|it| it.first().task).collect();
-    let mut panels = Vec::new();
+    let (marks, mut panels) = (marks_of(sweep), Vec::new());
     for task in tasks {
         let of_task: Vec<_> = curves.iter().filter(|it| it.first().task == task).collect();
-        let mut detectors: Vec<&str> = Vec::new();
-        let mut points: Vec<(f64, f64, usize, String)> = Vec::new();
+        let mut points: Vec<(f64, f64, &str, String)> = Vec::new();
         for curve in &of_task {
             let detector = curve.first().subject.detector.as_str();
-            let detector_idx = detectors.iter().position(|it| *it == detector).unwrap_or_else(|| {
-                detectors.push(detector);
-                detectors.len() - 1
-            });
             for point in &curve.points {
                 let Some((time, rate)) = sweep.time_of(&point.reached.subject).zip(point.reached.rate())
                 else {
                     continue;
                 };
-                points.push((time.typical_ms, 100.0 * rate, detector_idx, curve.named(point.x_text)));
+                points.push((time.typical_ms, 100.0 * rate, detector, curve.named(point.x_text)));
             }
         }
         if points.is_empty() {
             continue;
         }
         let front = pareto_front(&points.iter().map(|it| (it.0, it.1)).collect::<Vec<_>>());
-        let series = detectors.iter().enumerate().map(|(detector_idx, name)| Series {
-            name: (*name).to_owned(),
+        let mut detectors: Vec<&str> = points.iter().map(|it| it.2).collect();
+        detectors.dedup();
+        let series = detectors.into_iter().map(|name| Series {
+            name: name.to_owned(),
+            mark: marks.mark(name, 0),
             // Single positions between gaps: nothing leads from one to the next.
             positions: points
                 .iter()
-                .filter(|it| it.2 == detector_idx)
+                .filter(|it| it.2 == name)
                 .flat_map(|it| [Some(Position { x: it.0, y: it.1, within: None }), None])
                 .collect(),
         });
@@ -57,12 +55,12 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
         });
     }
     let title = format!("{}. Ring and {}: Pareto front", heading(&curves), sweep.axis_title());
-    (!panels.is_empty()).then(|| curve_figure(&panels, &title).panel(title).document())
+    (!panels.is_empty()).then(|| curve_figure(&panels, &title).svg(&title))
 }
 
 /// A ring around every point of the front, and its values unless they would run into those of the one before.
-fn front_notes(points: &[(f64, f64, usize, String)], front: &[usize]) -> Vec<Note> {
-    let reach = |of: fn(&(f64, f64, usize, String)) -> f64| {
+fn front_notes(points: &[(f64, f64, &str, String)], front: &[usize]) -> Vec<Note> {
+    let reach = |of: fn(&(f64, f64, &str, String)) -> f64| {
         let ends = points
             .iter()
             .map(of)

@@ -2,6 +2,7 @@
 
 use super::curve_panels::{CurvePanel, Note, curve_figure};
 use super::figure::Figure;
+use super::marks::SeriesMark;
 use super::series::{Position, Series};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::vocabulary::partial_class::PartialClass;
@@ -13,8 +14,9 @@ use crate::vocabulary::partial_class::PartialClass;
 pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> Figure {
     let there = |class: &PartialClass| curve.steps.iter().any(|it| it.classes.contains_key(class));
     let panels = PartialClass::LEARNT.into_iter().filter(there).map(|of| {
-        let series = PartialClass::LEARNT.into_iter().map(|to| Series {
+        let series = (0..).map(SeriesMark).zip(PartialClass::LEARNT).map(|(mark, to)| Series {
             name: format!("to {}", to.name()),
+            mark,
             positions: positions(curve, |step| Some((step.classes.get(&of)?.mean_error(to)?, None))),
         });
         let note = |step: u32| Note::Upright(f64::from(step), "all judged".to_owned());
@@ -34,8 +36,9 @@ pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> Figure {
 pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> Figure {
     let of_same = |a: &PartialCurve, b: &PartialCurve| (&a.data, &a.direction) == (&b.data, &b.direction);
     let panels = curves.chunk_by(of_same).flat_map(|same| same.chunks(4)).map(|few| {
-        let series = few.iter().map(|curve| Series {
+        let series = (0..).map(SeriesMark).zip(few).map(|(mark, curve)| Series {
             name: format!("{} ({})", curve.method, curve.trained_on),
+            mark,
             positions: positions(curve, |step| {
                 Some((100.0 * step.mean_recall?, step.within.map(|it| it.ends.map(|end| 100.0 * end))))
             }),
@@ -61,6 +64,7 @@ pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> Figure 
         };
         let series = Series {
             name: curve.method.clone(),
+            mark: SeriesMark(0),
             positions: curve.calibration.iter().map(position).collect(),
         };
         CurvePanel {
@@ -97,7 +101,7 @@ mod tests {
     #[test]
     fn every_class_has_a_panel_and_every_axis_a_unit() {
         let curves = PartialCurve::all(&rows());
-        let errors = partial_error_plot(&curves[0], "Errors (simulated)").svg();
+        let errors = partial_error_plot(&curves[0], "Errors (simulated)").svg("Errors");
         check_holds(
             &errors,
             &[
@@ -110,11 +114,11 @@ mod tests {
             ],
         );
         check_holds(
-            &partial_accuracy_plot(&curves, "Accuracy").svg(),
+            &partial_accuracy_plot(&curves, "Accuracy").svg("Accuracy"),
             &["mean of recalls (%)", "street from below"],
         );
         check_holds(
-            &partial_calibration_plot(&curves, "Calibration").svg(),
+            &partial_calibration_plot(&curves, "Calibration").svg("Calibration"),
             &["chance of the predicted class (%)"],
         );
     }
@@ -122,7 +126,7 @@ mod tests {
     #[test]
     fn nothing_can_be_drawn() {
         for svg in [partial_accuracy_plot(&[], "Nothing"), partial_calibration_plot(&[], "Nothing")] {
-            assert!(svg.svg().contains("</svg>"));
+            assert!(svg.svg("Nothing").contains("</svg>"));
         }
     }
 }

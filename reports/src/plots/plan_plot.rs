@@ -36,7 +36,7 @@ pub fn plan_plot(plans: &[Plan], title: &str) -> String {
         heading: vec![Mark::title(title, (16.0, 24.0))],
         rows: vec![(PANEL_PX, panels.collect())],
     };
-    figure.svg()
+    figure.svg(title)
 }
 
 /// The square around all positions: from, to in x and y; `None` if there are none.

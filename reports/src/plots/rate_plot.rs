@@ -1,7 +1,7 @@
 //! The plot of the rates of a sweep over its first parameter.
 
 use super::curve_panels::{CurvePanel, curve_figure};
-use super::sweep_panels::{about_bars, add_curve, curves_of, heading};
+use super::sweep_panels::{about_bars, add_curve, curves_of, heading, marks_of};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
 
@@ -12,17 +12,17 @@ use crate::vocabulary::extent::Extent;
 pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
     let mut curves = curves_of(sweep, extent);
     curves.sort_by_key(|it| it.first().task);
-    let mut panels = Vec::new();
+    let (marks, mut panels) = (marks_of(sweep), Vec::new());
     for curve in &curves {
         let first = curve.first();
         let panel = CurvePanel {
             title: curve.named(first.task.name()),
             ..CurvePanel::over(sweep.axis_title(), format!("{} (%)", first.rate_name()))
         };
-        add_curve(&mut panels, panel, curve, 100.0);
+        add_curve(&mut panels, panel, curve, marks.mark(&first.subject.detector, 0), 100.0);
     }
     let title = format!("{}. Ring: best. {}", heading(&curves), about_bars(&curves));
-    curve_figure(&panels, &title).panel(title).document()
+    curve_figure(&panels, &title).svg(&title)
 }
 
 #[cfg(test)]

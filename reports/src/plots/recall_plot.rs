@@ -1,6 +1,7 @@
 //! Precision over recall as the least score falls that a detection needs.
 
 use super::figure::Axis;
+use super::marks::SeriesMark;
 use super::series::{Points, Position, Series};
 use super::small_panel::small_panel;
 use super::themed_panel::ThemedPanel;
@@ -9,10 +10,11 @@ use super::themed_panel::ThemedPanel;
 pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedPanel {
     let series: Vec<Series> = curves
         .iter()
-        .map(|(name, positions)| {
+        .zip((0..).map(SeriesMark))
+        .map(|((name, positions), mark)| {
             let percent = thinned(positions).into_iter().map(|(x, y)| (100.0 * x, 100.0 * y));
             let positions = percent.map(|(x, y)| Some(Position { x, y, within: None })).collect();
-            Series { name: name.clone(), positions }
+            Series { name: name.clone(), mark, positions }
         })
         .collect();
     let about = format!("precision over recall on {title}, both in percent");

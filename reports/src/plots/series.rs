@@ -18,7 +18,31 @@ pub(crate) struct Position {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Series {
     pub(crate) name: String,
+    /// How it is drawn: of a detector its index in the order of the run, whatever else is on the panel.
+    pub(crate) mark: SeriesMark,
     pub(crate) positions: Vec<Option<Position>>,
+}
+
+/// The detectors of a study, in the order of its results: each has the same mark on every panel.
+pub(crate) struct DetectorMarks<'a>(Vec<&'a str>);
+
+impl<'a> DetectorMarks<'a> {
+    /// Those of `names`, which may come more than once.
+    pub(crate) fn of(names: impl Iterator<Item = &'a str>) -> Self {
+        let mut detectors = Vec::new();
+        for name in names {
+            if !detectors.contains(&name) {
+                detectors.push(name);
+            }
+        }
+        Self(detectors)
+    }
+
+    /// The mark of the `turn`th series of a detector on a panel, from 0.
+    pub(crate) fn mark(&self, detector: &str, turn: usize) -> SeriesMark {
+        let detector_idx = self.0.iter().position(|it| *it == detector).unwrap_or(self.0.len());
+        SeriesMark(detector_idx + turn * self.0.len())
+    }
 }
 
 /// How the positions of series are drawn.
@@ -34,7 +58,7 @@ pub(crate) enum Points {
 pub(crate) fn series_marks(series: &[Series], points: Points, y: [f64; 2]) -> Vec<Mark> {
     let mut marks = Vec::new();
     for (series_idx, of_series) in series.iter().enumerate() {
-        let mark = SeriesMark(series_idx);
+        let mark = of_series.mark;
         let aside = match points {
             Points::Marked { apart } => apart * (series_idx as f64 - (series.len() as f64 - 1.0) / 2.0),
             Points::Line => 0.0,
@@ -62,16 +86,19 @@ pub(crate) fn series_marks(series: &[Series], points: Points, y: [f64; 2]) -> Ve
 /// Height of a line of a key, in pixels.
 pub(crate) const KEY_LINE_PX: u32 = 22;
 
-/// The key to series of these `names`, one below the other from `top_px` on.
-pub(crate) fn key_lines<'a>(names: impl IntoIterator<Item = &'a str>, top_px: f64) -> Vec<Mark> {
+/// The key to series of these marks and names, one below the other from `top_px` on.
+pub(crate) fn key_lines<'a>(
+    series: impl IntoIterator<Item = (SeriesMark, &'a str)>,
+    top_px: f64,
+) -> Vec<Mark> {
     const SAMPLE_PX: f64 = 54.0;
-    let line = |(series, name): (usize, &str)| {
-        let y_px = top_px + f64::from(KEY_LINE_PX) * series as f64;
-        let mut marks = sample(SeriesMark(series), [LEFT_PX, LEFT_PX + SAMPLE_PX], y_px).to_vec();
+    let line = |(line, (mark, name)): (usize, (SeriesMark, &str))| {
+        let y_px = top_px + f64::from(KEY_LINE_PX) * line as f64;
+        let mut marks = sample(mark, [LEFT_PX, LEFT_PX + SAMPLE_PX], y_px).to_vec();
         marks.push(key_name(name, LEFT_PX + SAMPLE_PX + 12.0, y_px));
         marks
     };
-    names.into_iter().enumerate().flat_map(line).collect()
+    series.into_iter().enumerate().flat_map(line).collect()
 }
 
 /// What stands beside a sample.

@@ -11,21 +11,11 @@ use quick_xml::escape::escape;
 
 use super::theme::{Paint, class_of, hex};
 
-/// Which colours elements have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Colours {
-    /// Those of print.
-    Print,
-    /// Those of print, each with the class that follows the theme of a page. There are no line breaks and no ids, so that
-    /// pages stay small and nothing collides.
-    Themed,
-}
-
-/// Elements in the order in which they are drawn.
+/// Elements in the order in which they are drawn, in the colours of print, each with the class that follows the theme of a
+/// page. There are no line breaks and no ids, so that pages stay small and nothing collides.
 pub(crate) struct SvgBackend<'a> {
     pub(crate) elements: &'a mut String,
     pub(crate) size_px: (u32, u32),
-    pub(crate) colours: Colours,
 }
 
 type Written = Result<(), DrawingErrorKind<std::fmt::Error>>;
@@ -45,18 +35,17 @@ impl SvgBackend<'_> {
             return Ok(());
         }
         let mut tag = format!("<{name}");
-        let is_themed = self.colours == Colours::Themed;
         // Full opacity goes without saying.
-        for (key, value) in attributes.iter().filter(|(key, _)| !(is_themed && *key == "opacity")) {
+        let is_said = |key: &str| key != "opacity" || color.alpha < 1.0;
+        for (key, value) in attributes.iter().filter(|(key, _)| is_said(key)) {
             write!(tag, " {key}=\"{value}\"").map_err(DrawingErrorKind::DrawingError)?;
         }
-        if let Some(class) = class_of(paint, color.rgb.into()).filter(|_| is_themed) {
+        if let Some(class) = class_of(paint, color.rgb.into()) {
             tag.extend([" class=\"", &class, "\""]);
         }
-        let end = if is_themed { "" } else { "\n" };
         let rest = match content {
-            None => format!("/>{end}"),
-            Some(text) => format!(">{end}{}{end}</{name}>{end}", escape(text)),
+            None => "/>".to_owned(),
+            Some(text) => format!(">{}</{name}>", escape(text)),
         };
         self.elements.extend([tag, rest]);
         Ok(())

@@ -1,7 +1,8 @@
 //! What the plots of a sweep have in common.
 
 use super::curve_panels::{CurvePanel, Note};
-use super::series::{Position, Series};
+use super::marks::SeriesMark;
+use super::series::{DetectorMarks, Position, Series};
 use crate::numbers::sweep_curve::{Curve, CurvePoint, Reached, SweepCurve};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
@@ -10,6 +11,11 @@ use crate::vocabulary::origin::Origin;
 /// The curves of `extent`.
 pub(crate) fn curves_of<'a>(sweep: &'a SweepScores, extent: &Extent) -> Vec<SweepCurve<'a>> {
     sweep.curves().into_iter().filter(|it| it.first().subject.extent == *extent).collect()
+}
+
+/// The marks of the detectors of a sweep.
+pub(crate) fn marks_of(sweep: &SweepScores) -> DetectorMarks<'_> {
+    DetectorMarks::of(sweep.scores.iter().map(|it| it.subject.detector.as_str()))
 }
 
 /// Data set, and whether it is simulated.
@@ -40,12 +46,13 @@ pub(crate) fn words<'a>(values: impl Iterator<Item = &'a str> + Clone) -> Option
     (!is_numeric).then(|| values.map(str::to_owned).collect())
 }
 
-/// Adds `curve`, with values `scale` times as large, to the one of `panels` that has the title of `panel`, or to `panel`,
-/// with a ring around its best position.
+/// Adds `curve`, drawn as `mark` and with values `scale` times as large, to the one of `panels` that has the title of
+/// `panel`, or to `panel`, with a ring around its best position.
 pub(crate) fn add_curve<T: Reached>(
     panels: &mut Vec<CurvePanel>,
     panel: CurvePanel,
     curve: &Curve<'_, T>,
+    mark: SeriesMark,
     scale: f64,
 ) {
     let position = |it: &CurvePoint<'_, T>| {
@@ -60,5 +67,5 @@ pub(crate) fn add_curve<T: Reached>(
     let best = curve.best().and_then(|it| Some((position(it)?, it.x_text.to_owned())));
     panel.notes.extend(best.map(|(at, text)| Note::Ring((at.x, at.y), text)));
     let name = curve.first().subject().detector.clone();
-    panel.series.push(Series { name, positions: curve.points.iter().map(position).collect() });
+    panel.series.push(Series { name, mark, positions: curve.points.iter().map(position).collect() });
 }

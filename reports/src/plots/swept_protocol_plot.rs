@@ -1,6 +1,7 @@
 //! The plot of the principal numbers of a protocol over the first parameter of a sweep.
 
 use super::curve_panels::{CurvePanel, curve_figure};
+use super::series::DetectorMarks;
 use super::sweep_panels::add_curve;
 use crate::numbers::sweep_curve::axis_title;
 use crate::protocols::swept_numbers::{NumberCurve, SweptNumbers};
@@ -16,11 +17,13 @@ pub fn swept_protocol_plot(swept: &SweptNumbers, protocol: Protocol, extent: &Ex
     };
     let curves: Vec<NumberCurve<'_>> = swept.principal_curves().into_iter().filter(is_asked).collect();
     let title = title(curves.first()?);
+    let marks = DetectorMarks::of(swept.numbers.iter().map(|it| it.subject.detector.as_str()));
     let mut panels = Vec::new();
     for curve in &curves {
-        add_curve(&mut panels, panel(curve, &swept.parameters), curve, 1.0);
+        let mark = marks.mark(&curve.first().subject.detector, 0);
+        add_curve(&mut panels, panel(curve, &swept.parameters), curve, mark, 1.0);
     }
-    Some(curve_figure(&panels, &title).panel(title).document())
+    Some(curve_figure(&panels, &title).svg(&title))
 }
 
 fn title(first: &NumberCurve<'_>) -> String {

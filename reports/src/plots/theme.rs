@@ -1,25 +1,36 @@
 //! Colours that follow the page they are on, light or dark.
 //!
-//! Whatever is drawn for a page has a class beside the colour of each of its elements. A page's style decides about the
-//! class; a viewer that knows no styles takes the colour, which is legible on white.
+//! Whatever is drawn has a class beside the colour of each of its elements. The style of a page, or of a document that stands
+//! alone, decides about the class; a program that knows no styles takes the colour, which is legible on white.
 
-use super::palette::{BLACK, DETECTOR_HUES, Hue, QUIET, Rgb, WHITE};
+use std::sync::LazyLock;
 
-/// Ink, grid lines and paper on light and on dark backgrounds.
-const LIGHT: [&str; 3] = ["#1b1f26", "#d7d7d7", "#ffffff"];
-const DARK: [&str; 3] = ["#e6e8ec", "#3a3f48", "#14161b"];
+use super::palette::{BAND, BLACK, DARK_PAPER, DETECTOR_HUES, Hue, N_SHADES, QUIET, Rgb, WHITE, shade_hue};
+
+/// The colours that follow a page: the names of their classes, their colours in print, and on light and dark pages.
+static THEMED: LazyLock<Vec<(String, Rgb, Hue)>> = LazyLock::new(|| {
+    let of_pages = [
+        ("ink", BLACK, Hue { on_light: [27, 31, 38], on_dark: [230, 232, 236] }),
+        ("grid", QUIET, Hue { on_light: QUIET, on_dark: [58, 63, 72] }),
+        ("band", BAND, Hue { on_light: BAND, on_dark: [38, 42, 50] }),
+        ("paper", WHITE, Hue { on_light: WHITE, on_dark: DARK_PAPER }),
+    ];
+    let of_pages = of_pages.into_iter().map(|(name, print, hue)| (name.to_owned(), print, hue));
+    let hues = DETECTOR_HUES.into_iter().enumerate().map(|(idx, it)| (format!("d{idx}"), it.on_light, it));
+    // The fullest shade is the hue of the first detector, and has the class of that.
+    let shades = (1..N_SHADES).map(|it| (format!("s{it}"), shade_hue(it).on_light, shade_hue(it)));
+    of_pages.chain(hues).chain(shades).collect()
+});
 
 /// The colours of panels within `selector`, for light and dark, and the classes that take them.
 pub fn theme_css(selector: &str) -> String {
-    let variables = |[ink, grid, paper]: [&str; 3], hue: fn(&Hue) -> Rgb| {
-        let hues = DETECTOR_HUES.iter().enumerate();
-        let hues: Vec<String> = hues.map(|(idx, it)| format!("--d{idx}:{};", hex(hue(it)))).collect();
-        let hues = hues.concat();
-        format!("{selector}{{--ink:{ink};--grid:{grid};--paper:{paper};{hues}}}")
+    let variables = |on: fn(&Hue) -> Rgb| {
+        let variables: Vec<String> =
+            THEMED.iter().map(|(name, _, hue)| format!("--{name}:{};", hex(on(hue)))).collect();
+        format!("{selector}{{{}}}", variables.concat())
     };
-    let (light, dark) = (variables(LIGHT, |it| it.on_light), variables(DARK, |it| it.on_dark));
-    let classes = ["ink", "grid", "paper"].into_iter().map(str::to_owned);
-    let classes = classes.chain((0..DETECTOR_HUES.len()).map(|idx| format!("d{idx}")));
+    let (light, dark) = (variables(|it| it.on_light), variables(|it| it.on_dark));
+    let classes = THEMED.iter().map(|(it, ..)| it);
     let classes: Vec<String> =
         classes.map(|it| format!(".f-{it}{{fill:var(--{it})}}.k-{it}{{stroke:var(--{it})}}")).collect();
     format!("{light}@media screen and (prefers-color-scheme: dark){{{dark}}}{}", classes.concat())
@@ -37,15 +48,8 @@ pub(crate) enum Paint {
 /// The class of what is painted; `None` if its colour is the same on every page.
 pub(crate) fn class_of(paint: Paint, color: Rgb) -> Option<String> {
     let letter = if paint == Paint::Fill { 'f' } else { 'k' };
-    match color {
-        BLACK => Some(format!("{letter}-ink")),
-        WHITE => Some(format!("{letter}-paper")),
-        QUIET => Some(format!("{letter}-grid")),
-        _ => {
-            let hue = DETECTOR_HUES.iter().position(|it| it.on_light == color)?;
-            Some(format!("{letter}-d{hue}"))
-        }
-    }
+    let (name, ..) = THEMED.iter().find(|(_, print, _)| *print == color)?;
+    Some(format!("{letter}-{name}"))
 }
 
 /// Class and colour as attributes of an element.
@@ -58,4 +62,18 @@ pub(crate) fn painted(paint: Paint, color: Rgb) -> String {
 /// The colour as SVG has it.
 pub(crate) fn hex([red, green, blue]: Rgb) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_colour_of_print_has_one_class() {
+        for (idx, (name, print, _)) in THEMED.iter().enumerate() {
+            assert!(THEMED[..idx].iter().all(|(_, other, _)| other != print), "{name}");
+        }
+        let fullest = class_of(Paint::Fill, shade_hue(N_SHADES).on_light);
+        assert_eq!(fullest, class_of(Paint::Fill, DETECTOR_HUES[0].on_light));
+    }
 }

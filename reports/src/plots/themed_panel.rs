@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use quick_xml::escape::escape;
 
-use super::palette::BLACK;
-use super::theme::{hex, theme_css};
+use super::palette::{BLACK, WHITE};
+use super::theme::{Paint, hex, painted, theme_css};
 
 /// A drawing without a background, whose colours follow the page.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,16 +50,20 @@ impl ThemedPanel {
         )
     }
 
-    /// A document of it that a page may take up as it is.
+    /// A document of it that stands alone, and that a page may take up as it is.
     pub(crate) fn document(&self) -> String {
-        let [width, height] = self.size_px;
-        let (label, elements) = (escape(&self.label), &self.elements);
-        format!(
-            "<svg class=\"plot\" role=\"img\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-             xmlns=\"http://www.w3.org/2000/svg\">\n<title>{label}</title>\n\
-             <rect class=\"f-paper\" width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n{elements}\n</svg>\n"
-        )
+        format!("{}{}\n</svg>\n", beginning(self.size_px, &self.label), self.elements)
     }
+}
+
+/// The beginning of a document: its title, its colours on light and on dark pages, and its background.
+fn beginning([width, height]: [u32; 2], title: &str) -> String {
+    let (title, style, paper) = (escape(title), theme_css("svg.sheet"), painted(Paint::Fill, WHITE));
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"sheet\" role=\"img\" width=\"{width}\" height=\"{height}\" \
+         viewBox=\"0 0 {width} {height}\">\n<title>{title}</title>\n<style>{style}</style>\n\
+         <rect {paper} width=\"{width}\" height=\"{height}\"/>\n"
+    )
 }
 
 /// How panels stand on a sheet.
@@ -93,19 +97,19 @@ pub fn sheet(panels: &[ThemedPanel], arrangement: Arrangement, key: &[KeyEntry],
     let width = (panels_width.max(keys_width).max(title_width) + MARGIN_PX).max(200);
     let top = if key.is_empty() { KEY_Y_PX } else { KEY_Y_PX + 28 };
     let height = top + placed.iter().map(|(it, [_, y])| y + it.size_px[1]).max().unwrap_or(0) + MARGIN_PX;
-    let (title, style, ink) = (escape(title), theme_css("svg.sheet"), hex(BLACK));
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"sheet\" role=\"img\" width=\"{width}\" height=\"{height}\" \
-         viewBox=\"0 0 {width} {height}\">\n<title>{title}</title>\n<style>{style}</style>\n\
-         <rect class=\"f-paper\" width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n\
-         <text class=\"f-ink\" x=\"{MARGIN_PX}\" y=\"26\" font-family=\"sans-serif\" font-size=\"16\" fill=\"{ink}\">\
-         {title}</text>\n"
+    let ink = hex(BLACK);
+    let mut svg = beginning([width, height], title);
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        svg,
+        "<text class=\"f-ink\" x=\"{MARGIN_PX}\" y=\"26\" font-family=\"sans-serif\" font-size=\"16\" fill=\"{ink}\">\
+         {}</text>",
+        escape(title)
     );
     let mut x = MARGIN_PX;
     for entry in key {
         let [w, h] = KEY_SIZE_PX;
         let name = escape(&entry.name);
-        // Writing to a string cannot fail.
         let _ = writeln!(
             svg,
             "<svg x=\"{x}\" y=\"{KEY_Y_PX}\" width=\"{w}\" height=\"{h}\">{}</svg><text class=\"f-ink\" x=\"{}\" y=\"{}\" \

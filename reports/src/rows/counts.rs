@@ -60,6 +60,11 @@ impl Counts {
     pub fn f_rate(self) -> Option<f64> {
         ratio(2 * self.tp, self.no + self.nd()?)
     }
+
+    /// A rate as a point of a curve: none where nothing is annotated, for a single false detection would draw the curve to 0.
+    pub fn drawn(self, rate: fn(Self) -> Option<f64>) -> Option<f64> {
+        rate(self).filter(|_| self.no > 0)
+    }
 }
 
 impl std::ops::AddAssign for Counts {
@@ -96,6 +101,14 @@ mod tests {
     #[test]
     fn unknown_false_objects_leave_recall_only() {
         check(counts(4, 3, None), None, Some(0.75), None);
+    }
+
+    #[test]
+    fn curves_have_no_point_where_nothing_is_annotated() {
+        let only_false = counts(0, 0, Some(1));
+        check(only_false, Some(0.0), None, Some(0.0));
+        assert_eq!([Counts::precision, Counts::f_rate].map(|it| only_false.drawn(it)), [None, None]);
+        assert_eq!(counts(4, 0, Some(1)).drawn(Counts::f_rate), Some(0.0));
     }
 
     #[test]

@@ -71,6 +71,8 @@ pub(crate) enum Mark {
     Simulated,
     /// Recordings that nobody else has.
     NotPublic,
+    /// A time on a machine that was busy.
+    BusyMachine,
     /// Of fewer scans than it takes to know a percentile.
     FewScans,
     /// An interval of fewer blocks of scans than it takes for anything to rest on it.

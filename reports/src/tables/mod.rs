@@ -5,6 +5,7 @@ pub mod paper_figures;
 pub(crate) mod grid;
 pub mod task_table;
 pub(crate) mod notes;
+pub(crate) mod folding;
 pub mod sheet;
 pub(crate) mod task_grids;
 pub mod times_table;

@@ -200,6 +200,7 @@ impl Notes {
     fn sign_of(&self, mark: Mark) -> String {
         match mark {
             Mark::Undefined(_) => {}
+            Mark::BusyMachine => return "‖".to_owned(),
             Mark::FewScans => return "‡".to_owned(),
             Mark::FewBlocks => return "§".to_owned(),
             Mark::MaybeNeighbours => return "¶".to_owned(),
@@ -216,6 +217,7 @@ impl Notes {
             Mark::Recorded => return "recorded: from a sensor.".to_owned(),
             Mark::Simulated => return "simulated: from a simulator, not recorded.".to_owned(),
             Mark::NotPublic => "Budapest recordings, not public.",
+            Mark::BusyMachine => "unreliable: the machine was busy.",
             Mark::FewScans => "from too few scans to be reliable: p95 needs 59, p99 needs 299.",
             Mark::FewBlocks => {
                 let sign = self.sign_of(mark);

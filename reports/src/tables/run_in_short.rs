@@ -3,11 +3,11 @@
 use crate::numbers::pools::{Pool, pools};
 use crate::rows::agreement_row::AgreementRow;
 use crate::tables::agreement_table::AgreementOfDetectors;
-use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Undefined};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::{Notes, abbreviations, about_detectors, about_interval, about_matching};
 use crate::tables::protocol_in_short::ProtocolInShort;
 use crate::tables::sheet::{Part, Sheet, Tabular};
-use crate::tables::task_grids::{fps_text, interval_cell, rate_cell, recall_cell};
+use crate::tables::task_grids::{fps_cell, interval_cell, rate_cell, recall_cell};
 use crate::tables::task_table::{MeasuredRow, Score, TableRow, TaskTable};
 use crate::vocabulary::extent::Extent;
 
@@ -110,8 +110,8 @@ fn grid(detectors: &[String], row: &MeasuredRow) -> Grid {
     let columns = [Column::left("detector")].into_iter().chain(titles.iter().map(|it| Column::number(*it)));
     let lines = detectors.iter().zip(&row.scores).map(|(detector, score)| {
         let numbers = if has_unknown_false(row) { found_cells(score) } else { rate_cells(score) };
-        let fps = score.fps().map_or(Cell::undefined(Undefined::NotTimed), |it| Cell::new(fps_text(it)));
-        let cells = [Cell::new(detector.as_str())].into_iter().chain(numbers).chain([fps]).collect();
+        let cells =
+            [Cell::new(detector.as_str())].into_iter().chain(numbers).chain([fps_cell(score)]).collect();
         Line { kind: LineKind::Dataset, cells }
     });
     Grid { columns: columns.collect(), lines: lines.collect() }

@@ -100,7 +100,7 @@ fn measured_line(row: &MeasuredRow) -> Line {
         cells.extend([
             nd.map_or(Cell::undefined(Undefined::FalseObjectsUnknown), |it| Cell::new(it.to_string())),
             rate_cell(score.counts.f_rate(), score.counts),
-            score.fps().map_or(Cell::undefined(Undefined::NotTimed), |it| Cell::new(fps_text(it))),
+            fps_cell(score),
         ]);
     }
     Line { kind: LineKind::of(&row.extent), cells }
@@ -177,8 +177,17 @@ fn percent_text(rate: f64) -> String {
     fixed_decimals(100.0 * rate, 1)
 }
 
+/// Scans per second, marked if a busy machine makes them unreliable.
+pub(crate) fn fps_cell(score: &Score) -> Cell {
+    match score.fps() {
+        None => Cell::undefined(Undefined::NotTimed),
+        Some(fps) if score.on_busy_machine => Cell::marked(fps_text(fps), Mark::BusyMachine),
+        Some(fps) => Cell::new(fps_text(fps)),
+    }
+}
+
 /// Three digits, but never more than two decimals.
-pub(crate) fn fps_text(fps: f64) -> String {
+fn fps_text(fps: f64) -> String {
     match fps {
         100.0.. => fixed_decimals(fps, 0),
         10.0.. => fixed_decimals(fps, 1),

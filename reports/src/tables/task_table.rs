@@ -6,6 +6,7 @@ use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
 use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
 use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, PaperRow, PaperTable, Recordings};
+use crate::verdicts::times_doubt::share_on_busy_machine;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
@@ -83,6 +84,8 @@ pub struct Score {
     pub n_timed_scans: u64,
     /// Time of detection of those, in seconds.
     pub total_time_s: f64,
+    /// A busy machine kept the detector waiting on some of these, so that they are unreliable.
+    pub on_busy_machine: bool,
 }
 
 /// How sure rates are, where that is known.
@@ -109,6 +112,7 @@ impl Score {
         self.n_ignored_detections += other.n_ignored_detections;
         self.n_timed_scans += other.n_timed_scans;
         self.total_time_s += other.total_time_s;
+        self.on_busy_machine |= other.on_busy_machine;
     }
 }
 
@@ -182,11 +186,12 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
     let is_about = |field: fn(&Subject) -> &str, name: &str| {
         report.rows().iter().any(|it| it.subject.task == task && field(&it.subject) == name)
     };
-    let names = manifest.detectors.iter().map(|it| it.name.clone());
-    let detectors: Vec<String> = names.filter(|it| is_about(|subject| &subject.detector, it)).collect();
+    let is_asked = |it: &&DetectorEntry| is_about(|subject| &subject.detector, &it.name);
+    let of_task: Vec<&DetectorEntry> = manifest.detectors.iter().filter(is_asked).collect();
+    let detectors: Vec<String> = of_task.iter().map(|it| it.name.clone()).collect();
     let entries = manifest.datasets.iter().filter(|it| is_about(|subject| &subject.dataset, &it.id));
     let datasets = entries
-        .map(|entry| Ok((entry, measured_row(report, entry, task, &detectors)?)))
+        .map(|entry| Ok((entry, measured_row(report, entry, task, &of_task)?)))
         .collect::<Result<Vec<_>, TableError>>()?;
     let overall = overall_rows(report, task, &detectors, &datasets);
     let published = PAPER_TABLES.iter().find(|it| it.task == task);
@@ -276,7 +281,7 @@ fn measured_row(
     report: &RunReport,
     entry: &DatasetEntry,
     task: Task,
-    detectors: &[String],
+    detectors: &[&DetectorEntry],
 ) -> Result<MeasuredRow, TableError> {
     let scores = detectors
         .iter()
@@ -285,7 +290,7 @@ fn measured_row(
     // A task in the report has at least one row, which has a detector.
     let no = scores[0].counts.no();
     if let Some(other) = scores.iter().position(|it| it.counts.no() != no) {
-        let (dataset, first, second) = (&entry.id, &detectors[0], &detectors[other]);
+        let (dataset, first, second) = (&entry.id, &detectors[0].name, &detectors[other].name);
         let n_second = scores[other].counts.no();
         return Err(TableError(format!(
             "on {dataset}, {first} has {no} annotations that count, but {second} has {n_second}"
@@ -341,9 +346,15 @@ fn rate_intervals(report: &RunReport, subject: &Subject) -> RateIntervals {
 }
 
 /// The numbers of one data set, task and detector.
-fn score(report: &RunReport, entry: &DatasetEntry, task: Task, detector: &str) -> Result<Score, TableError> {
-    let subject = Subject::of_all(&entry.id, task, detector);
-    let what = |metric: Metric| format!("{} of {detector} on {} in the task {task}", metric.id(), entry.id);
+fn score(
+    report: &RunReport,
+    entry: &DatasetEntry,
+    task: Task,
+    detector: &DetectorEntry,
+) -> Result<Score, TableError> {
+    let subject = Subject::of_all(&entry.id, task, &detector.name);
+    let what =
+        |metric: Metric| format!("{} of {} on {} in the task {task}", metric.id(), detector.name, entry.id);
     let row = |metric: Metric| {
         let found = report.row(&subject, &metric);
         found.ok_or_else(|| TableError(format!("the report has no {}", what(metric))))
@@ -376,6 +387,7 @@ fn score(report: &RunReport, entry: &DatasetEntry, task: Task, detector: &str) -
         n_ignored_detections: known_count(Metric::IgnoredDetections)?,
         n_timed_scans,
         total_time_s,
+        on_busy_machine: share_on_busy_machine(report, &entry.id, detector).is_some(),
     })
 }
 

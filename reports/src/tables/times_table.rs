@@ -7,6 +7,7 @@ use crate::run_folder::manifest::Manifest;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Mark, Undefined};
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::task_grids::extent_cell;
+use crate::verdicts::times_doubt::share_on_busy_machine;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::origin::Origin;
@@ -57,7 +58,9 @@ impl TimesTable {
                 let is_first = detector_idx == 0;
                 let label = if is_first { extent_cell(&extent, origin) } else { Cell::default() };
                 let kind = if is_first { LineKind::of(&extent) } else { LineKind::Detail };
-                lines.push(Line { kind, cells: cells(row, &of_some, &detector.name, label) });
+                let busy = share_on_busy_machine(report, extent.name(), detector).map(|_| Mark::BusyMachine);
+                let name = Cell { mark: busy, ..Cell::new(&*detector.name) };
+                lines.push(Line { kind, cells: cells(row, &of_some, [label, name]) });
             }
         }
         Self { grid: Grid { columns, lines }, cpu_model: manifest.machine.cpu_model.clone() }
@@ -84,8 +87,7 @@ impl Tabular for TimesTable {
 fn cells<'a>(
     row: impl Fn(&Metric) -> Option<&'a MetricRow>,
     of_some: &[(&str, Metric)],
-    detector: &str,
-    label: Cell,
+    [label, name]: [Cell; 2],
 ) -> Vec<Cell> {
     let n_scans = row(&Metric::FpsMean).map_or(0, |it| it.n);
     let numbers = STATISTICS.iter().map(|(_, metric)| {
@@ -102,7 +104,7 @@ fn cells<'a>(
         let value = row(metric).and_then(MetricRow::value);
         Cell::new(value.map_or_else(String::new, |it| fixed_decimals(it, 2)))
     });
-    let names = [label, Cell::new(detector), Cell::new(n_scans.to_string())];
+    let names = [label, name, Cell::new(n_scans.to_string())];
     names.into_iter().chain(numbers).chain(of_some).collect()
 }
 

@@ -8,6 +8,7 @@ use crate::numbers::tally::Tally;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::uncertainty::sample::Question;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
+use crate::verdicts::times_doubt::share_on_busy_machine;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::slice::Slice;
@@ -52,6 +53,8 @@ pub struct Speeds {
     pub on: Option<String>,
     /// Name and median time in milliseconds, the fastest first.
     pub medians_ms: Vec<(String, f64)>,
+    /// The machine was busy, so that they are unreliable.
+    pub is_doubted: bool,
 }
 
 /// Where the scans of a run come from.
@@ -114,7 +117,10 @@ pub fn speeds(manifest: &Manifest, report: &RunReport) -> Vec<Speeds> {
         let mut medians_ms: Vec<(String, f64)> =
             names.filter_map(|name| Some((name.clone(), median(name).filter(|it| *it > 0.0)?))).collect();
         medians_ms.sort_by(|a, b| a.1.total_cmp(&b.1));
-        Speeds { on: (pools.len() > 1).then(|| pool.in_words()), medians_ms }
+        let is_busy =
+            |id: &String| manifest.detectors.iter().any(|it| share_on_busy_machine(report, id, it).is_some());
+        let is_doubted = pool.datasets.iter().any(is_busy);
+        Speeds { on: (pools.len() > 1).then(|| pool.in_words()), medians_ms, is_doubted }
     });
     speeds.collect()
 }
@@ -269,9 +275,15 @@ impl RankedDetector {
 const ABOUT_AS_FAST: f64 = 1.05;
 
 impl Speeds {
-    /// How many times faster the fastest detectors are, in a sentence; `None` if nothing was timed.
+    /// How many times faster the fastest detectors are, in a sentence, or why that is not said; `None` if nothing was timed.
     pub fn sentence(&self) -> Option<String> {
         let ((name, fastest_ms), others) = self.medians_ms.split_first()?;
+        let on = self.on.as_ref().map_or_else(String::new, |it| format!("On {it}: "));
+        if self.is_doubted {
+            return Some(format!(
+                "{on}No statement on speed: the machine was busy, so times are unreliable."
+            ));
+        }
         let others: Vec<String> = others
             .iter()
             .map(|(other, ms)| {
@@ -284,7 +296,6 @@ impl Speeds {
                 }
             })
             .collect();
-        let on = self.on.as_ref().map_or_else(String::new, |it| format!("On {it}: "));
         let time = format!("{on}{name} takes {} ms for a scan (median)", three_digits(*fastest_ms));
         Some(match others.split_last() {
             None => format!("{time}."),
@@ -431,7 +442,7 @@ mod tests {
     fn speeds_are_compared_with_the_fastest() {
         let speeds = |medians: &[(&str, f64)]| {
             let medians_ms = medians.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
-            Speeds { on: None, medians_ms }.sentence()
+            Speeds { on: None, medians_ms, is_doubted: false }.sentence()
         };
         assert_eq!(speeds(&[]), None);
         assert_eq!(

@@ -2,7 +2,7 @@
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::run_report::{RunReport, Subject};
-use crate::run_folder::manifest::Manifest;
+use crate::run_folder::manifest::{DetectorEntry, Manifest};
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 
 /// A built-in detector waits for nothing but processors: a smaller share of its time on them means a busy machine.
@@ -10,21 +10,30 @@ const BUSY: f64 = 0.9;
 /// A scan that takes so many times the median is an outlier.
 const OUTLIER: f64 = 5.0;
 
+/// A number of a detector on a data set, above zero.
+fn value(report: &RunReport, dataset: &str, detector: &str, metric: &Metric) -> Option<f64> {
+    let subject = Subject::of_all(dataset, report.first_task()?, detector);
+    report.row(&subject, metric)?.value().filter(|it| *it > 0.0)
+}
+
+/// The share of its time that `detector` had a processor on `dataset`, if a busy machine kept it waiting, which makes its
+/// times unreliable.
+pub fn share_on_busy_machine(report: &RunReport, dataset: &str, detector: &DetectorEntry) -> Option<f64> {
+    let value = |metric| value(report, dataset, &detector.name, &metric);
+    let share = value(Metric::CpuMean)? * value(Metric::FpsMean)? / 1e3;
+    (detector.foreign.is_none() && share < BUSY).then_some(share)
+}
+
 /// The most that speaks against the times of each kind, in sentences; none if nothing does.
 pub fn times_doubts(manifest: &Manifest, report: &RunReport) -> Vec<String> {
     let mut least_share: Option<(f64, String)> = None;
     let mut longest: Option<(f64, String)> = None;
     for dataset in &manifest.datasets {
         for detector in &manifest.detectors {
-            let value = |metric: Metric| {
-                let subject = Subject::of_all(&dataset.id, report.first_task()?, &detector.name);
-                report.row(&subject, &metric)?.value().filter(|it| *it > 0.0)
-            };
+            let value = |metric| value(report, &dataset.id, &detector.name, &metric);
             let about = || format!("{} on {}", detector.name, dataset.id);
-            let on_processors = value(Metric::CpuMean).zip(value(Metric::FpsMean));
-            if let Some(share) = on_processors.map(|(cpu_ms, fps)| cpu_ms * fps / 1e3)
-                && detector.foreign.is_none()
-                && share < least_share.as_ref().map_or(BUSY, |it| it.0)
+            if let Some(share) = share_on_busy_machine(report, &dataset.id, detector)
+                && least_share.as_ref().is_none_or(|it| share < it.0)
             {
                 least_share = Some((share, about()));
             }

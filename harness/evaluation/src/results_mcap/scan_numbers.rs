@@ -79,9 +79,9 @@ impl<'a> ScanNumbersMessage<'a> {
             ignored_annotations: numbers.n_ignored_annotations,
             ignored_detections: numbers.n_ignored_detections,
             unknowable_detections: numbers.n_unknowable_detections,
-            precision_so_far: so_far.precision(),
+            precision_so_far: so_far.drawn(Counts::precision),
             recall_so_far: so_far.recall(),
-            f_rate_so_far: so_far.f_rate(),
+            f_rate_so_far: so_far.drawn(Counts::f_rate),
         })
     }
 }

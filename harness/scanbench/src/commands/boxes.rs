@@ -210,7 +210,7 @@ fn write_points(directory: &RunDirectory, groups: &[Group<'_>]) -> Result<(), Fa
             continue;
         }
         let title = format!(
-            "Points of matched vehicles in the frames of boxes, {stem}: each shade is half as full as the next darker one"
+            "Points of matched vehicles in the frames of boxes, {stem}: each shade is half as full as the next fuller one"
         );
         write_figure(directory, &format!("box_points_{stem}"), &box_points_plot(&shown, &title))?;
     }

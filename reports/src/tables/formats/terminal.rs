@@ -2,18 +2,14 @@
 
 use std::fmt::Write as _;
 
+use crate::tables::folding::{GAP, GROUP_GAP, Width, grid_width, left_text, pieces, widths};
 use crate::tables::formats::format::Format;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
+use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
 use crate::tables::notes::Notes;
 use crate::tables::sheet::{Part, Sheet, Tabular};
 
 /// Sentences are broken to this many characters.
 const LINE_WIDTH: usize = 100;
-/// Between columns.
-const GAP: &str = "  ";
-/// Between groups of columns, in addition.
-const GROUP_GAP: &str = " ";
-
 /// Aligned text, without colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Terminal {
@@ -84,51 +80,13 @@ impl<T: Tabular + ?Sized> Format<T> for Terminal {
     }
 }
 
-/// The grid in as many pieces below each other as it takes for each to fit into `width` columns. Every piece begins with the
-/// columns that say what its lines are about; a group of columns stays together where it fits.
+/// The pieces of a grid below each other.
 fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
-    let has_groups = grid.columns.iter().any(|it| it.group.is_some());
-    let is_head = |column: &Column| {
-        if has_groups { column.group.is_none() } else { column.alignment == Alignment::Left }
-    };
-    let n_heads = grid.columns.iter().take_while(|it| is_head(it)).count();
-    let fits = |columns: &[usize]| {
-        let piece = grid.with_columns(columns);
-        let widths = widths(&piece, notes);
-        grid_width(&piece, &widths).max(group_heads_width(&piece, &widths)) <= width
-    };
-    let heads: Vec<usize> = (0..n_heads).collect();
-    let mut pieces = vec![heads.clone()];
-    let rest: Vec<usize> = (n_heads..grid.columns.len()).collect();
-    // An interval stays beside its number.
-    let is_interval = |idx: usize| grid.lines.iter().any(|it| it.cells[idx].is_interval);
-    let together = |a: &usize, b: &usize| {
-        if has_groups { grid.columns[*a].group == grid.columns[*b].group } else { is_interval(*b) }
-    };
-    // A group that is too wide by itself comes apart.
-    let groups = rest.chunk_by(together).flat_map(|group| {
-        let is_whole = fits(&[heads.as_slice(), group].concat());
-        group.chunks(if is_whole { group.len() } else { 1 })
-    });
-    for group in groups {
-        let last = pieces.last_mut().expect("there is a first piece");
-        let longer = [last.as_slice(), group].concat();
-        if last.len() == n_heads || fits(&longer) {
-            *last = longer;
-        } else {
-            pieces.push([heads.as_slice(), group].concat());
-        }
-    }
-    for (piece_idx, columns) in pieces.iter().enumerate() {
+    for (piece_idx, piece) in pieces(grid, notes, width).iter().enumerate() {
         if piece_idx > 0 {
             text.push('\n');
         }
-        let mut piece = grid.with_columns(columns);
-        // A paper has nothing to say about most detectors. A table of words has no columns but its heads.
-        piece.lines.retain(|line| {
-            columns.len() == n_heads || line.cells[n_heads..].iter().any(|it| !it.text.is_empty())
-        });
-        write_grid(text, &piece, notes);
+        write_grid(text, piece, notes);
     }
 }
 
@@ -154,14 +112,6 @@ fn with_broken_words(grid: &Grid, notes: &Notes, width: usize) -> Grid {
         pieces.map(piece).collect()
     };
     Grid { columns: grid.columns.clone(), lines: grid.lines.iter().flat_map(broken).collect() }
-}
-
-/// How wide a column is.
-struct Width {
-    /// All of it.
-    total: usize,
-    /// From the decimal point on, signs included; zero for text.
-    fraction: usize,
 }
 
 /// The grid with its heads.
@@ -231,18 +181,6 @@ fn push_line(text: &mut String, line: &str) {
     writeln!(text, "{}", line.trim_end()).expect("a string takes all that is written");
 }
 
-fn left_text(line: &Line, column_idx: usize, notes: &Notes) -> String {
-    let cell = &line.cells[column_idx];
-    let is_beneath = column_idx == 0 && line.kind == LineKind::Detail;
-    let indent = if is_beneath { "  " } else { "" };
-    let tag = Notes::tag(cell).map_or_else(String::new, |it| format!(" ({it})"));
-    if cell.text.is_empty() {
-        String::new()
-    } else {
-        format!("{indent}{}{}{tag}", cell.text, notes.sign(cell))
-    }
-}
-
 fn decimal_text(cell: &Cell, width: &Width, notes: &Notes) -> String {
     if cell.is_interval {
         return format!("{:>1$}", format!("{}{}", cell.text, notes.sign(cell)), width.total);
@@ -250,51 +188,6 @@ fn decimal_text(cell: &Cell, width: &Width, notes: &Notes) -> String {
     let fraction = format!("{}{}", cell.fraction(), notes.sign(cell));
     let whole = cell.text.split('.').next().unwrap_or("");
     format!("{whole:>0$}{fraction:<1$}", width.total - width.fraction, width.fraction)
-}
-
-fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
-    let n_chars = |text: &str| text.chars().count();
-    let columns = grid.columns.iter().enumerate().map(|(column_idx, column)| {
-        let (mut total, mut fraction_width, mut interval_width) = (0, 0, 0);
-        for line in &grid.lines {
-            let cell = &line.cells[column_idx];
-            match column.alignment {
-                Alignment::Left => total = total.max(n_chars(&left_text(line, column_idx, notes))),
-                Alignment::Decimal => {
-                    let whole = n_chars(&cell.text) - n_chars(cell.fraction());
-                    let behind = n_chars(cell.fraction()) + n_chars(&notes.sign(cell));
-                    // An interval reaches into the cell before it, if that is empty; only its sign is behind it.
-                    let has_room = column_idx > 0 && line.cells[column_idx - 1].text.is_empty();
-                    if !cell.is_interval {
-                        total = total.max(whole);
-                        fraction_width = fraction_width.max(behind);
-                    } else if !has_room {
-                        interval_width = interval_width.max(whole + behind);
-                    }
-                }
-            }
-        }
-        let total = n_chars(&column.title).max(total + fraction_width).max(interval_width);
-        Width { total, fraction: fraction_width }
-    });
-    columns.collect()
-}
-
-/// Width of the line above the heads, where names of groups may be wider than their columns.
-fn group_heads_width(grid: &Grid, widths: &[Width]) -> usize {
-    let groups = grid.groups();
-    let mut widths = widths.iter();
-    let of_groups = groups.iter().map(|(name, n_columns)| {
-        let of_columns: usize = widths.by_ref().take(*n_columns).map(|it| it.total).sum();
-        let columns_width = of_columns + GAP.len() * (n_columns - 1);
-        columns_width.max(name.map_or(0, |it| it.chars().count()))
-    });
-    of_groups.sum::<usize>() + (GAP.len() + GROUP_GAP.len()) * (groups.len() - 1)
-}
-
-fn grid_width(grid: &Grid, widths: &[Width]) -> usize {
-    let columns: usize = widths.iter().map(|it| it.total).sum();
-    columns + GAP.len() * (widths.len() - 1) + GROUP_GAP.len() * (grid.groups().len() - 1)
 }
 
 /// `sentence` in lines of at most `width` characters, and at most [`LINE_WIDTH`], all but the first indented.
@@ -320,6 +213,7 @@ fn wrapped_to(sentence: &str, width: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tables::grid::Column;
     use crate::tables::sample;
 
     #[test]

@@ -102,14 +102,14 @@ pub fn write_files(
     let found = partial_findings(&partial, &curves, OURS);
     let table = PartialTable { title, curves: &curves, method: OURS, found: &found };
     write_table(directory, "partial", &table)?;
-    write_figure(directory, "accuracy", &partial_accuracy_plot(&curves, title).svg())?;
-    write_figure(directory, "calibration", &partial_calibration_plot(&curves, title).svg())?;
+    write_figure(directory, "accuracy", &partial_accuracy_plot(&curves, title).svg(title))?;
+    write_figure(directory, "calibration", &partial_calibration_plot(&curves, title).svg(title))?;
     for curve in curves.iter().filter(|it| it.method == OURS) {
         let PartialCurve { data, direction, trained_on, .. } = curve;
         let title = format!("Mean error to each class: {data} from {direction}, trained on {trained_on}");
         let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
         let stem: String = format!("errors_{data}_{direction}_{trained_on}").chars().map(safe).collect();
-        write_figure(directory, &stem, &partial_error_plot(curve, &title).svg())?;
+        write_figure(directory, &stem, &partial_error_plot(curve, &title).svg(&title))?;
     }
     Ok(terminal().text(&table))
 }

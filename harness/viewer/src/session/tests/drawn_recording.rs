@@ -21,7 +21,7 @@ use reports::vocabulary::reason::{FalseReason, MissReason};
 use reports::vocabulary::task::Task;
 use rerun::external::arrow::array::Array as _;
 use rerun::external::re_log_encoding::DecoderApp;
-use rerun::external::re_log_types::LogMsg;
+use rerun::external::re_log_types::{LogMsg, StoreId};
 use rerun::log::Chunk;
 use scans::annotation::{Annotation, LabeledScan, ScanId};
 
@@ -185,11 +185,20 @@ pub fn messages(file: &Path) -> Vec<LogMsg> {
 
 /// The chunks of the recording itself, without those of the blueprint.
 pub fn chunks(file: &Path) -> Vec<Chunk> {
-    let recorded = messages(file).into_iter().filter_map(|message| match message {
-        LogMsg::ArrowMsg(store, message) if store.is_recording() => Some(message),
+    chunks_of(file, StoreId::is_recording)
+}
+
+/// The chunks of the blueprint.
+pub fn chunks_of_blueprint(file: &Path) -> Vec<Chunk> {
+    chunks_of(file, StoreId::is_blueprint)
+}
+
+fn chunks_of(file: &Path, is_wanted: fn(&StoreId) -> bool) -> Vec<Chunk> {
+    let wanted = messages(file).into_iter().filter_map(|message| match message {
+        LogMsg::ArrowMsg(store, message) if is_wanted(&store) => Some(message),
         _ => None,
     });
-    recorded.map(|message| Chunk::from_arrow_msg(&message).unwrap()).collect()
+    wanted.map(|message| Chunk::from_arrow_msg(&message).unwrap()).collect()
 }
 
 /// How often each component of each entity was logged, as `entity component`.

@@ -4,20 +4,22 @@ use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
 use detector::stage_product::Shape;
+use detector::surface_class::SurfaceClass;
 use detector::{PointCloud, StageProduct};
 use evaluation::matching::outcome::Assignment;
 use reports::vocabulary::task::Task;
 use rerun::ComponentIdentifier;
 use rerun::external::arrow::array::{Array as _, AsArray as _};
-use rerun::external::arrow::datatypes::UInt16Type;
+use rerun::external::arrow::datatypes::{UInt16Type, UInt32Type};
 use rerun::external::re_log_types::LogMsg;
 
 use self::drawn_recording::{
-    N_POINTS, chunks, log_detector, log_scan, messages, n_logged, one_of_each, options, products, record,
-    scan, surfaces,
+    N_POINTS, chunks, chunks_of_blueprint, log_detector, log_scan, messages, n_logged, one_of_each, options,
+    products, record, scan, surfaces,
 };
 use super::*;
-use crate::{ViewerChoice, entity_paths};
+use crate::entity_paths::{self, PointColumns};
+use crate::{ViewerChoice, legend, palette};
 
 mod drawn_recording;
 
@@ -35,11 +37,13 @@ fn check_n_logged(expected: &[(&str, usize)]) {
 fn points_are_logged_once_a_scan_and_labelled_once_a_detector() {
     check_n_logged(&[
         ("/world/sensor/scan/points Points3D:positions", 3),
+        ("/world/sensor/scan/points Points3D:colors", 3),
         ("/world/sensor/scan/points grid:grid:point_classes", 3),
-        ("/world/sensor/scan/points grid:grid:clusters", 3),
-        ("/world/sensor/scan/points grid:grid:first_guess", 3),
-        ("/world/sensor/scan/points kd-tree:grid:point_classes", 3),
-        ("/world/sensor/scan/points kd-tree:grid:clusters", 3),
+        ("/world/sensor/scan/points grid:grid:point_classes:colors", 3),
+        ("/world/sensor/scan/points grid:grid:clusters:colors", 3),
+        ("/world/sensor/scan/points grid:grid:first_guess:colors", 3),
+        ("/world/sensor/scan/points kd-tree:grid:point_classes:colors", 3),
+        ("/world/sensor/scan/points kd-tree:grid:clusters:colors", 3),
         ("/world/sensor/scan/annotations Boxes3D:half_sizes", 3),
     ]);
 }
@@ -144,7 +148,7 @@ fn fewer_points_are_drawn_than_there_are_if_so_asked() {
         logged.value(0).len()
     };
     assert_eq!(n_rows(re_sdk_types::archetypes::Points3D::descriptor_positions().component), 2);
-    assert_eq!(n_rows(entity_paths::label_column("grid", &products()[2])), 2);
+    assert_eq!(n_rows(PointColumns::of("grid", &products()[2]).unwrap().colors), 2);
     let title = chunks.iter().find(|it| it.entity_path() == &entity_paths::LEGEND_SCAN.into()).unwrap();
     assert!(format!("{title}").contains("2 of 6 points drawn"), "{title}");
 }
@@ -160,12 +164,49 @@ fn points_that_cannot_be_drawn_take_their_labels_along() {
     log_detector(&mut stream, &scan, "grid", &products(), &[]).unwrap();
     stream.finish().unwrap();
 
-    let surfaces_column = entity_paths::label_column("grid", &products()[1]);
     let chunks = chunks(&folder.path().join("run.rrd"));
-    let column = chunks.iter().find_map(|chunk| chunk.components().get_array(surfaces_column)).unwrap();
-    let logged = column.value(0).as_primitive::<UInt16Type>().values().to_vec();
-    let expected: Vec<u16> = [0, 2, 3, 5].map(|it| surfaces()[it] as u16).to_vec();
-    assert_eq!(logged, expected);
+    let column = |name: ComponentIdentifier| {
+        let column = chunks.iter().find_map(|chunk| chunk.components().get_array(name)).unwrap();
+        column.value(0)
+    };
+    let surfaces = [0, 2, 3, 5].map(|it| surfaces()[it]);
+    let of_surfaces = PointColumns::of("grid", &products()[1]).unwrap();
+    let logged = column(of_surfaces.class_ids.unwrap()).as_primitive::<UInt16Type>().values().to_vec();
+    assert_eq!(logged, surfaces.map(|it| it as u16));
+    let rgba = |it: palette::Rgb| legend::rgba(it).to_u32();
+    let colors = |it: ComponentIdentifier| column(it).as_primitive::<UInt32Type>().values().to_vec();
+    assert_eq!(colors(of_surfaces.colors), surfaces.map(palette::surface_color).map(rgba));
+    let of_clusters = PointColumns::of("grid", &products()[2]).unwrap();
+    let none = palette::surface_color(SurfaceClass::Unseen);
+    assert_eq!(colors(of_clusters.colors), [palette::cluster_color(0), none, none, none].map(rgba));
+}
+
+#[test]
+fn views_take_the_colours_of_points_and_not_their_class_ids_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), ViewerChoice::None, 1).unwrap();
+    let file = folder.path().join("run.rrd");
+    let recorded: BTreeSet<String> = n_logged(&file).into_keys().collect();
+    let instructions = chunks_of_blueprint(&file);
+    let mapped = |to: &str, ending: &str| {
+        let said: Vec<String> = instructions.iter().map(|it| format!("{it:?}")).collect();
+        let is_there = |it: &&String| it.ends_with(ending) && it.starts_with("/world/sensor/scan/points ");
+        let columns = recorded.iter().filter(is_there).filter_map(|it| it.split_once(' ')).map(|it| it.1);
+        let is_mapped = |column: &&str| said.iter().any(|it| it.contains(to) && it.contains(*column));
+        columns.filter(is_mapped).map(str::to_owned).collect::<Vec<_>>()
+    };
+    // The last labels of each kind of both detectors; each stage shows what is there when it ends.
+    let columns = ["grid:grid:clusters:colors", "grid:grid:point_classes:colors"];
+    let expected: Vec<String> = ["", "kd-tree"]
+        .iter()
+        .flat_map(|it| {
+            columns.map(|column| match *it {
+                "" => column.to_owned(),
+                detector => column.replacen("grid", detector, 1),
+            })
+        })
+        .collect();
+    assert_eq!(mapped("Points3D:colors", ":colors"), expected);
 }
 
 #[track_caller]
