@@ -158,8 +158,8 @@ fn is_obeyed(text: &str) -> bool {
 
 #[test]
 fn what_a_run_says_is_not_obeyed() {
-    let workplace = small_run();
     const EVIL: &str = r"street\u001b]0;evil\u0007\u202e";
+    let workplace = small_run();
     for name in ["manifest.json", "report.json"] {
         let text = workplace.read(&format!("run/{name}"));
         workplace.write(&format!("run/{name}"), &text.replace("street-narrow", EVIL));
