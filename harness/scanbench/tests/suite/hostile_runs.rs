@@ -195,7 +195,7 @@ fn what_a_run_names_is_neither_fetched_nor_started_unasked() {
         &["\"http://127.0.0.1:9/a/\", which is not fetched", "--trust"],
     );
     workplace.end_with("view run --task objects --trust", 3, &["cannot fetch"]);
-    workplace.write("theirs.toml", "[detectors.mine]\ncommand = [\"touch\", \"started\"]\n");
+    workplace.write("theirs.toml", "[detector.mine]\ncommand = [\"touch\", \"started\"]\n");
     workplace.write(
         "run/manifest.json",
         &with_argv(r#""scanbench", "run", "street-narrow", "-d", "mine", "-c", "theirs.toml""#),
