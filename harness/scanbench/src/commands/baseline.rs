@@ -38,7 +38,7 @@ pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
     let _folders =
         NewFolders::create(folder).map_err(|source| ArchiveError::Write { path: folder.clone(), source })?;
     let tolerances = begun(&folder.join(TOLERANCES_TOML), &built_in_file(&run))?;
-    let workflow = begun(&folder.join(GATE_WORKFLOW), &gate_workflow(&run.manifest, folder))?;
+    let workflow = begun(&folder.join(GATE_WORKFLOW), &gate_workflow(&run.manifest, folder)?)?;
     let acceptance = Acceptance {
         date: &utc_day(Timestamp::now()),
         why: "the first accepted run",

@@ -202,6 +202,10 @@ fn what_a_run_names_is_neither_fetched_nor_started_unasked() {
     );
     workplace.end_with("view run --task objects", 2, &["\"mine\" of \"theirs.toml\"", "--trust"]);
     assert!(!workplace.path("started").exists());
+    for word in ["x\\n      - run: evil", "${{ github.token }}"] {
+        workplace.write("run/manifest.json", &with_argv(&format!(r#""scanbench", "run", "{word}""#)));
+        workplace.refuse("baseline init run -o ci", 2, &["which cannot stand in a workflow"]);
+    }
 }
 
 #[test]
