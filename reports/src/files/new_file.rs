@@ -56,10 +56,12 @@ pub fn make_folder(folder: &Path, name: impl AsRef<Path>) -> io::Result<PathBuf>
         made => made?,
     }
     let metadata = std::fs::symlink_metadata(&path)?;
-    match metadata.is_dir() {
-        true => Ok(path),
-        false if metadata.is_symlink() => Err(a_link()),
-        false => Err(io::ErrorKind::NotADirectory.into()),
+    if metadata.is_dir() {
+        Ok(path)
+    } else if metadata.is_symlink() {
+        Err(a_link())
+    } else {
+        Err(io::ErrorKind::NotADirectory.into())
     }
 }
 

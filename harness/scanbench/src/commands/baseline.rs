@@ -31,7 +31,7 @@ pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
     }
     let run = open_run(&arguments.run)?;
     let beside =
-        [(TOLERANCES_TOML, built_in_file(&run)), (GATE_WORKFLOW, gate_workflow(&run.manifest, folder))];
+        [(TOLERANCES_TOML, built_in_file(&run)), (GATE_WORKFLOW, gate_workflow(&run.manifest, folder)?)];
     let acceptance = Acceptance {
         date: &utc_day(Timestamp::now()),
         why: "the first accepted run",

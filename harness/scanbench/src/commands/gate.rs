@@ -84,7 +84,8 @@ pub fn tolerances(
     let beside = directory.join(TOLERANCES_TOML);
     match of_command_line {
         Some(path) => Tolerances::read(path),
-        None if beside.exists() => Tolerances::read(&beside),
+        // A link that leads nowhere is an error, and no reason to take others.
+        None if beside.symlink_metadata().is_ok() => Tolerances::read(&beside),
         None => Ok(Tolerances::built_in(baseline)),
     }
 }

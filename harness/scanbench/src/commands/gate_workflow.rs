@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
+use reports::files::shown_text::is_printable;
 use reports::run_folder::command_line::{command_again, shell_word};
 use reports::run_folder::manifest::Manifest;
+
+use crate::commands::failure::Usage;
 
 /// Its name beside the baseline.
 pub const GATE_WORKFLOW: &str = "scanbench.yml";
@@ -11,7 +14,16 @@ pub const GATE_WORKFLOW: &str = "scanbench.yml";
 const TEMPLATE: &str = include_str!("gate_workflow.yml");
 
 /// A workflow for GitHub that makes the run of `manifest` again and holds it to the baseline in `folder`.
-pub fn gate_workflow(manifest: &Manifest, folder: &Path) -> String {
+///
+/// Words of the command of the run that would end its step, or that GitHub replaces, are refused: the run may be that of
+/// somebody else.
+pub fn gate_workflow(manifest: &Manifest, folder: &Path) -> Result<String, Usage> {
+    let is_more_than_a_word = |it: &&String| !it.chars().all(is_printable) || it.contains("${{");
+    if let Some(word) = manifest.argv.iter().find(is_more_than_a_word) {
+        return Err(Usage(format!(
+            "the command of the run has the word {word:?}, which cannot stand in a workflow"
+        )));
+    }
     let data = data(manifest) + &recorded_objects(manifest);
     let folder = folder.display().to_string();
     let baseline = shell_word(folder.trim_end_matches('/'));
@@ -25,7 +37,7 @@ pub fn gate_workflow(manifest: &Manifest, folder: &Path) -> String {
         written += word;
         after
     });
-    written + end
+    Ok(written + end)
 }
 
 /// What has to be fetched before objects are judged; nothing if all of them are simulated on the way.

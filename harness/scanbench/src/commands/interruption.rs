@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use reports::files::shown_text::shown_lines;
 use reports::files::unfinished;
 
 use crate::commands::failure::{Failure, Reason};
@@ -119,6 +120,6 @@ fn say_last_words() {
     let _ = writeln!(stderr, "{new_line}error: interrupted{after}");
     let words = LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner);
     if !words.is_empty() && is_said(Verbosity::Usual) {
-        let _ = writeln!(stderr, "{words}");
+        let _ = writeln!(stderr, "{}", shown_lines(&words));
     }
 }

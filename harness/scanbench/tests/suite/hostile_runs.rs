@@ -158,8 +158,8 @@ fn is_obeyed(text: &str) -> bool {
 
 #[test]
 fn what_a_run_says_is_not_obeyed() {
-    let workplace = small_run();
     const EVIL: &str = r"street\u001b]0;evil\u0007\u202e";
+    let workplace = small_run();
     for name in ["manifest.json", "report.json"] {
         let text = workplace.read(&format!("run/{name}"));
         workplace.write(&format!("run/{name}"), &text.replace("street-narrow", EVIL));
@@ -195,13 +195,17 @@ fn what_a_run_names_is_neither_fetched_nor_started_unasked() {
         &["\"http://127.0.0.1:9/a/\", which is not fetched", "--trust"],
     );
     workplace.end_with("view run --task objects --trust", 3, &["cannot fetch"]);
-    workplace.write("theirs.toml", "[detectors.mine]\ncommand = [\"touch\", \"started\"]\n");
+    workplace.write("theirs.toml", "[detector.mine]\ncommand = [\"touch\", \"started\"]\n");
     workplace.write(
         "run/manifest.json",
         &with_argv(r#""scanbench", "run", "street-narrow", "-d", "mine", "-c", "theirs.toml""#),
     );
     workplace.end_with("view run --task objects", 2, &["\"mine\" of \"theirs.toml\"", "--trust"]);
     assert!(!workplace.path("started").exists());
+    for word in ["x\\n      - run: evil", "${{ github.token }}"] {
+        workplace.write("run/manifest.json", &with_argv(&format!(r#""scanbench", "run", "{word}""#)));
+        workplace.refuse("baseline init run -o ci", 2, &["which cannot stand in a workflow"]);
+    }
 }
 
 #[test]

@@ -19,6 +19,11 @@ pub fn n_bytes_of(path: &Path) -> Result<u64, DatasetError> {
     Ok(std::fs::metadata(path).map_err(DatasetError::io(path))?.len())
 }
 
+/// Whether something is called `path`: a link that leads nowhere, too, which is an error to whoever reads it.
+pub fn is_there(path: &Path) -> bool {
+    path.symlink_metadata().is_ok()
+}
+
 /// What lies in `folder` and is not hidden, in the order of names.
 pub fn entries_of(folder: &Path) -> Result<Vec<PathBuf>, DatasetError> {
     let entries = std::fs::read_dir(folder).and_then(|it| it.map(|entry| Ok(entry?.path())).collect());

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::growing_cloud::Moment;
 use crate::dataset::DatasetError;
+use crate::dataset::on_disk::is_there;
 use crate::dataset::simulation::Simulation;
 use crate::dataset::text_file::read_text_file;
 
@@ -59,7 +60,7 @@ impl ObjectSheet {
     /// The sheet in `folder`; an empty one if there is none.
     pub fn in_folder(folder: &Path) -> Result<Self, DatasetError> {
         let path = folder.join(OBJECT_SHEET);
-        if !path.is_file() {
+        if !is_there(&path) {
             return Ok(Self::default());
         }
         let text = read_text_file(&path)?;
