@@ -20,6 +20,7 @@ pub mod unpaired_files;
 
 // What several formats have in common.
 pub mod text_file;
+pub mod python_json;
 pub mod numbered_files;
 pub mod positioned_points;
 pub mod velodyne_bin;

@@ -21,6 +21,7 @@ use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
 use crate::dataset::kitti::calibration::parse_calibration;
 use crate::dataset::kitti::ground_truth::annotation_of;
 use crate::dataset::kitti::label::{KITTI_VOCABULARY, KittiLabel, KittiObject, parse_object_labels};
+use crate::dataset::python_json::quoted;
 
 /// The labels of a scan with what they need.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -124,6 +125,7 @@ impl LabelFile {
 
 fn parse_json(text: &str) -> Result<Vec<ListedBox>, String> {
     let not_boxes = |error: serde_json::Error| format!("is not a list of boxes: {error}");
+    let text = &*quoted(text);
     let value: Value = serde_json::from_str(text).map_err(not_boxes)?;
     let is_sustech = value.as_array().and_then(|it| it.first()).is_some_and(|it| it.get("psr").is_some());
     if value.get("objects").is_some() {
