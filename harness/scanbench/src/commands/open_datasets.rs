@@ -17,6 +17,7 @@ use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::mounting::read_transform;
 use scans::dataset::scan_selection::ScanSelection;
 use scans::dataset::source::{DamagePolicy, TopicChoice};
+use scans::dataset::unpaired_files::LeftOut;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
 use simulator::catalogue::{Catalogue, built_in_catalogue};
 use simulator::open::{OpenOptions, open_dataset};
@@ -197,20 +198,25 @@ pub fn open_datasets_past_damage(
             return Err(NothingEvaluated { reason: format!("{id:?} has no scans") }.into());
         }
         print_dataset(dataset.description(), scan_indices.len(), n_scans);
-        let left_out = dataset.left_out().map(|reason| {
+        let mut skipped: Vec<SkippedScan> = Vec::new();
+        for LeftOut { name, reason } in dataset.files_left_out() {
+            print_diagnostic(format_args!("warning: skipped {name:?} of {id:?}: it {reason}"));
+            skipped.push(SkippedScan { scan: name.clone(), reason: format!("it {reason}") });
+        }
+        skipped.extend(dataset.left_out().map(|reason| {
             print_diagnostic(format_args!(
                 "warning: skipped the end of {:?}: it {reason}",
                 dataset.description().id
             ));
             SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
-        });
+        }));
         let stated = stated(name, &catalogue, &arguments.source, dataset.description())?;
         let (dataset, points_left_out) = CountedDataset::new(dataset);
         opened.push(OpenedDataset {
             dataset: Box::new(dataset),
             part: 0..scan_indices.len(),
             scan_indices,
-            skipped: RefCell::new(left_out.into_iter().collect()),
+            skipped: RefCell::new(skipped),
             points_left_out,
             classes: options.of_files().classes_of(name, &catalogue).table,
             blocks_checksum: None,
@@ -227,7 +233,21 @@ pub fn open_datasets_past_damage(
     {
         return Err(Usage("--transform is only for recorded data sets, and none is given".to_owned()).into());
     }
+    refuse_idle_columns(&opened, &arguments.source)?;
     Ok(opened)
+}
+
+/// Of files that name their columns nothing else can be said.
+fn refuse_idle_columns(opened: &[OpenedDataset], source: &SourceArgs) -> Result<(), Failure> {
+    if source.columns.is_none() {
+        return Ok(());
+    }
+    for it in opened {
+        if it.dataset.columns()?.is_some() {
+            return Ok(());
+        }
+    }
+    Err(Usage("--columns is for .bin and .npy files, and no data set has any".to_owned()).into())
 }
 
 fn print_dataset(description: &DatasetDescription, n_taken: usize, n_scans: usize) {
@@ -265,6 +285,7 @@ pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenO
         n_simulated_scans: source.simulated_scans,
         sensor: source.sensor.clone(),
         sensor_height_m: source.sensor_height,
+        columns: source.columns.clone(),
         sensor_from_file: source.transform.as_deref().map(read_transform).transpose()?,
         topics: TopicChoice { cloud: source.topic.clone(), annotations: source.annotation_topic.clone() },
         damage: DamagePolicy::Refuse,

@@ -6,6 +6,7 @@ use std::path::Path;
 use reports::files::archive::pretty_json;
 use serde::{Deserialize, Serialize};
 
+use super::on_disk::is_there;
 use super::shown_name::is_printable;
 use super::simulation::Simulation;
 use super::text_file::read_text_file;
@@ -52,7 +53,7 @@ impl DataSheet {
     /// The sheet in the folder of a data set, if there is one.
     pub fn in_folder(folder: &Path) -> Result<Option<Self>, DatasetError> {
         let path = folder.join(DATA_SHEET);
-        if !path.is_file() {
+        if !is_there(&path) {
             return Ok(None);
         }
         let sheet = Self::from_json(&read_text_file(&path)?);

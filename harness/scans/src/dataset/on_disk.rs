@@ -16,6 +16,11 @@ pub fn n_bytes_of(path: &Path) -> Result<u64, DatasetError> {
     Ok(std::fs::metadata(path).map_err(DatasetError::io(path))?.len())
 }
 
+/// Whether anything is called `path`, be it a link to what is not there: what is to be read and cannot be is not passed over.
+pub fn is_there(path: &Path) -> bool {
+    std::fs::symlink_metadata(path).is_ok()
+}
+
 /// What lies in `folder` and is not hidden, in the order of names.
 pub fn entries_of(folder: &Path) -> Result<Vec<PathBuf>, DatasetError> {
     let entries = std::fs::read_dir(folder).and_then(|it| it.map(|entry| Ok(entry?.path())).collect());

@@ -6,6 +6,7 @@ use std::path::Path;
 use detector::OrientedBox;
 
 use super::DatasetError;
+use super::on_disk::is_there;
 use super::text_file::read_text_file;
 
 /// The name of the list in the folder of a project.
@@ -23,7 +24,7 @@ impl ProposalList {
     /// The list in the folder of a data set, if there is one.
     pub fn in_folder(folder: &Path) -> Result<Option<Self>, DatasetError> {
         let path = folder.join(PROPOSALS_CSV);
-        if !path.is_file() {
+        if !is_there(&path) {
             return Ok(None);
         }
         let lines = read_text_file(&path)?.lines().skip(1).map(str::to_owned).collect();

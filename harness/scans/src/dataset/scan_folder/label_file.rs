@@ -16,11 +16,12 @@ use super::listed_box::ListedBox;
 use super::sustech_points::SustechObject;
 use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
-use crate::dataset::class_table::{ClassReader, Vocabulary};
+use crate::dataset::class_table::{ClassReader, ClassRules, Vocabulary};
 use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
 use crate::dataset::kitti::calibration::parse_calibration;
 use crate::dataset::kitti::ground_truth::annotation_of;
 use crate::dataset::kitti::label::{KITTI_VOCABULARY, KittiLabel, KittiObject, parse_object_labels};
+use crate::dataset::on_disk::has_extension;
 use crate::dataset::python_json::quoted;
 
 /// The labels of a scan with what they need.
@@ -121,6 +122,16 @@ impl LabelFile {
             }
         }
     }
+}
+
+/// Whether `text`, that of the file at `path`, is boxes of a known format, of whatever classes.
+pub fn is_labels(path: &Path, text: &str) -> bool {
+    if has_extension(path, "json") {
+        return parse_json(text).is_ok();
+    }
+    let rules = ClassRules::default();
+    let mut classes = ClassReader::new(&rules, KITTI_VOCABULARY);
+    parse_object_labels(path, text, &mut classes).is_ok()
 }
 
 fn parse_json(text: &str) -> Result<Vec<ListedBox>, String> {
