@@ -5,20 +5,16 @@
 
 use std::borrow::Cow;
 use std::fmt;
-use std::io::{self, BufReader, Read};
+use std::io::{self, Read};
 
 use serde::de::{Deserialize, Deserializer, Error, Unexpected, Visitor};
 
 /// Bytes that are read at once.
 const N_BUFFERED: usize = 1 << 18;
 
-/// A byte of the text becomes so many at most, and the end one more.
-const MAX_GROWTH: usize = 3;
-
 /// The text of `inner` with those words in quotes.
-pub fn python_json<R: Read>(inner: R) -> BufReader<impl Read> {
-    let reader = Quoting { inner, place: Place::default(), plain: vec![0; N_BUFFERED / MAX_GROWTH - 1] };
-    BufReader::with_capacity(N_BUFFERED, reader)
+pub fn python_json<R: Read>(inner: R) -> impl Read {
+    Quoting { inner, place: Place::default(), plain: vec![0; N_BUFFERED], quoted: Vec::new(), n_taken: 0 }
 }
 
 /// `text` with those words in quotes.
@@ -88,26 +84,29 @@ struct Quoting<R> {
     inner: R,
     place: Place,
     plain: Vec<u8>,
+    // Bytes of which the first `n_taken` have been handed on.
+    quoted: Vec<u8>,
+    n_taken: usize,
 }
 
 impl<R: Read> Read for Quoting<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let n_wanted = (buffer.len() / MAX_GROWTH).saturating_sub(1).min(self.plain.len());
-        if n_wanted == 0 {
-            return Err(io::Error::other("a buffer that is too small"));
-        }
-        let mut n_written = 0;
-        let mut push = |byte| {
-            buffer[n_written] = byte;
-            n_written += 1;
-        };
-        let n_read = self.inner.read(&mut self.plain[..n_wanted])?;
-        self.plain[..n_read].iter().for_each(|it| self.place.take(*it, &mut push));
-        if n_read == 0 {
-            self.place.end(&mut push);
-        }
         // A minus alone is kept for later, and nothing would be the end.
-        if n_written == 0 && n_read > 0 { self.read(buffer) } else { Ok(n_written) }
+        while self.n_taken == self.quoted.len() {
+            self.quoted.clear();
+            self.n_taken = 0;
+            let n_read = self.inner.read(&mut self.plain)?;
+            let mut push = |byte| self.quoted.push(byte);
+            self.plain[..n_read].iter().for_each(|it| self.place.take(*it, &mut push));
+            if n_read == 0 {
+                self.place.end(&mut push);
+                break;
+            }
+        }
+        let n = buffer.len().min(self.quoted.len() - self.n_taken);
+        buffer[..n].copy_from_slice(&self.quoted[self.n_taken..self.n_taken + n]);
+        self.n_taken += n;
+        Ok(n)
     }
 }
 

@@ -325,7 +325,13 @@ mod tests {
         check_read(|&[x, y, z, _, ring, time]| vec![x, y, z, ring, time], "x,y,z,ring,_", true);
         check_read(|&[x, y, z, _, ring, _]| vec![x, y, z, ring], "x,y,z,ring", true);
         check_read(|&[x, y, z, ..]| vec![x, y, z, 0.0, 0.0], "x,y,z,intensity,_", false);
-        check_read(|&[x, y, z, intensity, ..]| vec![x, y, z, 0.5 - intensity], "x,y,z,_", false);
+    }
+
+    #[test]
+    fn what_has_negative_numbers_is_no_intensity() {
+        let row = |&[x, y, z, intensity, ..]: &DrawnPoint| vec![x, y, z, 0.5 - intensity];
+        let files = Files::new(&[("a.bin", &bytes_of(&drawn_scan(19_200), row))]);
+        assert_eq!(files.columns(None).described().unwrap().unwrap(), "x,y,z,_, as the numbers look");
     }
 
     #[track_caller]
