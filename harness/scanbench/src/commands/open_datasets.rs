@@ -198,18 +198,7 @@ pub fn open_datasets_past_damage(
             return Err(NothingEvaluated { reason: format!("{id:?} has no scans") }.into());
         }
         print_dataset(dataset.description(), scan_indices.len(), n_scans);
-        let mut skipped: Vec<SkippedScan> = Vec::new();
-        for LeftOut { name, reason } in dataset.files_left_out() {
-            print_diagnostic(format_args!("warning: skipped {name:?} of {id:?}: it {reason}"));
-            skipped.push(SkippedScan { scan: name.clone(), reason: format!("it {reason}") });
-        }
-        skipped.extend(dataset.left_out().map(|reason| {
-            print_diagnostic(format_args!(
-                "warning: skipped the end of {:?}: it {reason}",
-                dataset.description().id
-            ));
-            SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
-        }));
+        let skipped = skipped_when_opened(&*dataset);
         let stated = stated(name, &catalogue, &arguments.source, dataset.description())?;
         let (dataset, points_left_out) = CountedDataset::new(dataset);
         opened.push(OpenedDataset {
@@ -248,6 +237,21 @@ fn refuse_idle_columns(opened: &[OpenedDataset], source: &SourceArgs) -> Result<
         }
     }
     Err(Usage("--columns is for .bin and .npy files, and no data set has any".to_owned()).into())
+}
+
+/// What was left out when `dataset` was opened; says so.
+fn skipped_when_opened(dataset: &dyn Dataset) -> Vec<SkippedScan> {
+    let id = &dataset.description().id;
+    let mut skipped = Vec::new();
+    for LeftOut { name, reason } in dataset.files_left_out() {
+        print_diagnostic(format_args!("warning: skipped {name:?} of {id:?}: it {reason}"));
+        skipped.push(SkippedScan { scan: name.clone(), reason: format!("it {reason}") });
+    }
+    if let Some(reason) = dataset.left_out() {
+        print_diagnostic(format_args!("warning: skipped the end of {id:?}: it {reason}"));
+        skipped.push(SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() });
+    }
+    skipped
 }
 
 fn print_dataset(description: &DatasetDescription, n_taken: usize, n_scans: usize) {

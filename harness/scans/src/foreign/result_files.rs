@@ -101,8 +101,7 @@ impl ResultFiles {
             let file_name = dataset.file_name(scan_idx).map(str::to_owned);
             names_of_number(id.index as usize).into_iter().chain(file_name).collect()
         });
-        let is_numbered_otherwise = || dataset.file_name(0).is_some();
-        if by_name.is_empty() && is_numbered_otherwise() {
+        if by_name.is_empty() && dataset.file_name(0).is_some() {
             return found_by(&|scan_idx, _| names_of_number(scan_idx).to_vec());
         }
         by_name
