@@ -11,7 +11,8 @@ use scans::conversion::convert::{Output, convert};
 use scans::conversion::mcap_writer::ChunkCompression;
 use scans::conversion::output_format::OutputFormat;
 use scans::dataset::Dataset;
-use scans::dataset::velodyne_bin::read_velodyne_bin;
+use scans::dataset::point_columns::PointColumns;
+use scans::dataset::scan_columns::ScanColumns;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
@@ -49,9 +50,10 @@ fn main() {
             let mut files = Vec::new();
             list(&path.join("training/velodyne"), &mut files);
             let n_bytes = files.iter().map(|it| std::fs::metadata(it).unwrap().len()).sum();
+            let columns = ScanColumns::new(None, PointColumns::of_kitti(), &files);
             time("Velodyne .bin", n_bytes, || {
                 for file in &files {
-                    std::hint::black_box(read_velodyne_bin(file).unwrap());
+                    std::hint::black_box(columns.read(file).unwrap());
                 }
             });
         }

@@ -5,6 +5,7 @@ use scans::dataset::class_table::ClassRules;
 use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::mounting::Mounting;
 use scans::dataset::open::{ReadOptions, open_recorded};
+use scans::dataset::point_columns::PointColumns;
 use scans::dataset::source::{DamagePolicy, TopicChoice};
 use scans::dataset::{Dataset, DatasetError};
 
@@ -26,6 +27,8 @@ pub struct OpenOptions {
     pub sensor_height_m: Option<f32>,
     /// From the frame of the files to that of the sensor; nothing for a simulation.
     pub sensor_from_file: Option<Isometry3<f64>>,
+    /// The columns of points in files that do not name them.
+    pub columns: Option<PointColumns>,
     /// The topics of a recording; without them, those of the catalogue, or the only ones.
     pub topics: TopicChoice,
     /// What becomes of damaged parts that others do not depend on.
@@ -37,10 +40,11 @@ pub struct OpenOptions {
 impl OpenOptions {
     /// What of it concerns data sets on disk.
     pub fn of_files(&self) -> ReadOptions {
-        let Self { format, topics, damage, classes, sensor, sensor_height_m, sensor_from_file, .. } =
-            self.clone();
+        let Self {
+            format, topics, damage, classes, sensor, sensor_height_m, sensor_from_file, columns, ..
+        } = self.clone();
         let mounting = Mounting { sensor, sensor_height_m, sensor_from_file };
-        ReadOptions { format, topics, damage, classes, mounting }
+        ReadOptions { format, topics, damage, classes, columns, mounting }
     }
 }
 

@@ -31,6 +31,9 @@ pub enum DetectorProblem {
     /// Its results, which it left in files, cannot be read.
     #[error("its results cannot be read: {0}")]
     Unreadable(String),
+    /// Its results ask for something that the user has not said, such as what a class is.
+    #[error("its results cannot be used: {0}")]
+    Unusable(String),
     /// The machine did not let us speak to it.
     #[error("{0}")]
     Machine(String),

@@ -83,6 +83,8 @@ impl RankedRules for Nuscenes {
             let found = detection.velocity_m_per_s.unwrap_or_default();
             (found[0] - labelled[0]).hypot(found[1] - labelled[1])
         });
+        // A velocity that the detector says is unknown (NaN) has no error.
+        let velocity = velocity.filter(|it| !it.is_nan());
         let attribute = annotation
             .attribute
             .as_ref()

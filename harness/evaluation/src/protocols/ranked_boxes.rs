@@ -138,7 +138,7 @@ fn ranked_box(candidate: Candidate, kind: BoxKind, id: u32) -> RankedBox {
         center_m: object.center_m,
         length_width_height_m: object.length_width_height_m,
         yaw_rad: object.yaw_rad,
-        velocity_m_per_s: object.velocity_m_per_s,
+        velocity_m_per_s: object.velocity_m_per_s.filter(|it| !it.iter().any(|it| it.is_nan())),
         attribute: object.attribute,
         n_points: object.n_points,
         kind,

@@ -9,6 +9,7 @@ use clap::builder::Resettable;
 use reports::vocabulary::class::AnnotationClass;
 use scans::dataset::class_table::class_of_word;
 use scans::dataset::dataset_format::DatasetFormat;
+use scans::dataset::point_columns::PointColumns;
 use scans::dataset::source::DamagePolicy;
 use simulator::sensor::EMBEDDED_SENSORS;
 
@@ -86,6 +87,11 @@ pub struct SourceArgs {
     /// them; in metres and radians. It moves points and boxes.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub transform: Option<PathBuf>,
+    /// Columns of points in `.bin` and `.npy` files, such as `x,y,z,intensity,ring` [default: by what the numbers look like]
+    ///
+    /// x, y, z, intensity and ring in the order of the file; `_` stands for a column that is not read.
+    #[arg(long, value_name = "NAMES", hide_short_help = true)]
+    pub columns: Option<PointColumns>,
     /// Folder that data sets at addresses are fetched into [default: ~/.cache/scanbench]
     ///
     /// All of a data set is fetched, whatever --scans says; give the address of a drive to fetch less. Only what is new or

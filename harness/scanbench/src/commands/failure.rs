@@ -9,7 +9,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use evaluation::journal::JournalError;
-use evaluation::process::problem::DetectorFailure;
+use evaluation::process::problem::{DetectorFailure, DetectorProblem};
 use evaluation::protocols::chosen_protocols::ProtocolError;
 use evaluation::run::ablation::AblationError;
 use evaluation::run::config::ConfigError;
@@ -176,8 +176,23 @@ endings! {
         TolerancesError;
     NothingEvaluated: NothingEvaluated;
     NotComparable: NotComparable, ShardMismatch;
-    Detector: DetectorFailure;
     Regression: WorseThanAccepted;
+}
+
+impl From<DetectorFailure> for Failure {
+    fn from(error: DetectorFailure) -> Self {
+        match error.problem {
+            // Files are data, whether they are found to be damaged before the run or within it.
+            DetectorProblem::Unreadable(_) => Self::Data(error.into()),
+            DetectorProblem::Unusable(_) => Self::Usage(error.into()),
+            DetectorProblem::Ended(_)
+            | DetectorProblem::Silent { .. }
+            | DetectorProblem::Deaf
+            | DetectorProblem::Reported(_)
+            | DetectorProblem::WrongAnswer(_)
+            | DetectorProblem::Machine(_) => Self::Detector(error.into()),
+        }
+    }
 }
 
 impl From<DatasetError> for Failure {

@@ -15,6 +15,7 @@ use scans::data_check::empty_boxes::EmptyBoxes;
 use scans::data_check::frame_suspicion::FrameSuspicion;
 use scans::data_check::label_look::{LabelLook, proposed_suspicion};
 use scans::data_check::label_suspicion::LabelSuspicion;
+use scans::data_check::same_position::SamePosition;
 use scans::data_check::seen_ground::{SeenGround, UpAxis};
 use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::mounting::Mounting;
@@ -135,8 +136,11 @@ fn suspicion_of_proposals(opened: &OpenedDataset) -> Option<FrameSuspicion> {
 }
 
 fn warn_of(id: &str, suspicion: FrameSuspicion) {
-    let (subject, are) =
-        if let FrameSuspicion::Labels(_) = suspicion { ("labels", "are") } else { ("frame", "is") };
+    let (subject, are) = match suspicion {
+        FrameSuspicion::Labels(_) => ("labels", "are"),
+        FrameSuspicion::SamePosition(_) => ("points", "are"),
+        _ => ("frame", "is"),
+    };
     print_diagnostic(format_args!("warning: the {subject} of {id:?} {are} suspect: {suspicion}"));
 }
 
@@ -226,6 +230,7 @@ struct Look {
 
 impl Look {
     fn new(description: &DatasetDescription, stated: Stated, clouds: &[&PointCloud]) -> Self {
+        let at_one_position = SamePosition::of(clouds.iter().copied());
         let thinned: Vec<Cow<'_, PointCloud>> = clouds.iter().map(|it| thinned(it)).collect();
         let clouds: Vec<&PointCloud> = thinned.iter().map(|it| &**it).collect();
         let ground = SeenGround::with_axis(&clouds);
@@ -249,7 +254,7 @@ impl Look {
                 taken: Vec::new(),
             },
             mounting: Mounting::default(),
-            suspicions: Vec::new(),
+            suspicions: at_one_position.map(FrameSuspicion::SamePosition).into_iter().collect(),
             labels: LabelLook::default(),
         }
     }

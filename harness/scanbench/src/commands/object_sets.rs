@@ -47,6 +47,7 @@ pub fn refuse_idle_options(
     let all = || judged.iter().chain(learned_from).map(|it| ObjectSource::of(it));
     let has_dataset = all().any(|it| it == ObjectSource::Dataset);
     let has_simulated = all().any(|it| it == ObjectSource::Simulated);
+    let has_files = all().any(|it| it != ObjectSource::Simulated);
     let judges_simulated = judged.iter().any(|it| ObjectSource::of(it) == ObjectSource::Simulated);
     let (of_datasets, of_simulated) =
         ("data sets, and none is given", "simulated objects, and none are given");
@@ -59,6 +60,7 @@ pub fn refuse_idle_options(
         ("--simulated-scans", source.simulated_scans.is_some(), has_dataset, of_datasets),
         ("--sensor", source.sensor.is_some(), has_dataset, of_datasets),
         ("--sensor-height", source.sensor_height.is_some(), has_dataset, of_datasets),
+        ("--columns", source.columns.is_some(), has_files, "files of scans, and none are given"),
         ("--transform", source.transform.is_some(), has_dataset, of_datasets),
         ("--registered", choice.registered, has_dataset, of_datasets),
         ("--part", choice.part.is_some(), judges_simulated, of_simulated),

@@ -17,6 +17,7 @@ use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::mounting::read_transform;
 use scans::dataset::scan_selection::ScanSelection;
 use scans::dataset::source::{DamagePolicy, TopicChoice};
+use scans::dataset::unpaired_files::LeftOut;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
 use simulator::catalogue::{Catalogue, built_in_catalogue};
 use simulator::open::{OpenOptions, open_dataset};
@@ -204,13 +205,7 @@ pub fn open_datasets_past_damage(
             return Err(NothingEvaluated { reason: format!("{id:?} has no scans") }.into());
         }
         print_dataset(dataset.description(), scan_indices.len(), n_scans);
-        let left_out = dataset.left_out().map(|reason| {
-            print_diagnostic(format_args!(
-                "warning: skipped the end of {:?}: it {reason}",
-                dataset.description().id
-            ));
-            SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
-        });
+        let skipped = skipped_when_opened(&*dataset);
         if let Some(note) = dataset.note_of_labels() {
             print_diagnostic(format_args!("warning: labels of {:?}: {note}", dataset.description().id));
         }
@@ -220,7 +215,7 @@ pub fn open_datasets_past_damage(
             dataset: Box::new(dataset),
             part: 0..scan_indices.len(),
             scan_indices,
-            skipped: RefCell::new(left_out.into_iter().collect()),
+            skipped: RefCell::new(skipped),
             points_left_out,
             classes: options.of_files().classes_of(name, &catalogue).table,
             blocks_checksum: None,
@@ -237,7 +232,36 @@ pub fn open_datasets_past_damage(
     {
         return Err(Usage("--transform is only for recorded data sets, and none is given".to_owned()).into());
     }
+    refuse_idle_columns(&opened, &arguments.source)?;
     Ok(opened)
+}
+
+/// Of files that name their columns nothing else can be said.
+fn refuse_idle_columns(opened: &[OpenedDataset], source: &SourceArgs) -> Result<(), Failure> {
+    if source.columns.is_none() {
+        return Ok(());
+    }
+    for it in opened {
+        if it.dataset.columns()?.is_some() {
+            return Ok(());
+        }
+    }
+    Err(Usage("--columns is for .bin and .npy files, and no data set has any".to_owned()).into())
+}
+
+/// What was left out when `dataset` was opened; says so.
+fn skipped_when_opened(dataset: &dyn Dataset) -> Vec<SkippedScan> {
+    let id = &dataset.description().id;
+    let mut skipped = Vec::new();
+    for LeftOut { name, reason } in dataset.files_left_out() {
+        print_diagnostic(format_args!("warning: skipped {name:?} of {id:?}: it {reason}"));
+        skipped.push(SkippedScan { scan: name.clone(), reason: format!("it {reason}") });
+    }
+    if let Some(reason) = dataset.left_out() {
+        print_diagnostic(format_args!("warning: skipped the end of {id:?}: it {reason}"));
+        skipped.push(SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() });
+    }
+    skipped
 }
 
 fn print_dataset(description: &DatasetDescription, n_taken: usize, n_scans: usize) {
@@ -275,6 +299,7 @@ pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenO
         n_simulated_scans: source.simulated_scans,
         sensor: source.sensor.clone(),
         sensor_height_m: source.sensor_height,
+        columns: source.columns.clone(),
         sensor_from_file: source.transform.as_deref().map(read_transform).transpose()?,
         topics: TopicChoice { cloud: source.topic.clone(), annotations: source.annotation_topic.clone() },
         damage: DamagePolicy::Refuse,

@@ -8,6 +8,8 @@ use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use scans::dataset::class_table::ClassTable;
 use scans::dataset::kitti::split_folder::{KITTI_SENSOR, KITTI_SENSOR_HEIGHT_M};
 use scans::dataset::mcap::mcap_dataset::is_mcap;
+use scans::dataset::point_columns::PointColumns;
+use scans::dataset::scan_columns::ScanColumns;
 use scans::dataset::scan_folder::any_scan_file::{SCAN_EXTENSIONS, read_scan_file, scan_extension};
 use scans::dataset::velodyne_capture::capture_file::is_capture;
 use scans::dataset::{AnnotatedClasses, DatasetDescription};
@@ -67,6 +69,9 @@ pub fn open_scan(
     if !description.is_simulated() {
         refuse_simulation(source)?;
     }
+    if source.columns.is_some() && dataset.columns()?.is_none() {
+        return Err(Usage(format!("--columns is for .bin and .npy files, and {input:?} has none")).into());
+    }
     let scan_idx = find_scan(id, dataset.scan_ids(), &description.id)?;
     let scan = dataset.read_scan(scan_idx)?;
     let simulated = if description.is_simulated() { " (simulated)" } else { "" };
@@ -90,7 +95,14 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<Opene
         return Err(Usage(format!("{option} is only for data sets, but {input:?} is a scan")).into());
     }
     refuse_simulation(source)?;
-    let (cloud, points_left_out) = read_scan_file(Path::new(input))?.points.into_parts();
+    let path = Path::new(input);
+    let columns = ScanColumns::new(source.columns.clone(), PointColumns::of_kitti(), &[path.to_path_buf()]);
+    if source.columns.is_some() && columns.described()?.is_none() {
+        return Err(
+            Usage(format!("--columns is for .bin and .npy files, but {input:?} names its own")).into()
+        );
+    }
+    let (cloud, points_left_out) = read_scan_file(path, &columns)?.points.into_parts();
     let mut scan = LabeledScan {
         id: ScanId { sequence: input.to_owned(), index: 0 },
         annotations: Vec::new(),

@@ -18,6 +18,7 @@ pub fn reproducible_command(
         ("--seed", arguments.source.seed.map(|it| it.to_string())),
         ("--simulated-scans", arguments.source.simulated_scans.map(|it| it.to_string())),
         ("--sensor", arguments.source.sensor.clone()),
+        ("--columns", arguments.source.columns.as_ref().map(ToString::to_string)),
         ("--catalogue", catalogue.map(|it| it.display().to_string())),
     ];
     for class in &arguments.source.classes {

@@ -155,14 +155,32 @@ fn shards_judge_the_same_results() {
 }
 
 #[test]
-fn results_that_are_damaged_later_fail_as_a_detector_does() {
+fn results_that_are_damaged_later_are_damaged_data() {
     let workplace = Workplace::with_drive(3);
     for number in 0..3 {
         workplace.write(&format!("found/{number:06}.txt"), if number == 1 { "Car" } else { "" });
     }
     let run = ["run", "street", "-d", "pca", "--detections", "deep=found"];
     let expected = "the detector \"deep\" failed at scan 0000/000001: its results cannot be read: \"found/000001.txt\", line 1";
-    workplace.run(&(&run, OUTPUT, "out")).check_refusal(6, &[expected]);
+    workplace.run(&(&run, OUTPUT, "out")).check_refusal(3, &[expected]);
+    // Of every kind of results, also of those that are looked into before the first scan.
+    for (name, content) in [
+        ("000001.csv", "a,b\n1,2\n"),
+        ("000001.u32", "abc"),
+        ("000001.label", "abc"),
+        ("found.mcap", "not a recording"),
+    ] {
+        let folder = format!("of_{}", name.replace('.', "_"));
+        for number in 0..3 {
+            let of_scan = name.replace("000001", &format!("{number:06}"));
+            workplace.write(&format!("{folder}/{of_scan}"), content);
+        }
+        let results = format!("deep={folder}");
+        let run = ["run", "street", "-d", "pca", "--detections", &results];
+        let output = folder.replace("of_", "out_");
+        let ended = workplace.run(&(&run, OUTPUT, [output.as_str()]));
+        assert_eq!(ended.exit_code, Some(3), "{name}: {ended:#?}");
+    }
     workplace.succeed(&(&run, "--on-detector-failure skip", OUTPUT, "skipped"));
     let states: Vec<String> =
         counts(&workplace, "skipped", "deep").into_iter().map(|it| it[3].clone()).collect();

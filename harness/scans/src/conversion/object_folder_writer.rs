@@ -64,8 +64,8 @@ mod tests {
             let point = [0.5, 0.25, z_m, 0.75];
             std::fs::write(path, point.into_iter().flat_map(f32::to_le_bytes).collect::<Vec<u8>>()).unwrap();
         }
-        write_object_folder(&open_class_folders(&from).unwrap(), &to).unwrap();
-        let written = open_class_folders(&to).unwrap();
+        write_object_folder(&open_class_folders(&from, None).unwrap(), &to).unwrap();
+        let written = open_class_folders(&to, None).unwrap();
         let objects = (0..3).map(|it| written.read(it).unwrap().whole);
         let found: Vec<_> =
             objects.map(|it| (it.id, it.cloud.position_m(0)[2], it.cloud.intensity()[0])).collect();

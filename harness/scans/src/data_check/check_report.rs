@@ -76,6 +76,13 @@ impl CheckReport {
         self.warnings.extend(oddities.into_iter().map(|it| shown(&it).into_owned()));
     }
 
+    /// Says which columns were read from files that do not name them.
+    pub fn add_columns(&mut self, columns: Option<String>) {
+        if let Some(columns) = columns {
+            self.line("columns", columns);
+        }
+    }
+
     /// Says whether labels were compared with points; what is suspect about them is a suspicion.
     pub fn add_label_look(&mut self, look: &LabelLook) {
         let verb = match (look.is_enough(), look.suspicions.is_empty()) {

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::empty_boxes::{EmptyBoxes, NEAR_M};
 use super::label_suspicion::LabelSuspicion;
+use super::same_position::SamePosition;
 use super::seen_ground::UpAxis;
 
 /// No sensor is so low above the ground, in metres.
@@ -29,14 +30,17 @@ pub enum FrameSuspicion {
     Tilt(f64),
     /// Most boxes hold no point.
     EmptyBoxes(EmptyBoxes),
+    /// Many points are at one position.
+    SamePosition(SamePosition),
     /// Labels do not lie where the points are.
     Labels(LabelSuspicion),
 }
 
 impl FrameSuspicion {
-    /// Whether numbers are in doubt. Objects may lie to one side in truth: whoever labelled them knows.
+    /// Whether numbers are in doubt. Objects may lie to one side in truth: whoever labelled them knows. Points without a
+    /// return are the same for all detectors.
     pub fn is_doubt(&self) -> bool {
-        !matches!(self, Self::Labels(LabelSuspicion::Sector { .. }))
+        !matches!(self, Self::Labels(LabelSuspicion::Sector { .. }) | Self::SamePosition(_))
     }
 }
 
@@ -78,6 +82,12 @@ impl fmt::Display for FrameSuspicion {
                 formatter,
                 "{n_empty} of {n_near} boxes nearer than {NEAR_M} m contain no point: the labels and scans may differ in \
                  frame or time"
+            ),
+            Self::SamePosition(SamePosition { share, position_m: [x_m, y_m, z_m] }) => write!(
+                formatter,
+                "{:.0} % of the points of a scan are at {x_m} {y_m} {z_m}, as drivers write beams without a return: leave \
+                 them out, or write NaN",
+                100.0 * share
             ),
             Self::Labels(suspicion) => write!(formatter, "{suspicion}"),
         }

@@ -11,5 +11,6 @@ pub mod box_fit;
 pub mod label_suspicion;
 pub mod label_look;
 
+pub mod same_position;
 pub mod frame_suspicion;
 pub mod check_report;

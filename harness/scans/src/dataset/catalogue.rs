@@ -11,6 +11,7 @@ use super::class_table::{ClassTable, class_of_word};
 use super::dataset_format::DatasetFormat;
 use super::download::Download;
 use super::kitti::split_folder::KITTI_SENSOR;
+use super::point_columns::PointColumns;
 use super::root_template::RootTemplate;
 use super::shown_name::{is_printable, shown};
 use super::source::{ChosenParts, TopicChoice};
@@ -79,6 +80,8 @@ pub struct CatalogueEntry {
     pub checksum: Option<String>,
     /// What names of classes in its labels stand for.
     pub classes: ClassTable,
+    /// The columns of points in files that do not name them, if they are said.
+    pub columns: Option<PointColumns>,
 }
 
 /// Reads the catalogue at `path`.
@@ -163,6 +166,7 @@ struct WrittenEntry {
     checksum: Option<Spanned<String>>,
     #[serde(default)]
     classes: BTreeMap<String, Spanned<String>>,
+    columns: Option<Spanned<String>>,
 }
 
 fn kitti_sensor() -> String {
@@ -221,7 +225,13 @@ fn entry_from_written(
         let class = class_of_word(word.get_ref()).map_err(|it| source.error(word.span().start, &it))?;
         classes.insert(name, class);
     }
+    let columns = written.columns.as_ref().map(|said| {
+        said.get_ref()
+            .parse()
+            .map_err(|it: String| source.error(said.span().start, &format!("columns: {it}")))
+    });
     Ok(CatalogueEntry {
+        columns: columns.transpose()?,
         format,
         parts: parts(&written, format, source)?,
         root,
@@ -361,6 +371,14 @@ url = "https://example.org"
     }
 
     #[test]
+    fn columns_are_read_or_refused() {
+        let catalogue = parse(&format!("{ENTRY}columns = \"x,y,z,_,ring\"\n")).unwrap();
+        let columns = catalogue.recorded["my-drive"].columns.as_ref().map(ToString::to_string);
+        assert_eq!(columns.as_deref(), Some("x,y,z,_,ring"));
+        check_refused("licence =", "columns = \"x,y\"\nlicence =", 8, "columns: z is missing");
+    }
+
+    #[test]
     fn an_entry_is_read() {
         let catalogue = parse(ENTRY).unwrap();
         let expected = CatalogueEntry {
@@ -380,6 +398,7 @@ url = "https://example.org"
             url: Some("https://example.org".to_owned()),
             checksum: None,
             classes: ClassTable::default(),
+            columns: None,
         };
         assert_eq!(catalogue.recorded, BTreeMap::from([("my-drive".to_owned(), expected)]));
     }

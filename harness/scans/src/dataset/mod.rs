@@ -10,20 +10,25 @@ use self::foreign_frame::ForeignFrame;
 use self::kitti::label::KittiLabel;
 use self::official::OfficialScan;
 use self::simulation::Simulation;
-use self::unpaired_files::few_of;
+use self::unpaired_files::{LeftOut, few_of};
 use crate::annotation::{LabeledScan, ScanId};
 
 pub mod shown_name;
 pub mod error;
 pub mod on_disk;
-pub mod unpaired_files;
 
 // What several formats have in common.
 pub mod text_file;
+pub mod python_json;
 pub mod numbered_files;
 pub mod positioned_points;
-pub mod velodyne_bin;
 pub mod packed_points;
+pub mod point_columns;
+pub mod point_array;
+pub mod npy;
+mod column_evidence;
+mod column_meaning;
+pub mod scan_columns;
 pub mod feather;
 pub mod png_size;
 pub mod points_of_boxes;
@@ -39,6 +44,8 @@ pub mod data_sheet;
 pub mod proposal_list;
 pub mod dataset_format;
 pub mod source;
+pub mod unpaired_files;
+pub mod scan_sizes;
 pub mod foreign_frame;
 pub mod official;
 pub mod folder_name;
@@ -116,6 +123,17 @@ pub trait Dataset: Send + Sync {
         self.inner()?.left_out()
     }
 
+    /// Scans without labels and labels without a scan that were left out for the same reason.
+    fn files_left_out(&self) -> &[LeftOut] {
+        self.inner().map_or(&[], Dataset::files_left_out)
+    }
+
+    /// The name of the file of scan `scan_idx` without its ending, which may be another one than its number; `None` where
+    /// the format numbers its files.
+    fn file_name(&self, scan_idx: usize) -> Option<&str> {
+        self.inner()?.file_name(scan_idx)
+    }
+
     /// What may be wrong with labels and names as a whole, a line each: labels of scans that are not there, names that were
     /// not taken over.
     ///
@@ -146,6 +164,15 @@ pub trait Dataset: Send + Sync {
     /// The scan may be read for it.
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         self.inner().map_or(Ok(ForeignFrame::Sensor), |it| it.foreign_frame(scan_idx))
+    }
+
+    /// The columns of points in files that do not name them, and how they are known; `None` if all files do.
+    ///
+    /// # Errors
+    ///
+    /// If nobody can know them.
+    fn columns(&self) -> Result<Option<String>, DatasetError> {
+        self.inner().map_or(Ok(None), Dataset::columns)
     }
 
     /// What KITTI's label files say about scan `scan_idx`, in their own frame and order; `None` in other formats.

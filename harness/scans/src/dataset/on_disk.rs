@@ -19,9 +19,9 @@ pub fn n_bytes_of(path: &Path) -> Result<u64, DatasetError> {
     Ok(std::fs::metadata(path).map_err(DatasetError::io(path))?.len())
 }
 
-/// Whether something is called `path`: a link that leads nowhere, too, which is an error to whoever reads it.
+/// Whether anything is called `path`, be it a link to what is not there: what is to be read and cannot be is not passed over.
 pub fn is_there(path: &Path) -> bool {
-    path.symlink_metadata().is_ok()
+    std::fs::symlink_metadata(path).is_ok()
 }
 
 /// What lies in `folder` and is not hidden, in the order of names.

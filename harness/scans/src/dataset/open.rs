@@ -12,6 +12,7 @@ use super::formats::entry_of;
 use super::kitti::scan_list::read_scan_list;
 use super::mounting::Mounting;
 use super::on_disk::stem_of;
+use super::point_columns::PointColumns;
 use super::root_template::UnsetVariable;
 use super::shown_name::is_printable;
 use super::source::{ChosenParts, DamagePolicy, DatasetSource, StatedBy, TopicChoice};
@@ -29,6 +30,8 @@ pub struct ReadOptions {
     pub damage: DamagePolicy,
     /// What the names of classes in labels stand for, as the user says; has the last word over the catalogue.
     pub classes: ClassRules,
+    /// The columns of points in files that do not name them, as the user says; has the last word over the catalogue.
+    pub columns: Option<PointColumns>,
     /// How the sensor is mounted, as the user says; has the last word.
     pub mounting: Mounting,
 }
@@ -142,6 +145,7 @@ fn open_catalogued(
         simulation: None,
         damage: options.damage,
         classes: options.classes.clone(),
+        columns: options.columns.clone().or_else(|| entry.columns.clone()),
     };
     let dataset = open_source(source, entry.format, options)?;
     match (&entry.checksum, &dataset.description().checksum) {
@@ -186,6 +190,7 @@ fn open_path<S>(
         simulation: None,
         damage: options.damage,
         classes: options.classes.clone(),
+        columns: options.columns.clone(),
     };
     open_source(source, found.format, options)
 }

@@ -55,6 +55,15 @@ pub struct PackedField {
     pub number: NumberType,
 }
 
+impl PackedField {
+    /// Whether it is called `name`, in upper or lower case and maybe as `CloudCompare` writes it.
+    fn is_called(&self, name: &str) -> bool {
+        let own = self.name.as_str();
+        let prefix = own.get(..SCALAR.len()).filter(|it| it.eq_ignore_ascii_case(SCALAR));
+        own[prefix.map_or(0, str::len)..].eq_ignore_ascii_case(name)
+    }
+}
+
 /// Points in rows: `n_rows` of `n_columns` points, with room between points and rows.
 #[derive(Debug, Clone)]
 pub struct PackedPoints<'a> {
@@ -74,8 +83,12 @@ pub struct PackedPoints<'a> {
     pub data: &'a [u8],
 }
 
-/// The names that the intensity goes by, the first that there is counts.
-const INTENSITY_NAMES: [&str; 4] = ["intensity", "intensities", "reflectivity", "i"];
+/// The names that the intensity goes by, in upper and lower case; the first that there is counts.
+const INTENSITY_NAMES: [&str; 7] =
+    ["intensity", "intensities", "reflectivity", "reflectance", "remission", "remissions", "i"];
+
+/// What `CloudCompare` puts before the names of all numbers that are no coordinates.
+const SCALAR: &str = "scalar_";
 
 /// The field that has the number of the laser.
 pub const RING: &str = "ring";
@@ -87,6 +100,11 @@ pub const TIME_OFFSET: &str = "time_offset_s";
 /// unit in seconds. The type counts as well: a time in another one has a unit that nobody knows.
 const TIME_FIELDS: [(&str, NumberType, f64); 3] =
     [(TIME_OFFSET, NumberType::F32, 1.0), ("time", NumberType::F32, 1.0), ("t", NumberType::U32, 1e-9)];
+
+/// The field of `fields` that has the intensity, by whichever of its names.
+pub fn intensity_field(fields: &[PackedField]) -> Option<&PackedField> {
+    INTENSITY_NAMES.iter().find_map(|name| fields.iter().find(|it| it.is_called(name)))
+}
 
 /// The field of `fields` that says when a point was measured, after the time of the scan, and its unit in seconds.
 pub fn time_field(fields: &[PackedField]) -> Option<(&PackedField, f64)> {
@@ -161,7 +179,7 @@ impl PackedPoints<'_> {
         let position = ["x", "y", "z"].map(|name| self.field(name).ok_or_else(|| self.lacks(name)));
         let [x, y, z] = position;
         let (x, y, z) = (x?, y?, z?);
-        let intensity = INTENSITY_NAMES.iter().find_map(|name| self.field(name));
+        let intensity = intensity_field(&self.fields);
         let mut points = PositionedPoints::with_capacity(self.n_points());
         let is_common = |field: &PackedField| field.number == NumberType::F32;
         if self.byte_order == ByteOrder::Little && [x, y, z].into_iter().chain(intensity).all(is_common) {
@@ -207,7 +225,8 @@ impl PackedPoints<'_> {
     /// The numbers of the field called `name`, if there is one.
     pub fn column(&self, name: &str) -> Result<Option<Vec<f64>>, String> {
         self.check()?;
-        Ok(self.field(name).map(|field| self.rows().map(|point| self.number(point, field)).collect()))
+        let field = self.fields.iter().find(|it| it.is_called(name));
+        Ok(field.map(|field| self.rows().map(|point| self.number(point, field)).collect()))
     }
 
     fn field(&self, name: &str) -> Option<&PackedField> {
@@ -273,7 +292,7 @@ mod tests {
         }
         let fields = vec![
             field("z", 0, NumberType::I16),
-            field("Reflectivity", 3, NumberType::U8),
+            field("scalar_Reflectivity", 3, NumberType::U8),
             field("x", 4, NumberType::F64),
             field("y", 12, NumberType::F32),
         ];
@@ -327,6 +346,19 @@ mod tests {
         assert_eq!(times("t", NumberType::F32, &0.05_f32.to_le_bytes()), None);
         assert_eq!(times("time", NumberType::F64, &0.05_f64.to_le_bytes()), None);
         assert_eq!(times("time", NumberType::F32, &f32::NAN.to_le_bytes()), None);
+    }
+
+    #[test]
+    fn the_intensity_is_found_by_any_of_its_names() {
+        let found = |names: &[&str]| {
+            let fields: Vec<PackedField> = names.iter().map(|it| field(it, 0, NumberType::F32)).collect();
+            intensity_field(&fields).map(|it| it.name.clone())
+        };
+        for name in ["Intensity", "scalar_Intensity", "SCALAR_intensities", "remission", "Scalar_i", "I"] {
+            assert_eq!(found(&["x", name, "scalar_time"]).as_deref(), Some(name));
+        }
+        assert_eq!(found(&["i", "scalar_Intensity"]).as_deref(), Some("scalar_Intensity"));
+        assert_eq!(found(&["x", "scalar_x", "scalar_", "scalar", "intensity_of", "état"]), None);
     }
 
     #[track_caller]

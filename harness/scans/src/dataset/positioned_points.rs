@@ -32,26 +32,6 @@ impl PositionedPoints {
         Self { cloud: PointCloud::with_capacity(capacity), left_out: Vec::new() }
     }
 
-    /// The points of a file that has `N` bytes for each; `point_of` makes position, in metres, and intensity of them. `path`
-    /// is named in errors.
-    pub fn of_rows<const N: usize>(
-        path: &Path,
-        bytes: &[u8],
-        point_of: impl Fn(&[u8; N]) -> ([f32; 3], f32),
-    ) -> Result<Self, DatasetError> {
-        let (rows, rest) = bytes.as_chunks::<N>();
-        if !rest.is_empty() {
-            return Err(DatasetError::partial_point(path, bytes.len(), N));
-        }
-        let mut points = Self::with_capacity(rows.len());
-        for row in rows {
-            let (position_m, intensity) = point_of(row);
-            let taken = points.push(position_m.map(f64::from), intensity);
-            taken.map_err(|problem| DatasetError::damaged(path, problem))?;
-        }
-        points.not_empty(path)
-    }
-
     /// Takes the next point of the file, in metres. Errors are the rest of a sentence about the file.
     ///
     /// # Errors
@@ -76,6 +56,23 @@ impl PositionedPoints {
         Err(format!(
             "has point {point_idx} at {axis} = {value} m, beyond {MAX_COORDINATE_M} m from the origin"
         ))
+    }
+
+    /// The same points in another frame, with intensities in another unit.
+    #[must_use]
+    pub fn converted(self, point: impl Fn([f32; 3], f32) -> ([f32; 3], f32)) -> Self {
+        let mut cloud = PointCloud::with_capacity(self.cloud.len());
+        for (position_m, intensity) in self.cloud.positions_m().zip(self.cloud.intensity()) {
+            let (position_m, intensity) = point(position_m, *intensity);
+            cloud.push(position_m, intensity);
+        }
+        if let Some(ring) = self.cloud.ring() {
+            cloud.set_ring(ring.to_vec());
+        }
+        if let Some(time_offset_s) = self.cloud.time_offset_s() {
+            cloud.set_time_offset_s(time_offset_s.to_vec());
+        }
+        Self { cloud, left_out: self.left_out }
     }
 
     /// How many points were taken, with and without a position.

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::class_table::ClassRules;
 use super::data_sheet::{DataSheet, LabeledRegion};
 use super::dataset_format::DatasetFormat;
+use super::point_columns::PointColumns;
 use super::simulation::Simulation;
 use super::{AnnotatedClasses, DatasetDescription};
 
@@ -36,6 +37,8 @@ pub struct DatasetSource {
     pub damage: DamagePolicy,
     /// What the names of classes in its labels stand for.
     pub classes: ClassRules,
+    /// The columns of points in files that do not name them, as the user says.
+    pub columns: Option<PointColumns>,
 }
 
 /// Which part of a data set is opened, as far as its format has such parts. What is left out is all there is.

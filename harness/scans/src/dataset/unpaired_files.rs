@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::DatasetError;
 use super::shown_name::shown;
+use super::source::DamagePolicy;
 
 /// So many are named; the others are counted.
 const N_NAMED: usize = 5;
@@ -19,18 +20,38 @@ pub struct UnpairedFiles {
 }
 
 impl UnpairedFiles {
-    /// Nothing if there are none, else the error that names them; `labels` is the folder of the labels.
-    pub fn refuse(&self, labels: &Path) -> Result<(), DatasetError> {
-        if self.scans.is_empty() && self.labels.is_empty() {
-            return Ok(());
+    /// What is left out of a data set: all of these if damage is to be skipped, and nothing if there are none. `labels` is
+    /// the folder of the labels.
+    ///
+    /// # Errors
+    ///
+    /// If there are any that are not to be skipped; it names them.
+    pub fn left_out(self, labels: &Path, damage: DamagePolicy) -> Result<Vec<LeftOut>, DatasetError> {
+        let are_any = !self.scans.is_empty() || !self.labels.is_empty();
+        if are_any && damage == DamagePolicy::Refuse {
+            return Err(DatasetError::damaged(
+                labels,
+                format!(
+                    "does not go with the scans: {self}; a scan without objects has a label file without any, and \
+                     --skip-damaged leaves out what has no counterpart"
+                ),
+            ));
         }
-        Err(DatasetError::damaged(
-            labels,
-            format!(
-                "does not go with the scans: {self}; a scan without objects has a label file without any"
-            ),
-        ))
+        let left_out = |names: Vec<String>, reason: &str| {
+            names.into_iter().map(move |name| LeftOut { name, reason: reason.to_owned() }).collect::<Vec<_>>()
+        };
+        let labels = left_out(self.labels, "is the labels of a scan that is not there");
+        Ok([left_out(self.scans, "is a scan without labels"), labels].concat())
     }
+}
+
+/// A part of a data set that was left out when it was opened, since it is damaged and that was to be skipped.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// The name of its file.
+    pub name: String,
+    /// What is wrong with it, as the rest of a sentence about it.
+    pub reason: String,
 }
 
 impl fmt::Display for UnpairedFiles {
@@ -71,6 +92,11 @@ mod tests {
             said(5, 7),
             "5 scans have no labels: 0, 1, 2, 3, 4; 7 label files have no scan: 0, 1, 2, 3, 4 and 2 more"
         );
-        assert!(UnpairedFiles::default().refuse(Path::new("labels")).is_ok());
+        for damage in [DamagePolicy::Refuse, DamagePolicy::Skip] {
+            assert_eq!(UnpairedFiles::default().left_out(Path::new("labels"), damage).unwrap(), []);
+        }
+        let unpaired = UnpairedFiles { scans: names(1), labels: names(2) };
+        let skipped = unpaired.left_out(Path::new("labels"), DamagePolicy::Skip).unwrap();
+        assert_eq!(skipped.iter().map(|it| it.name.as_str()).collect::<Vec<_>>(), ["0", "0", "1"]);
     }
 }

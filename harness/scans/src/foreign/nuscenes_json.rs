@@ -10,7 +10,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::io::BufReader;
 use std::path::Path;
 
 use nalgebra::Isometry3;
@@ -27,6 +26,7 @@ use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::official::OfficialObject;
 use crate::dataset::pose::pose;
+use crate::dataset::python_json::{check_finite, number_or_none, numbers, numbers_or_none, python_json};
 use crate::dataset::upright_box::upright_box;
 
 /// The names of the detection task that are not those of the labels.
@@ -38,6 +38,9 @@ pub const NUSCENES_VOCABULARY: &Vocabulary = &[
 
 /// What says of a cycle that somebody rides it.
 pub const WITH_RIDER: &str = "cycle.with_rider";
+
+/// The makers' kit refuses submissions with more boxes of a sample.
+const MOST_BOXES: usize = 500;
 
 /// The results of a submission.
 pub struct NuScenesJson {
@@ -67,7 +70,7 @@ impl NuScenesJson {
             left_over: Vec::new(),
         };
         let file = RegularFile::open(path).map_err(DatasetError::io(path))?;
-        let mut deserializer = serde_json::Deserializer::from_reader(BufReader::new(file));
+        let mut deserializer = serde_json::Deserializer::from_reader(python_json(file));
         let read = deserializer.deserialize_map(&mut submission).and_then(|()| deserializer.end());
         let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
         read.map_err(|error| damaged(format!("is not a submission of nuScenes: {error}")))?;
@@ -76,8 +79,20 @@ impl NuScenesJson {
         }
         let Submission { found, left_over, .. } = submission;
         classes.unknown().refuse(&path.display().to_string())?;
-        Ok(OpenResults::new(Self { found }, left_over))
+        let oddities = too_many_boxes(found.values().map(|it| it.boxes.len())).into_iter().collect();
+        Ok(OpenResults { oddities, ..OpenResults::new(Self { found }, left_over) })
     }
+}
+
+/// What the makers would say of samples with so many boxes.
+fn too_many_boxes(n_of_samples: impl Iterator<Item = usize>) -> Option<String> {
+    let too_many: Vec<usize> = n_of_samples.filter(|it| *it > MOST_BOXES).collect();
+    let most = too_many.iter().max()?;
+    Some(format!(
+        "{} samples have more than {MOST_BOXES} boxes, up to {most}: nuScenes refuses such a submission, so that numbers under \
+         its protocol are not comparable with its leaderboard",
+        too_many.len()
+    ))
 }
 
 impl ResultReader for NuScenesJson {
@@ -93,20 +108,34 @@ impl ResultReader for NuScenesJson {
 /// A box of a submission.
 #[derive(Deserialize)]
 struct BoxRecord {
+    #[serde(deserialize_with = "numbers")]
     translation: [f64; 3],
+    #[serde(deserialize_with = "numbers")]
     size: [f64; 3],
+    #[serde(deserialize_with = "numbers")]
     rotation: [f64; 4],
     #[serde(alias = "tracking_name")]
     detection_name: String,
-    #[serde(default, alias = "tracking_score")]
+    #[serde(default, alias = "tracking_score", deserialize_with = "number_or_none")]
     detection_score: Option<f64>,
-    #[serde(default)]
+    // NaN where it is unknown, as the makers' kit takes it.
+    #[serde(default, deserialize_with = "numbers_or_none")]
     velocity: Option<[f64; 2]>,
     #[serde(default)]
     attribute_name: Option<String>,
 }
 
 impl BoxRecord {
+    /// Makes sure that what has to be a number is one. Errors are the rest of a sentence about the box.
+    fn check(&self) -> Result<(), String> {
+        check_finite("translation", &self.translation)?;
+        check_finite("size", &self.size)?;
+        check_finite("rotation", &self.rotation)?;
+        check_finite("score", self.detection_score.as_slice())?;
+        let known: Vec<f64> = self.velocity.into_iter().flatten().filter(|it| !it.is_nan()).collect();
+        check_finite("velocity", &known)
+    }
+
     /// The box in the frame of the sensor. Errors are the rest of a sentence about the box.
     fn foreign_box(
         &self,
@@ -202,6 +231,7 @@ impl<'de> Visitor<'de> for Results<'_, '_, '_> {
                 let Some(class) = submission.classes.class_of(&record.detection_name, at) else { continue };
                 let damaged =
                     |problem| A::Error::custom(format!("box {index} of the sample {token:?} {problem}"));
+                record.check().map_err(damaged)?;
                 found.boxes.push(record.foreign_box(class, &sensor_from_world).map_err(damaged)?);
                 found.official.push(record.official().map_err(damaged)?);
             }

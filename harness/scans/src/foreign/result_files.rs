@@ -6,7 +6,8 @@
 //! DRIVE.END               a whole drive; also in data
 //! ```
 //!
-//! Numbers have six digits, or ten as in KITTI's raw recordings.
+//! Numbers have six digits, or ten as in KITTI's raw recordings. Where scans are files that are called otherwise, their names
+//! serve as well; where these are numbers, the positions of the scans do, if no file has such a number.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -88,11 +89,22 @@ impl ResultFiles {
         for &drive in &drives {
             folders_by_drive.insert(drive, self.folders_of(drive, drives.len() == 1));
         }
-        let ids = dataset.scan_ids().iter().enumerate();
-        ids.filter_map(|(scan_idx, id)| {
-            Some((scan_idx, self.of_scan(&folders_by_drive[id.sequence.as_str()], id, ending)?))
-        })
-        .collect()
+        let found_by = |name_of: &dyn Fn(usize, &ScanId) -> Vec<String>| -> BTreeMap<usize, PathBuf> {
+            let ids = dataset.scan_ids().iter().enumerate();
+            let found = ids.filter_map(|(scan_idx, id)| {
+                let folders = &folders_by_drive[id.sequence.as_str()];
+                Some((scan_idx, self.of_scan(folders, &name_of(scan_idx, id), ending)?))
+            });
+            found.collect()
+        };
+        let by_name = found_by(&|scan_idx, id| {
+            let file_name = dataset.file_name(scan_idx).map(str::to_owned);
+            names_of_number(id.index as usize).into_iter().chain(file_name).collect()
+        });
+        if by_name.is_empty() && dataset.file_name(0).is_some() {
+            return found_by(&|scan_idx, _| names_of_number(scan_idx).to_vec());
+        }
+        by_name
     }
 
     /// The folders there are in which scans of `drive` may be.
@@ -105,11 +117,11 @@ impl ResultFiles {
         folders.filter(|it| self.folders.contains(it)).collect()
     }
 
-    fn of_scan(&self, folders: &[String], id: &ScanId, ending: &str) -> Option<PathBuf> {
-        let names = folders.iter().flat_map(|folder| {
-            [format!("{folder}{:06}{ending}", id.index), format!("{folder}{:010}{ending}", id.index)]
+    fn of_scan(&self, folders: &[String], names: &[String], ending: &str) -> Option<PathBuf> {
+        let paths = folders.iter().flat_map(|folder| {
+            names.iter().map(|name| format!("{folder}{name}{ending}")).collect::<Vec<_>>()
         });
-        self.first_of(names).map(|(_, path)| path.to_path_buf())
+        self.first_of(paths).map(|(_, path)| path.to_path_buf())
     }
 
     fn first_of(&self, names: impl IntoIterator<Item = String>) -> Option<(&str, &Path)> {
@@ -126,11 +138,16 @@ impl ResultFiles {
     }
 }
 
-/// Whether `name` is that of the file of a scan or of a drive: a number, or one of `drives` as [`folder_name`] has them.
-pub fn is_named_after_scans(name: &str, ending: &str, drives: &BTreeSet<String>) -> bool {
+fn names_of_number(number: usize) -> [String; 2] {
+    [format!("{number:06}"), format!("{number:010}")]
+}
+
+/// Whether `name` is that of the file of a scan or of a drive: a number, or one of `known`, the
+/// names of drives as [`folder_name`] has them and of files of scans.
+pub fn is_named_after_scans(name: &str, ending: &str, known: &BTreeSet<String>) -> bool {
     let own_name = name.rsplit('/').next().unwrap_or_default();
     own_name.strip_suffix(ending).is_some_and(|stem| {
         let is_number = !stem.is_empty() && stem.bytes().all(|it| it.is_ascii_digit());
-        is_number || drives.contains(stem)
+        is_number || known.contains(stem)
     })
 }

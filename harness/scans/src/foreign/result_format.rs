@@ -44,11 +44,13 @@ impl ResultFormat {
 
     /// The files of this format.
     pub fn files<'a>(self, files: &'a ResultFiles, dataset: &dyn Dataset) -> Vec<&'a Path> {
-        let drives: BTreeSet<String> =
-            dataset.scan_ids().iter().map(|it| folder_name(&it.sequence)).collect();
+        let drives = dataset.scan_ids().iter().map(|it| folder_name(&it.sequence));
+        let file_name = |scan_idx: usize| dataset.file_name(scan_idx).map(str::to_owned);
+        let known: BTreeSet<String> =
+            drives.chain((0..dataset.scan_ids().len()).filter_map(file_name)).collect();
         let is_one = |name: &str, ending: &str| match self {
             // Text is often beside other things, such as a readme.
-            Self::KittiText => is_named_after_scans(name, ending, &drives),
+            Self::KittiText => is_named_after_scans(name, ending, &known),
             _ => true,
         };
         let of_ending = |ending: &'static str| {

@@ -18,6 +18,8 @@ use super::object_cloud_set::{ObjectCloudSet, ObjectSetDescription};
 use super::object_sheet::{OBJECT_SHEET, ObjectSheet};
 use crate::dataset::DatasetError;
 use crate::dataset::on_disk::{entries_of, name_of, names_of};
+use crate::dataset::point_columns::PointColumns;
+use crate::dataset::scan_columns::ScanColumns;
 use crate::dataset::scan_folder::any_scan_file::{SCAN_EXTENSIONS, read_scan_file, scan_extension};
 use crate::dataset::scan_folder::scan_file::ScanPoints;
 use crate::dataset::shown_name::shown;
@@ -35,6 +37,7 @@ pub struct ClassFolders {
     description: ObjectSetDescription,
     classes: Vec<PartialClass>,
     files: Vec<ObjectFile>,
+    columns: ScanColumns,
     sheet: ObjectSheet,
 }
 
@@ -53,8 +56,9 @@ pub fn has_class_folder(root: &Path) -> bool {
     })
 }
 
-/// Opens the folder of objects at `root`. Objects follow each other as the names of their folders and files do.
-pub fn open_class_folders(root: &Path) -> Result<ClassFolders, DatasetError> {
+/// Opens the folder of objects at `root`. Objects follow each other as the names of their folders and files do. `columns`
+/// are those of files that do not name them, as the user says.
+pub fn open_class_folders(root: &Path, columns: Option<PointColumns>) -> Result<ClassFolders, DatasetError> {
     let folders = entries(root)?.into_iter().filter(|(_, path)| path.is_dir()).collect::<Vec<_>>();
     if folders.is_empty() {
         return Err(DatasetError::damaged(root, "has no folders of classes, such as car or tree"));
@@ -86,7 +90,9 @@ pub fn open_class_folders(root: &Path) -> Result<ClassFolders, DatasetError> {
     let id = shown(&name_of(&whole)).into_owned();
     let description =
         ObjectSetDescription { id, root: Some(root.to_path_buf()), simulation: sheet.simulation.clone() };
-    Ok(ClassFolders { description, classes, files, sheet })
+    let paths: Vec<PathBuf> = files.iter().map(|it: &ObjectFile| it.path.clone()).collect();
+    let columns = ScanColumns::new(columns, PointColumns::of_kitti(), &paths);
+    Ok(ClassFolders { description, classes, files, columns, sheet })
 }
 
 impl ObjectCloudSet for ClassFolders {
@@ -100,7 +106,7 @@ impl ObjectCloudSet for ClassFolders {
 
     fn read(&self, object_idx: usize) -> Result<GrowingCloud, DatasetError> {
         let ObjectFile { name, path } = &self.files[object_idx];
-        let ScanPoints { points, origin_m } = read_scan_file(path)?;
+        let ScanPoints { points, origin_m } = read_scan_file(path, &self.columns)?;
         let cloud = above_ground(points.into_parts().0, origin_m[2]);
         let n_points = cloud.len();
         let whole = ObjectCloud { id: name.clone(), class: self.classes[object_idx], cloud };
@@ -129,7 +135,7 @@ fn above_ground(mut cloud: PointCloud, origin_z_m: f64) -> PointCloud {
 }
 
 fn is_cloud(path: &Path) -> bool {
-    path.is_file() && scan_extension(path).is_some()
+    scan_extension(path).is_some() && !path.is_dir()
 }
 
 /// Names and paths of what lies in `folder` and is not hidden, in the order of names.
@@ -161,7 +167,7 @@ mod tests {
     }
 
     fn heights_m(folder: &Path) -> Vec<f32> {
-        open_class_folders(folder).unwrap().read(0).unwrap().whole.cloud.z_m().to_vec()
+        open_class_folders(folder, None).unwrap().read(0).unwrap().whole.cloud.z_m().to_vec()
     }
 
     #[test]
@@ -176,7 +182,7 @@ mod tests {
             ("fence/a.bin", &bin),
             (".git/x.bin", &bin),
         ]);
-        let objects = open_class_folders(folder.path()).unwrap();
+        let objects = open_class_folders(folder.path(), None).unwrap();
         assert_eq!(objects.classes(), [PartialClass::Tree, PartialClass::Other, PartialClass::Other]);
         let ids: Vec<String> = (0..3).map(|it| objects.read(it).unwrap().whole.id).collect();
         assert_eq!(ids, ["Trees/7.bin", "fence/a.bin", "fence/b.bin"]);
@@ -189,7 +195,7 @@ mod tests {
     #[track_caller]
     fn check_refused(files: &[(&str, &[u8])], parts: &[&str]) {
         let folder = folder(files);
-        let error = open_class_folders(folder.path())
+        let error = open_class_folders(folder.path(), None)
             .and_then(|it| (0..it.classes().len()).map(|idx| it.read(idx)).collect::<Result<Vec<_>, _>>())
             .expect_err("no objects");
         for part in parts {
@@ -215,7 +221,7 @@ mod tests {
             &[("car/a.bin", &bin), ("objects.json", b"[]")],
             &["objects.json", "does not describe"],
         );
-        assert!(open_class_folders(Path::new("/nowhere/at/all")).is_err());
+        assert!(open_class_folders(Path::new("/nowhere/at/all"), None).is_err());
     }
 
     #[test]
@@ -240,7 +246,7 @@ mod tests {
                 ObjectSheet { simulation: None, seen: BTreeMap::from([("car/a.bin".to_owned(), it)]) };
             let (bin, sheet) = (column(&[0.0, 0.5, 1.0]), sheet.to_json());
             let folder = folder(&[("car/a.bin", &bin), (OBJECT_SHEET, sheet.as_bytes())]);
-            open_class_folders(folder.path()).unwrap().read(0)
+            open_class_folders(folder.path(), None).unwrap().read(0)
         };
         let car = seen(vec![(1, 0.0, Some(9.0)), (3, 0.5, None)]).unwrap();
         assert_eq!((car.seen_at(&car.moments[0]).len(), car.extents_m), (1, Some([4.0, 2.0, 1.5])));
@@ -253,7 +259,7 @@ mod tests {
     #[test]
     #[ignore = "needs data/object_clouds in SCANBENCH_TEST_DATA"]
     fn objects_seen_from_the_air_are_read() {
-        let objects = open_class_folders(&test_data("data/object_clouds")).unwrap();
+        let objects = open_class_folders(&test_data("data/object_clouds"), None).unwrap();
         let n_of = |class| objects.classes().iter().filter(|it| **it == class).count();
         assert_eq!(PartialClass::ALL.map(n_of), [50, 50, 50, 0, 50]);
         for object_idx in 0..objects.classes().len() {

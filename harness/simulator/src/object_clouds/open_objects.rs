@@ -63,7 +63,9 @@ pub fn open_objects(
             let objects = open_simulated_objects(name_or_path, options.part, options.n_per_class)?;
             return Ok(Box::new(objects));
         }
-        ObjectSource::ClassFolders => return Ok(Box::new(open_class_folders(path)?)),
+        ObjectSource::ClassFolders => {
+            return Ok(Box::new(open_class_folders(path, dataset_options.columns.clone())?));
+        }
         ObjectSource::Dataset => {}
     }
     match open_dataset(name_or_path, dataset_options, catalogue) {
@@ -73,7 +75,9 @@ pub fn open_objects(
             Ok(Box::new(objects))
         }
         // No data set either: what is wrong with its folders says more.
-        Err(DatasetError::UnrecognizedFormat { .. }) => Ok(Box::new(open_class_folders(path)?)),
+        Err(DatasetError::UnrecognizedFormat { .. }) => {
+            Ok(Box::new(open_class_folders(path, dataset_options.columns.clone())?))
+        }
         Err(error) => Err(error),
     }
 }
@@ -108,7 +112,7 @@ mod tests {
         std::fs::create_dir(folder.path().join("cars")).unwrap();
         std::fs::write(folder.path().join("cars/1.bin"), [0; 16]).unwrap();
         let path = folder.path().to_str().unwrap();
-        assert_eq!(open(path).unwrap().classes(), open_class_folders(folder.path()).unwrap().classes());
+        assert_eq!(open(path).unwrap().classes(), open_class_folders(folder.path(), None).unwrap().classes());
     }
 
     #[test]

@@ -248,7 +248,7 @@ mod tests {
         for name in ["objects.json", "tree/tree-0001.npy"] {
             assert_eq!(std::fs::read(one.join(name)).unwrap(), std::fs::read(again.join(name)).unwrap());
         }
-        let read = open_class_folders(&one).unwrap();
+        let read = open_class_folders(&one, None).unwrap();
         assert_eq!(read.description().simulation, objects.description().simulation);
         let mut written: Vec<GrowingCloud> = (0..10).map(|it| objects.read(it).unwrap()).collect();
         for object_idx in 0..10 {

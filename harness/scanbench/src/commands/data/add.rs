@@ -37,7 +37,7 @@ pub fn data_add(arguments: &AddArgs) -> Result<(), Failure> {
         let problem = format!("{name} has {id:?} already; choose another --id");
         return Err(Usage(problem).into());
     }
-    let entry = entry(&id, &opened, arguments.licence.as_deref());
+    let entry = entry(&id, &opened, arguments);
     let text = format!("{}\n\n{entry}", text.trim_end());
     // What is added is an entry.
     parse_catalogue::<StreetDrive>(&name, &text)?;
@@ -68,7 +68,7 @@ fn id_from(name: &str) -> String {
     name.chars().map(|it| if it.is_ascii_alphanumeric() || it == '_' { it } else { '-' }).collect()
 }
 
-fn entry(id: &str, opened: &OpenedDataset, licence: Option<&str>) -> String {
+fn entry(id: &str, opened: &OpenedDataset, arguments: &AddArgs) -> String {
     let description = opened.dataset.description();
     let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
     let classes = match &description.annotated {
@@ -89,6 +89,8 @@ fn entry(id: &str, opened: &OpenedDataset, licence: Option<&str>) -> String {
         lines.push(format!("sensor = {}", quoted(&description.sensor)));
     }
     lines.push(format!("sensor_height_m = {}", description.sensor_height_m));
-    lines.extend(licence.map(|it| format!("licence = {}", quoted(it))));
+    let AddArgs { licence, source, .. } = arguments;
+    lines.extend(source.columns.as_ref().map(|it| format!("columns = {}", quoted(&it.to_string()))));
+    lines.extend(licence.as_ref().map(|it| format!("licence = {}", quoted(it))));
     lines.join("\n") + "\n"
 }

@@ -39,6 +39,10 @@ pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
         let mut description = opened.dataset.description().clone();
         description.sensor = look.sensor.unwrap_or(description.sensor);
         let mut report = CheckReport::of(&description, &scans, &look.suspicions);
+        match opened.dataset.columns() {
+            Ok(columns) => report.add_columns(columns),
+            Err(error) => first_damage = first_damage.or(Some(error)),
+        }
         if let Some(labels) = look.labels {
             report.add_label_look(&labels);
         }

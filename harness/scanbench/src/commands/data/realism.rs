@@ -75,6 +75,7 @@ fn against(arguments: &RealismArgs) -> DatasetArgs {
             sensor: None,
             sensor_height: None,
             transform: None,
+            columns: None,
             cache: arguments.data.source.cache.clone(),
             catalogue: arguments.data.source.catalogue.clone(),
         },

@@ -123,6 +123,7 @@ fn development_streets(asked: &DatasetArgs) -> DatasetArgs {
         sensor,
         sensor_height: None,
         transform: None,
+        columns: None,
         cache: None,
         catalogue: CatalogueArgs { catalogue: None },
     };

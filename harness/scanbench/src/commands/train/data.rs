@@ -30,6 +30,7 @@ fn held_out_data(data: &DatasetArgs, judging: &HeldOutArgs) -> Option<DatasetArg
             sensor: None,
             sensor_height: None,
             transform: None,
+            columns: None,
             cache: data.source.cache.clone(),
             catalogue: data.source.catalogue.clone(),
         },

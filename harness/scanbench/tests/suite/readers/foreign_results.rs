@@ -6,6 +6,7 @@ use detector::{BoxDetails, DetectedClass, Detection, Detections};
 use reports::vocabulary::class::AnnotationClass;
 use scans::conversion::results::result_folder::{ResultFolder, ResultOutput};
 use scans::dataset::class_table::ClassTable;
+use scans::dataset::foreign_frame::ForeignFrame;
 use scans::dataset::{Dataset, DatasetError};
 use scans::foreign::detections::{ForeignBox, ForeignDetections};
 use scans::foreign::foreign_results::{ForeignResults, MissingResults, ResultRequest, open_results};
@@ -338,4 +339,66 @@ fn instances_of_labels_are_clusters() {
             assert_eq!(found.cluster_classes[number as usize - 1], Some(annotation.class));
         }
     }
+}
+
+/// A submission of nuScenes with a box for the first sample, as Python writes it.
+fn submission(token: &str, translation: &str, velocity: &str, score: &str) -> String {
+    format!(
+        r#"{{"meta": {{"use_lidar": true}}, "results": {{"{token}": [{{"sample_token": "{token}", "translation": {translation},
+        "size": [1.8, 4.2, 1.5], "rotation": [1, 0, 0, 0], "velocity": {velocity}, "detection_name": "car",
+        "detection_score": {score}, "attribute_name": ""}}]}}}}"#
+    )
+}
+
+#[test]
+fn a_velocity_that_python_calls_nan_is_unknown_and_nothing_else_may_be() {
+    let workplace = Workplace::new();
+    nuscenes(workplace.folder(), &*street(1));
+    let dataset = open(workplace.folder());
+    let ForeignFrame::World { sample_token, world_from_sensor } = dataset.foreign_frame(0).unwrap() else {
+        panic!("samples have tokens")
+    };
+    let [x, y, z]: [f64; 3] = world_from_sensor.translation.vector.into();
+    let here = format!("[{x}, {y}, {z}]");
+    let path = workplace.path("results.json");
+    let found = |velocity: &str| {
+        write(&path, submission(&sample_token, &here, velocity, "0.5"));
+        read_all(&path, &*dataset).unwrap().remove(0).official[0].velocity_m_per_s
+    };
+    assert_eq!(found("[1.5, -2]"), Some([1.5, -2.0]));
+    assert!(found("[NaN, NaN]").unwrap().iter().all(|it| it.is_nan()));
+    assert_eq!(found("null"), None);
+    let named = format!("box 0 of the sample {sample_token:?} has ");
+    let check = |translation: &str, velocity: &str, score: &str, problem: &str| {
+        write(&path, submission(&sample_token, translation, velocity, score));
+        check_refused(&path, &*dataset, false, &[&named, problem]);
+    };
+    check(&format!("[{x}, NaN, {z}]"), "[0, 0]", "0.5", "NaN in its translation");
+    check(&here, "[-Infinity, 0]", "0.5", "-Infinity in its velocity");
+    check(&here, "[0, 0]", "NaN", "NaN in its score");
+    write(&path, submission(&sample_token, &here, "[0, 0]", "nan"));
+    check_refused(&path, &*dataset, false, &["is not a submission of nuScenes"]);
+    // Everything else is as before.
+    write(&path, submission(&sample_token, &here, "[NaN, NaN]", "0.5"));
+    workplace.succeed("run . -d pca --detections deep=results.json --protocol nuscenes --no-rrd -o out");
+}
+
+#[test]
+fn more_boxes_of_a_sample_than_nuscenes_takes_are_said() {
+    let workplace = Workplace::new();
+    nuscenes(workplace.folder(), &*street(1));
+    let dataset = open(workplace.folder());
+    let ForeignFrame::World { sample_token, .. } = dataset.foreign_frame(0).unwrap() else {
+        panic!("samples have tokens")
+    };
+    let path = workplace.path("results.json");
+    let warnings = |n: usize| {
+        let one = submission(&sample_token, "[1, 2, 3]", "[0, 0]", "0.5");
+        let (begin, end) = (one.find("[{").unwrap() + 1, one.rfind('}').unwrap() - 2);
+        let boxes = vec![&one[begin..end]; n].join(", ");
+        write(&path, format!("{}{boxes}{}", &one[..begin], &one[end..]));
+        try_results(&path, &*dataset, MissingResults::Refuse).unwrap().warnings()
+    };
+    assert_eq!(warnings(500), [""; 0]);
+    assert!(warnings(501)[0].contains("1 samples have more than 500 boxes, up to 501: nuScenes refuses"));
 }

@@ -82,3 +82,37 @@ fn damage_and_files_elsewhere_are_named() {
     workplace.write("samples/LIDAR_TOP/0.pcd.bin", &[0; 41]);
     check_damaged(workplace.folder(), &["0.pcd.bin", "41 bytes", "20 of a point"]);
 }
+
+/// `tables` with `from` written as `to`, which the program refuses with all of `parts`.
+#[track_caller]
+fn check_nan(table: &str, from: &str, to: &str, parts: &[&str]) {
+    let workplace = Workplace::new();
+    nuscenes(workplace.folder(), &*street(1));
+    let path = workplace.path(&format!("v1.0-mini/{table}.json"));
+    let text = std::fs::read_to_string(&path).unwrap();
+    let at = text.find(from).unwrap_or_else(|| panic!("{from} in {text}"));
+    let value = at + from.len();
+    let end = value + text[value..].find([',', '\n', ']']).unwrap();
+    std::fs::write(&path, format!("{}{to}{}", &text[..value], &text[end..])).unwrap();
+    check_damaged(workplace.folder(), parts);
+}
+
+#[test]
+fn numbers_of_python_that_are_none_are_named_with_their_record() {
+    let size = "\"size\": [\n      ";
+    check_nan(
+        "sample_annotation",
+        size,
+        "NaN",
+        &["sample_annotation.json", "has a box of the instance", "in the sample", "that has NaN in its size"],
+    );
+    let translation = "\"translation\": [\n      ";
+    check_nan("sample_annotation", translation, "-Infinity", &["that has -Infinity in its translation"]);
+    check_nan(
+        "ego_pose",
+        translation,
+        "NaN",
+        &["ego_pose.json", "has a record \"", "that has NaN in its translation"],
+    );
+    check_nan("calibrated_sensor", translation, "NaN", &["has NaN in its translation"]);
+}

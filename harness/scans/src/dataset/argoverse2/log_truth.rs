@@ -11,6 +11,7 @@ use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::official::OfficialObject;
+use crate::dataset::on_disk::is_there;
 use crate::dataset::pose::isometry;
 use crate::dataset::upright_box::upright_box;
 
@@ -51,7 +52,7 @@ impl LogTruth {
         let (annotations, objects) = read_labels(&folder.join(ANNOTATIONS), &car_from_sensor_m, classes)?;
         let poses = folder.join("city_SE3_egovehicle.feather");
         let mut world_from_sensor = BTreeMap::new();
-        if poses.exists() {
+        if is_there(&poses) {
             let names = [&POSE[..], &["timestamp_ns"]].concat();
             let mut table = FeatherTable::read(&poses, &names)?;
             let damaged = |problem| DatasetError::Damaged { path: poses.clone(), problem };
@@ -83,7 +84,7 @@ pub fn survey_classes(folder: &Path, classes: &mut ClassReader<'_>) -> Result<()
 }
 
 fn car_from_sensor_m(path: &Path) -> Result<Vector3<f64>, DatasetError> {
-    if !path.exists() {
+    if !is_there(path) {
         return Ok(Vector3::from(USUAL_CAR_FROM_LIDARS_M));
     }
     let names = [&POSE[..], &["sensor_name"]].concat();

@@ -24,9 +24,10 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::official::OfficialScan;
-use crate::dataset::on_disk::{entries_of, has_extension, name_of};
+use crate::dataset::on_disk::{entries_of, has_extension, is_there, name_of};
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
+use crate::dataset::scan_sizes::ScanSizes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
@@ -84,16 +85,16 @@ pub fn is_argoverse2(folder: &Path) -> bool {
 pub fn open_argoverse2(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let sequences = source.parts.sequences.take();
     let (mut scan_ids, mut sweeps, mut checksum) = (Vec::new(), Vec::new(), DatasetChecksum::default());
-    let mut found = BTreeSet::new();
+    let (mut found, mut sizes) = (BTreeSet::new(), ScanSizes::default());
     for log in logs_below(&source.path) {
         let name = name_of(&log);
-        if !log.join(ANNOTATIONS).is_file() || sequences.as_ref().is_some_and(|it| !it.contains(&name)) {
+        if !is_there(&log.join(ANNOTATIONS)) || sequences.as_ref().is_some_and(|it| !it.contains(&name)) {
             continue;
         }
         checksum.add_file(&format!("{name}/{ANNOTATIONS}"), &log.join(ANNOTATIONS))?;
         for (index, time_ns) in (0..).zip(sweep_times(&log.join(SWEEPS))?) {
             let sweep = format!("{SWEEPS}/{time_ns}.feather");
-            checksum.add_file(&format!("{name}/{sweep}"), &log.join(sweep))?;
+            checksum.add_scan(&format!("{name}/{sweep}"), sizes.n_bytes_of(&log.join(sweep)));
             scan_ids.push(ScanId { sequence: name.clone(), index });
             sweeps.push(Sweep { log: log.clone(), time_ns });
         }
@@ -106,6 +107,7 @@ pub fn open_argoverse2(mut source: DatasetSource) -> Result<Box<dyn Dataset>, Da
         let labels = source.path.join("*/annotations.feather");
         return Err(DatasetError::unlabeled(&source.path, &labels));
     }
+    sizes.check(&source.path, source.damage)?;
     let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::Argoverse2, checksum.finish());
     let listing = Listing { description, scan_ids };

@@ -30,9 +30,10 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::numbered_files::{SIX_DIGITS, numbered_file, numbered_files};
 use crate::dataset::on_disk::{entries_of, has_extension, names_of};
-use crate::dataset::source::DatasetSource;
-use crate::dataset::unpaired_files::UnpairedFiles;
-use crate::dataset::velodyne_bin::read_velodyne_bin;
+use crate::dataset::point_columns::PointColumns;
+use crate::dataset::scan_columns::ScanColumns;
+use crate::dataset::source::{DamagePolicy, DatasetSource};
+use crate::dataset::unpaired_files::{LeftOut, UnpairedFiles};
 use crate::dataset::{Dataset, DatasetError, Listing, Nearness, labels_without_scan};
 
 /// The folders of the label files.
@@ -43,15 +44,17 @@ const TRACKING_LABELS: &str = "label_02";
 const SEQUENCE: &str = "training";
 
 /// An open benchmark: labels and calibrations are in memory, scans are read one at a time.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct KittiBenchmark {
     // Invariant: `scan_ids` and `scans` have the same length and order.
     listing: Listing,
     labeled_region: LabeledRegion,
     nearness: Nearness,
+    columns: ScanColumns,
     scans: Vec<Scan>,
     // Names of scans that have labels and are not there.
     not_there: Vec<String>,
+    left_out: Vec<LeftOut>,
 }
 
 /// What is known about a scan without reading its points.
@@ -90,7 +93,7 @@ pub fn is_kitti_tracking(folder: &Path) -> bool {
 /// Scans are not looked into, nor files that belong to other scans.
 pub fn open_kitti_object(source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let mut folder = SplitFolder::with_labels(&source.path, OBJECT_LABELS)?;
-    let numbers = object_numbers(&folder, source.parts.scans.as_ref())?;
+    let (numbers, left_out) = object_numbers(&folder, source.parts.scans.as_ref(), source.damage)?;
     let mapping = RawMapping::beside(&source.path)?;
     let raw_scan = |number| mapping.as_ref().map(|it| it.raw_scan(number).cloned()).transpose();
     let mut by_time =
@@ -102,7 +105,7 @@ pub fn open_kitti_object(source: DatasetSource) -> Result<Box<dyn Dataset>, Data
     let (mut scan_ids, mut scans) = (Vec::new(), Vec::new());
     for (raw, index) in by_time {
         let name = format!("{index:06}");
-        let path = folder.add_scan(&format!("velodyne/{name}.bin"))?;
+        let path = folder.add_scan(&format!("velodyne/{name}.bin"));
         let labels_name = format!("{OBJECT_LABELS}/{name}.txt");
         let text = folder.read_text(&labels_name, DatasetError::missing_selected)?;
         let labels = parse_object_labels(&folder.path_of(&labels_name), &text, &mut classes)?;
@@ -113,9 +116,12 @@ pub fn open_kitti_object(source: DatasetSource) -> Result<Box<dyn Dataset>, Data
     }
     classes.unknown().refuse(&source.id)?;
     let labeled_region = source.labeled_region;
-    let description = source.describe(DatasetFormat::KittiObject, folder.finish());
+    let columns = columns_of(&source, &scans);
+    let checksum = folder.finish(source.damage)?;
+    let description = source.describe(DatasetFormat::KittiObject, checksum);
     let listing = Listing { description, scan_ids };
-    Ok(Box::new(KittiBenchmark { listing, labeled_region, nearness, scans, not_there: Vec::new() }))
+    let not_there = Vec::new();
+    Ok(Box::new(KittiBenchmark { listing, labeled_region, nearness, columns, scans, not_there, left_out }))
 }
 
 /// Opens the split folder of `source`: all drives that have scans, or only those that are chosen. Scans are not looked into.
@@ -123,7 +129,7 @@ pub fn open_kitti_tracking(mut source: DatasetSource) -> Result<Box<dyn Dataset>
     let selected = source.parts.sequences.take();
     let mut folder = SplitFolder::with_labels(&source.path, TRACKING_LABELS)?;
     let velodyne = folder.path_of("velodyne");
-    let drives: Vec<PathBuf> = entries_of(&velodyne)?.into_iter().filter(|it| it.is_dir()).collect();
+    let drives: Vec<PathBuf> = entries_of(&velodyne)?.into_iter().filter(|it| !it.is_file()).collect();
     let present: BTreeSet<String> = names_of(&drives, "the UTF-8 name of a sequence")?.into_iter().collect();
     if let Some(missing) = selected.iter().flatten().find(|it| !present.contains(*it)) {
         return Err(DatasetError::missing_selected(&velodyne.join(missing)));
@@ -143,7 +149,7 @@ pub fn open_kitti_tracking(mut source: DatasetSource) -> Result<Box<dyn Dataset>
         let camera = read_camera(&mut folder, drive, &drive_folder, &image)?;
         for index in numbers {
             let name = format!("{drive}/{index:06}");
-            let path = folder.add_scan(&format!("velodyne/{name}.bin"))?;
+            let path = folder.add_scan(&format!("velodyne/{name}.bin"));
             let labels = labels_by_scan.remove(&index).unwrap_or_default();
             scans.push(Scan { name, path, camera: Arc::clone(&camera), labels, raw: None });
             scan_ids.push(ScanId { sequence: drive.clone(), index });
@@ -155,9 +161,13 @@ pub fn open_kitti_tracking(mut source: DatasetSource) -> Result<Box<dyn Dataset>
         return Err(DatasetError::no_scans(velodyne));
     }
     let labeled_region = source.labeled_region;
-    let description = source.describe(DatasetFormat::KittiTracking, folder.finish());
+    let columns = columns_of(&source, &scans);
+    let checksum = folder.finish(source.damage)?;
+    let description = source.describe(DatasetFormat::KittiTracking, checksum);
     let listing = Listing { description, scan_ids };
-    Ok(Box::new(KittiBenchmark { listing, labeled_region, nearness: Nearness::Times, scans, not_there }))
+    let nearness = Nearness::Times;
+    let left_out = Vec::new();
+    Ok(Box::new(KittiBenchmark { listing, labeled_region, nearness, columns, scans, not_there, left_out }))
 }
 
 impl Dataset for KittiBenchmark {
@@ -174,7 +184,7 @@ impl Dataset for KittiBenchmark {
             labels,
         };
         let id = self.listing.scan_ids[scan_idx].clone();
-        let labeled = label_scan(id, read_velodyne_bin(path)?, &truth);
+        let labeled = label_scan(id, self.columns.read(path)?, &truth);
         match self.labeled_region {
             LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.listing.description, name),
             LabeledRegion::Camera | LabeledRegion::Everywhere => Ok(labeled),
@@ -206,16 +216,30 @@ impl Dataset for KittiBenchmark {
         Some(&self.scans[scan_idx].labels)
     }
 
+    fn columns(&self) -> Result<Option<String>, DatasetError> {
+        self.columns.described()
+    }
+
+    fn files_left_out(&self) -> &[LeftOut] {
+        &self.left_out
+    }
+
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         Ok(labels_without_scan(&self.not_there))
     }
 }
 
-/// The numbers of the scans to open, at least one, all of which exist.
+fn columns_of(source: &DatasetSource, scans: &[Scan]) -> ScanColumns {
+    let paths: Vec<PathBuf> = scans.iter().map(|it| it.path.clone()).collect();
+    ScanColumns::new(source.columns.clone(), PointColumns::of_kitti(), &paths)
+}
+
+/// The numbers of the scans to open, at least one, all of which exist and have labels; and what is left out.
 fn object_numbers(
     folder: &SplitFolder,
     selected: Option<&BTreeSet<u32>>,
-) -> Result<BTreeSet<u32>, DatasetError> {
+    damage: DamagePolicy,
+) -> Result<(BTreeSet<u32>, Vec<LeftOut>), DatasetError> {
     let velodyne = folder.path_of("velodyne");
     let labels = folder.path_of(OBJECT_LABELS);
     let present = numbered_files(&velodyne, "bin", SIX_DIGITS)?;
@@ -231,12 +255,13 @@ fn object_numbers(
         scans: without_labels.map(|number| format!("{number:06}.bin")).collect(),
         labels: without_scan.map(|number| format!("{number:06}.txt")).collect(),
     };
-    unpaired.refuse(&labels)?;
-    let numbers = selected.cloned().unwrap_or(present);
+    let left_out = unpaired.left_out(&labels, damage)?;
+    let mut numbers = selected.cloned().unwrap_or_else(|| present.clone());
+    numbers.retain(|it| present.contains(it) && labeled.contains(it));
     if numbers.is_empty() {
         return Err(DatasetError::no_scans(velodyne));
     }
-    Ok(numbers)
+    Ok((numbers, left_out))
 }
 
 /// Reads the calibration of `scans`, a scan or a drive called `name`, and the size of `image`.

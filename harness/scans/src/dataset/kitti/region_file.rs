@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use crate::annotation::{LabeledScan, PointRegion};
-use crate::dataset::on_disk::bytes_of;
+use crate::dataset::on_disk::{bytes_of, is_there};
 use crate::dataset::positioned_points::values_of_kept;
 use crate::dataset::{DatasetDescription, DatasetError};
 
@@ -33,7 +33,7 @@ pub fn with_regions_of_file(
 /// The regions of the points of `scan`, of a file with one for each point of the scan's file; all is labelled where there is
 /// none.
 fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion>, DatasetError> {
-    if !path.exists() {
+    if !is_there(path) {
         return Ok(vec![PointRegion::Labeled; scan.cloud.len()]);
     }
     let bytes = bytes_of(path)?;

@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 
 use crate::dataset::DatasetError;
 use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::on_disk::is_there;
 use crate::dataset::png_size::png_size_px;
+use crate::dataset::scan_sizes::ScanSizes;
+use crate::dataset::source::DamagePolicy;
 use crate::dataset::text_file::read_text_file;
 
 /// The sensor of the KITTI recordings.
@@ -22,6 +25,7 @@ const USUAL_IMAGE_SIZE_PX: [u32; 2] = [1242, 375];
 pub struct SplitFolder {
     path: PathBuf,
     checksum: DatasetChecksum,
+    sizes: ScanSizes,
 }
 
 impl SplitFolder {
@@ -36,7 +40,7 @@ impl SplitFolder {
 
     /// The folder `path`, whatever is in it.
     pub fn unchecked(path: &Path) -> Self {
-        Self { path: path.to_path_buf(), checksum: DatasetChecksum::default() }
+        Self { path: path.to_path_buf(), checksum: DatasetChecksum::default(), sizes: ScanSizes::default() }
     }
 
     /// Where the file `name` lies.
@@ -45,10 +49,10 @@ impl SplitFolder {
     }
 
     /// Takes the size of the scan `name` into the checksum, and returns where it lies.
-    pub fn add_scan(&mut self, name: &str) -> Result<PathBuf, DatasetError> {
+    pub fn add_scan(&mut self, name: &str) -> PathBuf {
         let path = self.path_of(name);
-        self.checksum.add_file(name, &path)?;
-        Ok(path)
+        self.checksum.add_scan(name, self.sizes.n_bytes_of(&path));
+        path
     }
 
     /// Reads the text file `name` and takes it into the checksum; `missing` makes the error if it does not exist.
@@ -69,7 +73,7 @@ impl SplitFolder {
 
     /// Reads the text file `name` and takes it into the checksum, or returns `None` if it does not exist.
     pub fn read_text_if_present(&mut self, name: &str) -> Result<Option<String>, DatasetError> {
-        if self.path_of(name).exists() {
+        if is_there(&self.path_of(name)) {
             self.read_text(name, DatasetError::missing_selected).map(Some)
         } else {
             Ok(None)
@@ -81,13 +85,18 @@ impl SplitFolder {
     /// Where `image` does not exist, the size is that of most drives, 1242 × 375: no text file of KITTI has it, and the
     /// images are a download of their own that scans do not need.
     pub fn image_size_px(&mut self, name: &str, image: &Path) -> Result<[u32; 2], DatasetError> {
-        let size_px = if image.exists() { png_size_px(image)? } else { USUAL_IMAGE_SIZE_PX };
+        let size_px = if is_there(image) { png_size_px(image)? } else { USUAL_IMAGE_SIZE_PX };
         self.checksum.add_image_size(name, size_px);
         Ok(size_px)
     }
 
     /// The checksum of all that was read.
-    pub fn finish(self) -> String {
-        self.checksum.finish()
+    ///
+    /// # Errors
+    ///
+    /// If scans cannot be read and damage is to be refused.
+    pub fn finish(self, damage: DamagePolicy) -> Result<String, DatasetError> {
+        self.sizes.check(&self.path, damage)?;
+        Ok(self.checksum.finish())
     }
 }

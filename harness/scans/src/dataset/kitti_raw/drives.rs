@@ -28,11 +28,13 @@ use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::kitti::camera_field_of_view::{CameraFieldOfView, point_regions};
 use crate::dataset::kitti::label::KITTI_VOCABULARY;
 use crate::dataset::numbered_files::{TEN_DIGITS, numbered_files};
-use crate::dataset::on_disk::{entries_of, has_extension, name_of};
+use crate::dataset::on_disk::{entries_of, has_extension, is_there, name_of};
+use crate::dataset::point_columns::PointColumns;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
+use crate::dataset::scan_columns::ScanColumns;
+use crate::dataset::scan_sizes::ScanSizes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
-use crate::dataset::velodyne_bin::read_velodyne_bin;
 use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 const SCANS: &str = "velodyne_points/data";
@@ -46,6 +48,7 @@ struct KittiRaw {
     // Invariant: `drives` has every drive that `scan_ids` names.
     listing: Listing,
     labeled_region: LabeledRegion,
+    columns: ScanColumns,
     drives: BTreeMap<String, Drive>,
 }
 
@@ -81,6 +84,7 @@ pub fn is_kitti_raw(folder: &Path) -> bool {
 pub fn open_kitti_raw(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let sequences = source.parts.sequences.take();
     let (mut scan_ids, mut drives, mut checksum) = (Vec::new(), BTreeMap::new(), DatasetChecksum::default());
+    let (mut paths, mut sizes) = (Vec::new(), ScanSizes::default());
     let mut classes = ClassReader::new(&source.classes, KITTI_VOCABULARY);
     for folder in drives_below(&source.path) {
         let name = name_of(&folder);
@@ -93,7 +97,9 @@ pub fn open_kitti_raw(mut source: DatasetSource) -> Result<Box<dyn Dataset>, Dat
         }
         for number in &numbers {
             let file = format!("{SCANS}/{number:010}.bin");
-            checksum.add_file(&format!("{name}/{file}"), &folder.join(&file))?;
+            let path = folder.join(&file);
+            checksum.add_scan(&format!("{name}/{file}"), sizes.n_bytes_of(&path));
+            paths.push(path);
         }
         let last = numbers.last().copied().unwrap_or_default();
         scan_ids.extend(numbers.into_iter().map(|index| ScanId { sequence: name.clone(), index }));
@@ -109,10 +115,12 @@ pub fn open_kitti_raw(mut source: DatasetSource) -> Result<Box<dyn Dataset>, Dat
     if scan_ids.is_empty() {
         return Err(DatasetError::no_scans(source.path));
     }
+    sizes.check(&source.path, source.damage)?;
     let labeled_region = source.labeled_region;
+    let columns = ScanColumns::new(source.columns.clone(), PointColumns::of_kitti(), &paths);
     let description = source.describe(DatasetFormat::KittiRaw, checksum.finish());
     let listing = Listing { description, scan_ids };
-    Ok(Box::new(KittiRaw { listing, labeled_region, drives }))
+    Ok(Box::new(KittiRaw { listing, labeled_region, columns, drives }))
 }
 
 impl Dataset for KittiRaw {
@@ -124,7 +132,7 @@ impl Dataset for KittiRaw {
         let id = self.listing.scan_ids[scan_idx].clone();
         let drive = &self.drives[&id.sequence];
         let path = drive.folder.join(SCANS).join(format!("{:010}.bin", id.index));
-        let (cloud, points_left_out) = read_velodyne_bin(&path)?.into_parts();
+        let (cloud, points_left_out) = self.columns.read(&path)?.into_parts();
         let Some(labels) = &drive.labels else {
             let point_regions = vec![PointRegion::Outside; cloud.len()];
             let labeled_area = LabeledArea::AsPoints;
@@ -145,6 +153,10 @@ impl Dataset for KittiRaw {
             }
         };
         Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
+    }
+
+    fn columns(&self) -> Result<Option<String>, DatasetError> {
+        self.columns.described()
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
@@ -228,7 +240,7 @@ fn open_drive(
         let text = read_text(&path, &format!("{name}/calib_{kind}.txt"))?;
         Ok((path, text))
     };
-    let poses = if folder.join(POSES).is_dir() {
+    let poses = if is_there(&folder.join(POSES)) {
         let (path, text) = calibration("imu_to_velo")?;
         let unit_from_sensor = parse_transform(&path, &text)?.inverse();
         let origin = first_fix(&folder.join(POSES))?;
@@ -236,7 +248,7 @@ fn open_drive(
     } else {
         None
     };
-    let labels = if folder.join(LABELS).is_file() {
+    let labels = if is_there(&folder.join(LABELS)) {
         let ((velo_path, velo), (cam_path, cam)) = (calibration("velo_to_cam")?, calibration("cam_to_cam")?);
         let view = parse_camera_view((&velo_path, &velo), (&cam_path, &cam))?;
         let path = folder.join(LABELS);
@@ -247,7 +259,7 @@ fn open_drive(
     };
     let path = folder.join(TIMES);
     let times_ns =
-        if path.is_file() { parse_times(&path, &read_text_file(&path)?, last_scan)? } else { Vec::new() };
+        if is_there(&path) { parse_times(&path, &read_text_file(&path)?, last_scan)? } else { Vec::new() };
     Ok(Drive { folder, labels, times_ns, poses })
 }
 

@@ -13,6 +13,7 @@ use serde::{Deserialize, Deserializer};
 use super::ros_messages::StampedTransform;
 use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
 use crate::dataset::pose::isometry;
+use crate::dataset::python_json::quoted;
 
 /// `foxglove.PointCloud`.
 pub const POINT_CLOUD: &str = "foxglove.PointCloud";
@@ -263,7 +264,9 @@ pub fn decode<M: prost::Message + Default + serde::de::DeserializeOwned>(
 ) -> Result<M, String> {
     match encoding {
         "protobuf" => M::decode(bytes).map_err(|error| format!("has a message that cannot be read: {error}")),
-        "json" => serde_json::from_slice(bytes)
+        "json" => std::str::from_utf8(bytes)
+            .map_err(|error| error.to_string())
+            .and_then(|text| serde_json::from_str(&quoted(text)).map_err(|error| error.to_string()))
             .map_err(|error| format!("has a message that cannot be read: {error}")),
         other => Err(format!("has messages in the unknown encoding {other:?}")),
     }

@@ -19,9 +19,9 @@ use crate::dataset::class_table::ClassReader;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::official::OfficialScan;
-use crate::dataset::on_disk::bytes_of;
+use crate::dataset::point_columns::PointColumns;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
-use crate::dataset::positioned_points::PositionedPoints;
+use crate::dataset::scan_columns::ScanColumns;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
@@ -61,15 +61,13 @@ const TABLES: [&str; 11] = [
     "visibility",
 ];
 
-/// Five values of four bytes.
-const N_BYTES_PER_POINT: usize = 20;
-
 /// An open data set: annotations are in memory, scans are read one at a time.
 #[derive(Debug)]
 struct NuScenes {
     // Invariant: `scan_ids` and `keyframes` have the same length and order.
     listing: Listing,
     scans: PathBuf,
+    columns: ScanColumns,
     keyframes: Vec<Keyframe>,
     samples_without_scan: BTreeSet<String>,
 }
@@ -119,9 +117,11 @@ pub fn open_nuscenes(mut source: DatasetSource) -> Result<Box<dyn Dataset>, Data
         };
         scan_ids.push(ScanId { sequence: keyframe.scene.clone(), index });
     }
+    let paths: Vec<PathBuf> = keyframes.iter().map(|it| scans.join(&it.file)).collect();
+    let columns = ScanColumns::new(source.columns.clone(), PointColumns::of_nuscenes(), &paths);
     let description = source.describe(DatasetFormat::NuScenes, checksum.finish());
     let listing = Listing { description, scan_ids };
-    Ok(Box::new(NuScenes { listing, scans, keyframes, samples_without_scan }))
+    Ok(Box::new(NuScenes { listing, scans, columns, keyframes, samples_without_scan }))
 }
 
 impl Dataset for NuScenes {
@@ -131,12 +131,18 @@ impl Dataset for NuScenes {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let keyframe = &self.keyframes[scan_idx];
-        let path = self.scans.join(&keyframe.file);
-        let points = parse_scan(&path, &bytes_of(&path)?)?;
+        // To the right, ahead and up; the intensity is a byte, brought to the range that other sensors have.
+        let points = self.columns.read(&self.scans.join(&keyframe.file))?.converted(
+            |[right_m, forward_m, up_m], intensity| ([forward_m, -right_m, up_m], intensity / 255.0),
+        );
         let mut annotations: Vec<Annotation> =
             keyframe.objects.iter().filter_map(|it| it.annotation(&keyframe.world_from_sensor)).collect();
         assign_points_in_boxes(points.cloud(), &mut annotations);
         Ok(points.labeled_everywhere(self.listing.scan_ids[scan_idx].clone(), annotations))
+    }
+
+    fn columns(&self) -> Result<Option<String>, DatasetError> {
+        self.columns.described()
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
@@ -182,21 +188,4 @@ fn versions_in(folder: &Path) -> Vec<PathBuf> {
         entries.filter(is_version).map(|it| it.path()).filter(|it| has_tables(it)).collect();
     versions.sort();
     versions
-}
-
-fn parse_scan(path: &Path, bytes: &[u8]) -> Result<PositionedPoints, DatasetError> {
-    let mut points = PositionedPoints::of_rows(path, bytes, |row| {
-        let [right_m, forward_m, up_m, intensity, _] = values_of(row);
-        // A byte, brought to the range that other sensors have.
-        ([forward_m, -right_m, up_m], intensity / 255.0)
-    })?;
-    let (rows, _) = bytes.as_chunks();
-    let rings: Vec<f64> = rows.iter().map(|row| f64::from(values_of(row)[4])).collect();
-    points.take_rings(&rings);
-    Ok(points)
-}
-
-fn values_of(row: &[u8; N_BYTES_PER_POINT]) -> [f32; 5] {
-    let (values, _) = row.as_chunks::<4>();
-    std::array::from_fn(|column| f32::from_le_bytes(values[column]))
 }

@@ -11,6 +11,7 @@ use super::world_objects::{WorldObject, read_objects};
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::pose::pose;
+use crate::dataset::python_json::{check_finite, numbers};
 
 /// The lidar on the roof.
 const LIDAR: &str = "LIDAR_TOP";
@@ -53,7 +54,9 @@ struct SensorRecord {
 struct CalibratedSensorRecord {
     token: String,
     sensor_token: String,
+    #[serde(deserialize_with = "numbers")]
     translation: [f64; 3],
+    #[serde(deserialize_with = "numbers")]
     rotation: [f64; 4],
 }
 
@@ -84,7 +87,9 @@ struct SampleDataRecord {
 #[derive(Deserialize)]
 struct EgoPoseRecord {
     token: String,
+    #[serde(deserialize_with = "numbers")]
     translation: [f64; 3],
+    #[serde(deserialize_with = "numbers")]
     rotation: [f64; 4],
 }
 
@@ -154,7 +159,8 @@ fn read_unplaced(
     let mut ego_from_sensors = BTreeMap::new();
     read_table(&table("calibrated_sensor"), |it: CalibratedSensorRecord| {
         if lidars.contains(&it.sensor_token) {
-            ego_from_sensors.insert(it.token, pose(it.translation, it.rotation)? * lidar_from_ours());
+            let ego_from_sensor = pose_of(&it.token, it.translation, it.rotation)? * lidar_from_ours();
+            ego_from_sensors.insert(it.token, ego_from_sensor);
         }
         Ok(())
     })?;
@@ -203,11 +209,20 @@ fn read_poses(path: &Path, unplaced: &[Unplaced]) -> Result<BTreeMap<String, Iso
     let mut poses = BTreeMap::new();
     read_table(path, |it: EgoPoseRecord| {
         if needed.contains(&it.token) {
-            poses.insert(it.token, pose(it.translation, it.rotation)?);
+            let world_from_ego = pose_of(&it.token, it.translation, it.rotation)?;
+            poses.insert(it.token, world_from_ego);
         }
         Ok(())
     })?;
     Ok(poses)
+}
+
+/// The pose of the record called `token`. Errors are the rest of a sentence about the table.
+fn pose_of(token: &str, translation: [f64; 3], rotation: [f64; 4]) -> Result<Isometry3<f64>, String> {
+    let named = |problem| format!("has a record {token:?} that {problem}");
+    check_finite("translation", &translation).map_err(named)?;
+    check_finite("rotation", &rotation).map_err(named)?;
+    pose(translation, rotation)
 }
 
 /// The lidar has x to the right and y forward.

@@ -1,7 +1,6 @@
 //! Tables in JSON, a list of records each, that are read record by record and never as a whole.
 
 use std::fmt;
-use std::io::BufReader;
 use std::marker::PhantomData;
 use std::path::Path;
 
@@ -10,9 +9,7 @@ use serde::Deserializer as _;
 use serde::de::{DeserializeOwned, SeqAccess, Visitor};
 
 use crate::dataset::DatasetError;
-
-/// Bytes that are read at once.
-const N_BUFFERED: usize = 1 << 18;
+use crate::dataset::python_json::python_json;
 
 /// Hands every record of the table at `path` to `take`, in order; what `take` refuses is the rest of a sentence about the
 /// file.
@@ -21,7 +18,7 @@ pub fn read_table<Record: DeserializeOwned>(
     take: impl FnMut(Record) -> Result<(), String>,
 ) -> Result<(), DatasetError> {
     let file = RegularFile::open(path).map_err(DatasetError::io(path))?;
-    let mut deserializer = serde_json::Deserializer::from_reader(BufReader::with_capacity(N_BUFFERED, file));
+    let mut deserializer = serde_json::Deserializer::from_reader(python_json(file));
     let read = deserializer.deserialize_seq(RecordVisitor { take, record: PhantomData });
     read.and_then(|()| deserializer.end()).map_err(|error| DatasetError::Damaged {
         path: path.to_path_buf(),

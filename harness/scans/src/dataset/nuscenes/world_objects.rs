@@ -15,6 +15,7 @@ use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::official::OfficialObject;
 use crate::dataset::pose::pose;
+use crate::dataset::python_json::{check_finite, numbers};
 use crate::dataset::upright_box::upright_box;
 
 /// An annotation, before it is brought into the frame of the sensor.
@@ -90,8 +91,11 @@ struct AnnotationRecord {
     prev: String,
     #[serde(default)]
     next: String,
+    #[serde(deserialize_with = "numbers")]
     translation: [f64; 3],
+    #[serde(deserialize_with = "numbers")]
     size: [f64; 3],
+    #[serde(deserialize_with = "numbers")]
     rotation: [f64; 4],
 }
 
@@ -162,6 +166,13 @@ impl References {
         let named = self.instances.get(&it.instance_token);
         let (track, category) =
             named.ok_or_else(|| format!("has the unknown instance {:?}", it.instance_token))?;
+        let (sample, instance) = (&it.sample_token, &it.instance_token);
+        let named = |problem| {
+            format!("has a box of the instance {instance:?} in the sample {sample:?} that {problem}")
+        };
+        check_finite("translation", &it.translation).map_err(named)?;
+        check_finite("size", &it.size).map_err(named)?;
+        check_finite("rotation", &it.rotation).map_err(named)?;
         let [width_m, length_m, height_m] = it.size;
         if !it.size.iter().all(|side_m| *side_m > 0.0 && *side_m < 1e4) {
             return Err(format!("has a box with the size {:?}", it.size));

@@ -15,18 +15,21 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::any_scan_file::{read_scan_file, scan_extension, scan_origin_m};
-use super::label_file::LabelFile;
+use super::label_file::{LabelFile, is_labels};
 use super::scan_file::ScanPoints;
 use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
-use crate::dataset::on_disk::{entries_of, has_extension, name_of};
+use crate::dataset::on_disk::{entries_of, has_extension, is_there, name_of, stem_of};
+use crate::dataset::point_columns::PointColumns;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
-use crate::dataset::source::DatasetSource;
+use crate::dataset::scan_columns::ScanColumns;
+use crate::dataset::scan_sizes::ScanSizes;
+use crate::dataset::source::{DamagePolicy, DatasetSource};
 use crate::dataset::text_file::read_text_file;
-use crate::dataset::unpaired_files::UnpairedFiles;
-use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
+use crate::dataset::unpaired_files::{LeftOut, UnpairedFiles};
+use crate::dataset::{Dataset, DatasetError, Listing};
 
 /// Where scans may lie in the folder that is named.
 const SCANS: [&str; 4] = ["", "lidar", "pointclouds", "velodyne"];
@@ -37,10 +40,13 @@ const LABELS: [&str; 3] = ["labels", "label", "label_2"];
 /// An open folder: the names of the scans are in memory.
 #[derive(Debug)]
 struct ScanFolder {
-    // Invariant: `scan_ids` and `scans` have the same length and order.
+    // Invariant: `scan_ids`, `scans` and `names` have the same length and order.
     listing: Listing,
     scans: Vec<PathBuf>,
+    names: Vec<String>,
+    columns: ScanColumns,
     labels: Option<PathBuf>,
+    left_out: Vec<LeftOut>,
     classes: ClassRules,
 }
 
@@ -55,7 +61,8 @@ fn scans_below(folder: &Path) -> Option<PathBuf> {
     SCANS.into_iter().map(|name| folder.join(name)).find(has_scans)
 }
 
-/// Opens the folder of `source`. Scans are numbered in the order of their names.
+/// Opens the folder of `source`. Scans have the numbers that their files are called after, or else their positions among
+/// the names.
 pub fn open_scan_folder(source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let folder = source.path.clone();
     let mut scans = entries_of(&scans_below(&folder).unwrap_or(folder.clone()))?;
@@ -64,32 +71,86 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<Box<dyn Dataset>, Datas
     if scans.is_empty() {
         return Err(DatasetError::no_scans(folder));
     }
-    let labels = LABELS.into_iter().map(|it| folder.join(it)).find(|it| it.is_dir());
-    let (mut checksum, mut without_labels) = (DatasetChecksum::default(), Vec::new());
-    for scan in &scans {
+    let mut numbered = numbered(scans);
+    let labels = LABELS.into_iter().map(|it| folder.join(it)).find(|it| is_there(it));
+    let left_out = match &labels {
+        Some(labels) => leave_out_unpaired(&mut numbered, labels, source.damage)?,
+        None => Vec::new(),
+    };
+    if numbered.is_empty() {
+        return Err(DatasetError::no_scans(folder));
+    }
+    let checksum = checksum_of(&folder, &numbered, labels.as_deref(), source.damage)?;
+    let sequence = name_of(&folder.canonicalize().unwrap_or_else(|_| folder.clone()));
+    let scan_id = |(index, _): &(u32, PathBuf)| ScanId { sequence: sequence.clone(), index: *index };
+    let scan_ids = numbered.iter().map(scan_id).collect();
+    let scans: Vec<PathBuf> = numbered.into_iter().map(|(_, path)| path).collect();
+    let names = scans.iter().map(|it| stem_of(it)).collect();
+    let columns = ScanColumns::new(source.columns.clone(), PointColumns::of_kitti(), &scans);
+    let classes = source.classes.clone();
+    let description = source.describe(DatasetFormat::ScanFolder, checksum);
+    let listing = Listing { description, scan_ids };
+    Ok(Box::new(ScanFolder { listing, scans, names, columns, labels, left_out, classes }))
+}
+
+/// `scans` with their numbers: those that they are called after, if each has one of its own, and in the order of these; or
+/// else their positions.
+fn numbered(scans: Vec<PathBuf>) -> Vec<(u32, PathBuf)> {
+    let number_of = |path: &PathBuf| {
+        let stem = path.file_stem()?.to_str()?;
+        stem.bytes().all(|it| it.is_ascii_digit()).then(|| stem.parse::<u32>().ok())?
+    };
+    let numbers: Option<Vec<u32>> = scans.iter().map(number_of).collect();
+    let are_own = |numbers: &Vec<u32>| numbers.iter().collect::<BTreeSet<_>>().len() == numbers.len();
+    let mut numbered: Vec<(u32, PathBuf)> = match numbers.filter(are_own) {
+        Some(numbers) => numbers.into_iter().zip(scans).collect(),
+        None => (0..).zip(scans).collect(),
+    };
+    numbered.sort_unstable();
+    numbered
+}
+
+/// Takes scans without labels out of `scans` if damage is to be skipped; what was left out, labels without a scan, too.
+fn leave_out_unpaired(
+    scans: &mut Vec<(u32, PathBuf)>,
+    labels: &Path,
+    damage: DamagePolicy,
+) -> Result<Vec<LeftOut>, DatasetError> {
+    let all: Vec<PathBuf> = scans.iter().map(|(_, path)| path.clone()).collect();
+    let mut without_labels = BTreeSet::new();
+    for scan in &all {
+        if LabelFile::find(labels, scan)?.is_none() {
+            without_labels.insert(scan);
+        }
+    }
+    scans.retain(|(_, path)| !without_labels.contains(path));
+    let without_scan = labels_without_scans(labels, &all)?;
+    let unpaired = UnpairedFiles {
+        scans: without_labels.iter().map(|it| name_of(it)).collect(),
+        labels: without_scan.into_iter().filter(|it| is_label_file(it)).map(|it| name_of(&it)).collect(),
+    };
+    unpaired.left_out(labels, damage)
+}
+
+fn checksum_of(
+    folder: &Path,
+    scans: &[(u32, PathBuf)],
+    labels: Option<&Path>,
+    damage: DamagePolicy,
+) -> Result<String, DatasetError> {
+    let (mut checksum, mut sizes) = (DatasetChecksum::default(), ScanSizes::default());
+    for (_, scan) in scans {
         let name = name_of(scan);
-        checksum.add_file(&name, scan)?;
-        let file = labels.as_ref().map(|it| LabelFile::find(it, scan)).transpose()?.flatten();
+        checksum.add_scan(&name, sizes.n_bytes_of(scan));
+        let file = labels.map(|it| LabelFile::find(it, scan)).transpose()?.flatten();
         for (index, file) in file.iter().flat_map(LabelFile::files).enumerate() {
             // The first is that of the labels, the second what they need.
             let kind = ["labels", "calib"][index];
             checksum.add_text(&format!("{kind}/{name}"), &read_text_file(file)?);
         }
-        if labels.is_some() && file.is_none() {
-            without_labels.push(name);
-        }
     }
-    if let Some(labels) = labels.as_ref().filter(|_| !without_labels.is_empty()) {
-        let unpaired = UnpairedFiles { scans: without_labels, labels: labels_without_scans(labels, &scans)? };
-        unpaired.refuse(labels)?;
-    }
-    let sequence = name_of(&folder.canonicalize().unwrap_or_else(|_| folder.clone()));
-    let scan_ids =
-        (0..scans.len() as u32).map(|index| ScanId { sequence: sequence.clone(), index }).collect();
-    let classes = source.classes.clone();
-    let description = source.describe(DatasetFormat::ScanFolder, checksum.finish());
-    let listing = Listing { description, scan_ids };
-    Ok(Box::new(ScanFolder { listing, scans, labels, classes }))
+    sizes.check(folder, damage)?;
+    Ok(checksum.finish())
 }
 
 impl Dataset for ScanFolder {
@@ -99,7 +160,7 @@ impl Dataset for ScanFolder {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let path = &self.scans[scan_idx];
-        let ScanPoints { points, origin_m } = read_scan_file(path)?;
+        let ScanPoints { points, origin_m } = read_scan_file(path, &self.columns)?;
         let (cloud, points_left_out) = points.into_parts();
         let (mut annotations, region) = match &self.labels {
             Some(labels) => {
@@ -118,9 +179,16 @@ impl Dataset for ScanFolder {
         Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
     }
 
-    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
-        let Some(labels) = &self.labels else { return Ok(Vec::new()) };
-        Ok(labels_without_scan(&labels_without_scans(labels, &self.scans)?))
+    fn columns(&self) -> Result<Option<String>, DatasetError> {
+        self.columns.described()
+    }
+
+    fn file_name(&self, scan_idx: usize) -> Option<&str> {
+        self.names.get(scan_idx).map(String::as_str)
+    }
+
+    fn files_left_out(&self) -> &[LeftOut] {
+        &self.left_out
     }
 
     /// Where the origin was moved to, of scans on a map.
@@ -164,15 +232,21 @@ impl ScanFolder {
     }
 }
 
-/// The names of the files in `labels` that belong to none of `scans`, in order.
-fn labels_without_scans(labels: &Path, scans: &[PathBuf]) -> Result<Vec<String>, DatasetError> {
+/// The files in `labels` that are called after none of `scans`, in order.
+fn labels_without_scans(labels: &Path, scans: &[PathBuf]) -> Result<Vec<PathBuf>, DatasetError> {
     let stems: BTreeSet<&OsStr> = scans.iter().filter_map(|it| it.file_stem()).collect();
     let mut files = entries_of(labels)?;
     files.retain(|path| has_extension(path, "json") || has_extension(path, "txt"));
     // labelCloud's own, beside the labels.
     files.retain(|path| !path.ends_with("_classes.json"));
     files.retain(|path| path.file_stem().is_none_or(|it| !stems.contains(it)));
-    Ok(files.iter().map(|it| name_of(it)).collect())
+    Ok(files)
+}
+
+/// Whether the file at `path` is labels, and not something that lies beside them, such as a readme or a list of classes.
+fn is_label_file(path: &Path) -> bool {
+    let is_number = || stem_of(path).bytes().all(|it| it.is_ascii_digit());
+    is_number() || read_text_file(path).map_or(true, |text| is_labels(path, &text))
 }
 
 /// Scans that differ only in their endings would share their labels.
@@ -187,6 +261,7 @@ fn refuse_same_names(scans: &[PathBuf]) -> Result<(), DatasetError> {
     Ok(())
 }
 
+/// Also a link to what is not there: it is refused by name.
 fn is_scan(path: &Path) -> bool {
-    scan_extension(path).is_some() && path.is_file()
+    scan_extension(path).is_some() && !path.is_dir()
 }

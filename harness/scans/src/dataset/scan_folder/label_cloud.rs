@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::listed_box::ListedBox;
+use crate::dataset::python_json::{number, number_or_none};
 
 /// A file: what the tool says about the scan, and the boxes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -34,7 +35,7 @@ pub struct LabelCloudObject {
     /// Turns about the axes in radians, counter-clockwise; the last is the heading.
     pub rotations: Axes,
     /// How sure the detector is whose proposal this is; the tool does not keep it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "number_or_none")]
     pub score: Option<f32>,
 }
 
@@ -42,8 +43,11 @@ pub struct LabelCloudObject {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "they are called as they are")]
 pub struct Axes {
+    #[serde(deserialize_with = "number")]
     pub x: f64,
+    #[serde(deserialize_with = "number")]
     pub y: f64,
+    #[serde(deserialize_with = "number")]
     pub z: f64,
 }
 
@@ -51,8 +55,11 @@ pub struct Axes {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "they are called as they are")]
 pub struct Dimensions {
+    #[serde(deserialize_with = "number")]
     pub length: f64,
+    #[serde(deserialize_with = "number")]
     pub width: f64,
+    #[serde(deserialize_with = "number")]
     pub height: f64,
 }
 

@@ -16,11 +16,13 @@ use super::listed_box::ListedBox;
 use super::sustech_points::SustechObject;
 use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
-use crate::dataset::class_table::{ClassReader, Vocabulary};
+use crate::dataset::class_table::{ClassReader, ClassRules, Vocabulary};
 use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
 use crate::dataset::kitti::calibration::parse_calibration;
 use crate::dataset::kitti::ground_truth::annotation_of;
 use crate::dataset::kitti::label::{KITTI_VOCABULARY, KittiLabel, KittiObject, parse_object_labels};
+use crate::dataset::on_disk::has_extension;
+use crate::dataset::python_json::quoted;
 
 /// The labels of a scan with what they need.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -122,8 +124,19 @@ impl LabelFile {
     }
 }
 
+/// Whether `text`, that of the file at `path`, is boxes of a known format, of whatever classes.
+pub fn is_labels(path: &Path, text: &str) -> bool {
+    if has_extension(path, "json") {
+        return parse_json(text).is_ok();
+    }
+    let rules = ClassRules::default();
+    let mut classes = ClassReader::new(&rules, KITTI_VOCABULARY);
+    parse_object_labels(path, text, &mut classes).is_ok()
+}
+
 fn parse_json(text: &str) -> Result<Vec<ListedBox>, String> {
     let not_boxes = |error: serde_json::Error| format!("is not a list of boxes: {error}");
+    let text = &*quoted(text);
     let value: Value = serde_json::from_str(text).map_err(not_boxes)?;
     let is_sustech = value.as_array().and_then(|it| it.first()).is_some_and(|it| it.get("psr").is_some());
     if value.get("objects").is_some() {

@@ -34,8 +34,6 @@ struct Header {
     n_points: u64,
     scale: [f64; 3],
     offset_m: [f64; 3],
-    min_m: [f64; 3],
-    max_m: [f64; 3],
     compression: Option<LazCompression>,
 }
 
@@ -47,25 +45,18 @@ struct LazCompression {
 
 /// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
 ///
-/// Where the header says that the points are farther than 10 km from zero, as on a map (single precision would round them),
-/// the origin becomes a point with whole coordinates: the middle of the extent on the ground plan, and its least height.
+/// Where points are farther than 10 km from zero, as on a map (single precision would round them), the origin becomes a
+/// point with whole coordinates: the middle of their extent on the ground plan, and its least height. The extent in the
+/// header is not looked at: writers leave it at zero, or at that of a whole tile.
 pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
     let header = parse_header(bytes)?;
-    let origin_m = origin_of(&header)?;
-    let mut points = PositionedPoints::default();
-    let mut push = |record: &[u8]| -> Result<(), String> {
+    let mut records = Vec::new();
+    let mut take = |record: &[u8]| {
         let whole = |axis: usize| {
             let at = 4 * axis;
             i32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]])
         };
-        let position_m: [f64; 3] = std::array::from_fn(|axis| {
-            f64::from(whole(axis)) * header.scale[axis] + (header.offset_m[axis] - origin_m[axis])
-        });
-        let intensity = f32::from(u16::from_le_bytes([record[12], record[13]])) / f32::from(u16::MAX);
-        points.push(position_m, intensity).map_err(|problem| match origin_m {
-            [0.0, 0.0, 0.0] => problem,
-            [x, y, z] => format!("{problem}, which is at {x} {y} {z} on its map: cut it into tiles"),
-        })
+        records.push(([0, 1, 2].map(whole), u16::from_le_bytes([record[12], record[13]])));
     };
     match &header.compression {
         None => {
@@ -74,21 +65,33 @@ pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
             if n_held < header.n_points {
                 return Err(format!("announces {} points but has {n_held}", header.n_points));
             }
-            data.chunks_exact(header.record_length).take(header.n_points as usize).try_for_each(&mut push)?;
+            data.chunks_exact(header.record_length).take(header.n_points as usize).for_each(&mut take);
         }
         Some(compression) => {
             // The decoder is somebody else's, and damage is damage whatever becomes of it there.
             let decompressed =
-                catch_unwind(AssertUnwindSafe(|| decompress(bytes, &header, compression, &mut push)));
+                catch_unwind(AssertUnwindSafe(|| decompress(bytes, &header, compression, &mut take)));
             decompressed.unwrap_or_else(|_| Err("has compressed points that cannot be read".to_owned()))?;
         }
     }
-    Ok(ScanPoints { points, origin_m })
+    positioned(&header, &records)
 }
 
-/// Where the origin of the points in `bytes` is moved to; for readers that want no points.
-pub fn las_origin_m(bytes: &[u8]) -> Result<[f64; 3], String> {
-    origin_of(&parse_header(bytes)?)
+/// The points of `records`, each of which has coordinates and intensity as the file has them.
+fn positioned(header: &Header, records: &[([i32; 3], u16)]) -> Result<ScanPoints, String> {
+    let origin_m = origin_of(header, records);
+    let mut points = PositionedPoints::with_capacity(records.len());
+    for (whole, intensity) in records {
+        let position_m: [f64; 3] = std::array::from_fn(|axis| {
+            f64::from(whole[axis]) * header.scale[axis] + (header.offset_m[axis] - origin_m[axis])
+        });
+        let intensity = f32::from(*intensity) / f32::from(u16::MAX);
+        points.push(position_m, intensity).map_err(|problem| match origin_m {
+            [0.0, 0.0, 0.0] => problem,
+            [x, y, z] => format!("{problem}, which is at {x} {y} {z} on its map: cut it into tiles"),
+        })?;
+    }
+    Ok(ScanPoints { points, origin_m })
 }
 
 /// Takes numbers out of a header whose length has been checked.
@@ -107,8 +110,8 @@ impl Fields<'_> {
         u32::from_le_bytes(self.bytes(at))
     }
 
-    fn f64s<const N: usize>(&self, at: usize, step: usize) -> [f64; N] {
-        std::array::from_fn(|index| f64::from_le_bytes(self.bytes(at + index * step)))
+    fn f64s<const N: usize>(&self, at: usize) -> [f64; N] {
+        std::array::from_fn(|index| f64::from_le_bytes(self.bytes(at + 8 * index)))
     }
 }
 
@@ -116,7 +119,7 @@ fn parse_header(bytes: &[u8]) -> Result<Header, String> {
     /// The header of version 1.0, and that of 1.4, which has the number of points as 64 bits.
     const LEAST: usize = 227;
     const WITH_LONG_COUNT: usize = 255;
-    /// No scale, origin or extent of a map is greater.
+    /// No scale or origin of a map is greater.
     const MOST: f64 = 1e9;
     if !bytes.starts_with(b"LASF") || bytes.len() < LEAST {
         return Err("is not a LAS file, or is cut off within its header".to_owned());
@@ -145,14 +148,11 @@ fn parse_header(bytes: &[u8]) -> Result<Header, String> {
         data_offset,
         record_length,
         n_points,
-        scale: fields.f64s(131, 8),
-        offset_m: fields.f64s(155, 8),
-        // Most and least take turns.
-        max_m: fields.f64s(179, 16),
-        min_m: fields.f64s(187, 16),
+        scale: fields.f64s(131),
+        offset_m: fields.f64s(155),
         compression: if is_compressed { Some(compression_of(records, n_records)?) } else { None },
     };
-    let numbers = [header.scale, header.offset_m, header.max_m, header.min_m];
+    let numbers = [header.scale, header.offset_m];
     if let Some(number) = numbers.as_flattened().iter().find(|it| it.is_nan() || it.abs() > MOST) {
         return Err(format!("has a header with the number {number}, which is not within {MOST} either way"));
     }
@@ -181,23 +181,27 @@ fn compression_of(mut records: &[u8], n_records: u32) -> Result<LazCompression, 
     Err("has compressed points, but no record of the compression".to_owned())
 }
 
-fn origin_of(header: &Header) -> Result<[f64; 3], String> {
-    let Header { min_m, max_m, .. } = header;
-    if (0..3).any(|axis| min_m[axis] > max_m[axis]) && header.n_points > 0 {
-        return Err("has a header with a negative extent".to_owned());
+fn origin_of(header: &Header, records: &[([i32; 3], u16)]) -> [f64; 3] {
+    let extent_m = |axis: usize| {
+        let of_axis = records.iter().map(|(whole, _)| whole[axis]);
+        let ends = [of_axis.clone().min(), of_axis.max()].map(|it| f64::from(it.unwrap_or_default()));
+        let ends_m = ends.map(|it| it * header.scale[axis] + header.offset_m[axis]);
+        // A scale may be negative.
+        [ends_m[0].min(ends_m[1]), ends_m[0].max(ends_m[1])]
+    };
+    let extents_m = [0, 1, 2].map(extent_m);
+    if extents_m.as_flattened().iter().all(|it| it.abs() <= MAX_COORDINATE_M) {
+        return [0.0; 3];
     }
-    if min_m.iter().chain(max_m).all(|it| it.abs() <= MAX_COORDINATE_M) {
-        return Ok([0.0; 3]);
-    }
-    let middle = |axis: usize| f64::midpoint(min_m[axis], max_m[axis]).round();
-    Ok([middle(0), middle(1), min_m[2].floor()])
+    let middle_m = |[min_m, max_m]: [f64; 2]| f64::midpoint(min_m, max_m).round();
+    [middle_m(extents_m[0]), middle_m(extents_m[1]), extents_m[2][0].floor()]
 }
 
 fn decompress(
     bytes: &[u8],
     header: &Header,
     compression: &LazCompression,
-    push: &mut impl FnMut(&[u8]) -> Result<(), String>,
+    take: &mut impl FnMut(&[u8]),
 ) -> Result<(), String> {
     let n_bytes = bytes.len() as u64;
     let items_size = compression.parameters.items_size();
@@ -238,7 +242,7 @@ fn decompress(
         for _ in 0..n_points_at_most.min(n_left) {
             let cut_off = |error| format!("has {n_left} points fewer than announced: {error}");
             decompressor.decompress_next(&mut record).map_err(cut_off)?;
-            push(&record)?;
+            take(&record);
             n_left -= 1;
         }
     }
@@ -356,7 +360,25 @@ mod tests {
         assert_eq!(found.origin_m, [500_005.0, 5_400_010.0, 210.0]);
         let [x, y, z] = found.points.cloud().position_m(0);
         assert!((x + 4.75).abs() < 1e-6 && (y + 10.0).abs() < 1e-6 && (z - 0.5).abs() < 1e-6);
-        assert_eq!(las_origin_m(&file(&[[0, 0, 0]], [0.0; 3])).unwrap(), [0.0; 3]);
+    }
+
+    #[test]
+    fn the_extent_in_the_header_is_not_looked_at() {
+        let on_map = || file(&[[0, 0, 0], [1000, 2000, 300]], [500_000.0, 5_400_000.0, 210.0]);
+        let expected = parse_las(&on_map()).unwrap();
+        assert_eq!(expected.origin_m, [500_005.0, 5_400_010.0, 210.0]);
+        let near = || file(&[[0, 0, 0], [1000, 2000, 300]], [0.0; 3]);
+        let of_near = parse_las(&near()).unwrap();
+        for extent_m in [0.0, f64::NAN, -1e300, 500_000.0, 20_000.0] {
+            // Most and least take turns.
+            let with_extent = |mut bytes: Vec<u8>| {
+                for (at, sign) in (179..227).step_by(8).zip([1.0, -1.0].into_iter().cycle()) {
+                    bytes[at..at + 8].copy_from_slice(&(sign * extent_m).to_le_bytes());
+                }
+                parse_las(&bytes).unwrap()
+            };
+            assert_eq!((with_extent(on_map()), with_extent(near())), (expected.clone(), of_near.clone()));
+        }
     }
 
     #[test]
@@ -381,9 +403,6 @@ mod tests {
             "a header with the number 2000000000, which is not within 1000000000 either way",
         );
         refused(&|it| it[104] = COMPRESSED, "no record of the compression");
-        // The extent in the header is less than that of the points.
-        let far = |it: &mut Vec<u8>| it[227 + 24..227 + 28].copy_from_slice(&1_200_000_i32.to_le_bytes());
-        refused(&far, "has point 1 at y = 12000.000 m, beyond 10000 m from the origin");
         // A survey wider than that has no origin that serves all of it.
         let wide = file(&[[0, 0, 0], [2_400_000, 0, 0]], [500_000.0, 0.0, 0.0]);
         let problem = parse_las(&wide).expect_err("two ends");

@@ -5,6 +5,7 @@ use reports::vocabulary::class::AnnotationClass;
 use serde::{Deserialize, Serialize};
 
 use crate::annotation::Annotation;
+use crate::dataset::python_json::{number, numbers};
 
 /// Sides are shorter, in metres.
 const LONGEST_SIDE_M: f32 = 1e4;
@@ -22,10 +23,13 @@ pub struct ListedBox {
     /// What it is.
     pub class: String,
     /// Its centre in metres; on a map, beyond what single precision can hold.
+    #[serde(deserialize_with = "numbers")]
     pub center_m: [f64; 3],
     /// Its sides in metres.
+    #[serde(deserialize_with = "numbers")]
     pub length_width_height_m: [f32; 3],
     /// Its heading in radians, counter-clockwise from x.
+    #[serde(deserialize_with = "number")]
     pub yaw_rad: f32,
     /// Number of the object within its drive.
     #[serde(default)]

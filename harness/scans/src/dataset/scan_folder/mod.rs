@@ -3,7 +3,6 @@
 pub mod scan_file;
 pub mod pcd;
 pub mod ply;
-pub mod npy;
 pub mod las;
 pub mod any_scan_file;
 pub mod listed_box;

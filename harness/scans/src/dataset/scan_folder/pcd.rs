@@ -1,7 +1,9 @@
 //! PCD, the format of the Point Cloud Library: a header in text, then points as text, as rows of bytes, or compressed field
 //! by field.
 
-use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints, RING, time_field};
+use crate::dataset::packed_points::{
+    ByteOrder, NumberType, PackedField, PackedPoints, RING, intensity_field, time_field,
+};
 use crate::dataset::positioned_points::PositionedPoints;
 
 /// A point has fewer fields than this.
@@ -143,8 +145,8 @@ fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, Stri
         column("y").ok_or_else(|| lacks("y"))?,
         column("z").ok_or_else(|| lacks("z"))?,
     );
-    let intensity = column("intensity");
     let fields: Vec<PackedField> = header.fields.iter().map(|(field, _)| field.clone()).collect();
+    let intensity = intensity_field(&fields).and_then(|it| column(&it.name));
     let ring = column(RING);
     let time = time_field(&fields).and_then(|(field, unit_s)| Some((column(&field.name)?, unit_s)));
     let (mut rings, mut times_s) = (Vec::new(), Vec::new());
@@ -303,6 +305,17 @@ mod tests {
         check(format!("{HEADER}DATA ascii\n2 1.5 9 9 9 -3 7 12 -0.5\n\n5 4 9 9 9 6 300 5 0.25\n").as_bytes());
         check(&[format!("{HEADER}DATA binary\n").as_bytes(), &rows()].concat());
         check(&compressed());
+    }
+
+    #[test]
+    fn the_intensity_has_other_names_in_all_encodings() {
+        for name in ["scalar_Intensity", "Reflectivity"] {
+            let header = HEADER.replace("intensity", name);
+            check(
+                format!("{header}DATA ascii\n2 1.5 9 9 9 -3 7 12 -0.5\n5 4 9 9 9 6 300 5 0.25\n").as_bytes(),
+            );
+            check(&[format!("{header}DATA binary\n").as_bytes(), &rows()].concat());
+        }
     }
 
     #[test]

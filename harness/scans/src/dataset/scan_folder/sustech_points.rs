@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::label_cloud::Axes;
 use super::listed_box::ListedBox;
+use crate::dataset::python_json::number_or_none;
 
 /// An object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -16,7 +17,7 @@ pub struct SustechObject {
     /// Its box.
     pub psr: PositionScaleRotation,
     /// How sure the detector is whose proposal this is.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "number_or_none")]
     pub score: Option<f32>,
 }
 

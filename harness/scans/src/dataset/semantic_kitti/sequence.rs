@@ -19,10 +19,11 @@ use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::kitti::split_folder::SplitFolder;
 use crate::dataset::numbered_files::{SIX_DIGITS, numbered_file, numbered_files};
-use crate::dataset::on_disk::{bytes_of, entries_of, names_of};
-use crate::dataset::source::DatasetSource;
-use crate::dataset::unpaired_files::UnpairedFiles;
-use crate::dataset::velodyne_bin::read_velodyne_bin;
+use crate::dataset::on_disk::{bytes_of, entries_of, is_there, names_of};
+use crate::dataset::point_columns::PointColumns;
+use crate::dataset::scan_columns::ScanColumns;
+use crate::dataset::source::{DamagePolicy, DatasetSource};
+use crate::dataset::unpaired_files::{LeftOut, UnpairedFiles};
 use crate::dataset::{Dataset, DatasetError, Listing};
 
 const SEQUENCES: &str = "sequences";
@@ -30,11 +31,13 @@ const SCANS: &str = "velodyne";
 const LABELS: &str = "labels";
 
 /// An open SemanticKITTI data set: poses and times are in memory, scans and labels are read one at a time.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct SemanticKitti {
     // Invariant: `sequences` has every sequence that `scan_ids` names.
     listing: Listing,
     sequences: BTreeMap<String, Sequence>,
+    columns: ScanColumns,
+    left_out: Vec<LeftOut>,
     classes: ClassRules,
 }
 
@@ -63,18 +66,23 @@ pub fn open_semantic_kitti(mut source: DatasetSource) -> Result<Box<dyn Dataset>
         return Err(DatasetError::missing_selected(&path));
     }
     let (mut scan_ids, mut opened) = (Vec::new(), BTreeMap::new());
+    let (mut paths, mut left_out) = (Vec::new(), Vec::new());
     for name in sequences.as_ref().unwrap_or(&present) {
-        let numbers = scan_numbers(&mut folder, name)?;
+        let numbers = scan_numbers(&mut folder, name, source.damage, &mut left_out)?;
         opened.insert(name.clone(), open_sequence(&mut folder, name, &numbers)?);
+        let scans = folder.path_of(&format!("{SEQUENCES}/{name}/{SCANS}"));
+        paths.extend(numbers.iter().map(|number| numbered_file(&scans, *number, "bin")));
         scan_ids.extend(numbers.into_iter().map(|index| ScanId { sequence: name.clone(), index }));
     }
     if scan_ids.is_empty() {
         return Err(DatasetError::no_scans(folder.path_of(SEQUENCES)));
     }
     let classes = source.classes.clone();
-    let description = source.describe(DatasetFormat::SemanticKitti, folder.finish());
+    let columns = ScanColumns::new(source.columns.clone(), PointColumns::of_kitti(), &paths);
+    let checksum = folder.finish(source.damage)?;
+    let description = source.describe(DatasetFormat::SemanticKitti, checksum);
     let listing = Listing { description, scan_ids };
-    Ok(Box::new(SemanticKitti { listing, sequences: opened, classes }))
+    Ok(Box::new(SemanticKitti { listing, sequences: opened, columns, left_out, classes }))
 }
 
 impl Dataset for SemanticKitti {
@@ -84,7 +92,7 @@ impl Dataset for SemanticKitti {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let id = self.listing.scan_ids[scan_idx].clone();
-        let points = read_velodyne_bin(&self.file(&id, SCANS, "bin"))?;
+        let points = self.columns.read(&self.file(&id, SCANS, "bin"))?;
         let path = self.label_file(&id);
         let labels = parse_label_file(&path, &bytes_of(&path)?, points.n_in_file())?;
         let mut classes = ClassReader::new(&self.classes, &[]);
@@ -93,6 +101,14 @@ impl Dataset for SemanticKitti {
             self.all_unknown_classes().refuse(&self.listing.description.id)?;
         }
         Ok(scan)
+    }
+
+    fn columns(&self) -> Result<Option<String>, DatasetError> {
+        self.columns.described()
+    }
+
+    fn files_left_out(&self) -> &[LeftOut] {
+        &self.left_out
     }
 
     fn point_labels(&self, scan_idx: usize, scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
@@ -144,7 +160,7 @@ impl SemanticKitti {
 fn labeled_sequences(folder: &SplitFolder) -> Result<BTreeSet<String>, DatasetError> {
     let sequences = folder.path_of(SEQUENCES);
     let labeled: Vec<PathBuf> =
-        entries_of(&sequences)?.into_iter().filter(|it| it.join(LABELS).is_dir()).collect();
+        entries_of(&sequences)?.into_iter().filter(|it| is_there(&it.join(LABELS))).collect();
     let names: BTreeSet<String> = names_of(&labeled, "the UTF-8 name of a sequence")?.into_iter().collect();
     if names.is_empty() {
         let (scans, labels) = (sequences.clone(), sequences.join(format!("*/{LABELS}")));
@@ -153,23 +169,29 @@ fn labeled_sequences(folder: &SplitFolder) -> Result<BTreeSet<String>, DatasetEr
     Ok(names)
 }
 
-/// The numbers of the scans of sequence `name`, at least one, each with its labels.
-fn scan_numbers(folder: &mut SplitFolder, name: &str) -> Result<BTreeSet<u32>, DatasetError> {
+/// The numbers of the scans of sequence `name`, at least one, each with its labels; what is not is added to `left_out`.
+fn scan_numbers(
+    folder: &mut SplitFolder,
+    name: &str,
+    damage: DamagePolicy,
+    left_out: &mut Vec<LeftOut>,
+) -> Result<BTreeSet<u32>, DatasetError> {
     let path_of = |folder: &SplitFolder, kind: &str| folder.path_of(&format!("{SEQUENCES}/{name}/{kind}"));
     let (scans, labels) = (path_of(folder, SCANS), path_of(folder, LABELS));
-    let (numbers, labeled) =
+    let (mut numbers, labeled) =
         (numbered_files(&scans, "bin", SIX_DIGITS)?, numbered_files(&labels, "label", SIX_DIGITS)?);
     let unpaired = UnpairedFiles {
         scans: numbers.difference(&labeled).map(|number| format!("{number:06}.bin")).collect(),
         labels: labeled.difference(&numbers).map(|number| format!("{number:06}.label")).collect(),
     };
-    unpaired.refuse(&labels)?;
+    left_out.extend(unpaired.left_out(&labels, damage)?);
+    numbers.retain(|number| labeled.contains(number));
     if numbers.is_empty() {
         return Err(DatasetError::no_scans(scans));
     }
     for number in &numbers {
-        folder.add_scan(&format!("{SEQUENCES}/{name}/{SCANS}/{number:06}.bin"))?;
-        folder.add_scan(&format!("{SEQUENCES}/{name}/{LABELS}/{number:06}.label"))?;
+        folder.add_scan(&format!("{SEQUENCES}/{name}/{SCANS}/{number:06}.bin"));
+        folder.add_scan(&format!("{SEQUENCES}/{name}/{LABELS}/{number:06}.label"));
     }
     Ok(numbers)
 }

@@ -1,13 +1,11 @@
-//! `.npy`, the format of `NumPy`: an array of points, one a row, with x, y, z and maybe the intensity as columns.
+//! `.npy`, the format of `NumPy`: an array of points, one a row, whose columns have no names.
 
-use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
-use crate::dataset::positioned_points::PositionedPoints;
+use super::packed_points::{ByteOrder, NumberType};
+use super::point_array::PointArray;
+use super::point_columns::MAX_COLUMNS;
 
-/// A point has fewer values than this.
-const MAX_COLUMNS: usize = 1024;
-
-/// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
-pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
+/// The points in `bytes`, which may be fewer than announced. Errors are the rest of a sentence about the file.
+pub fn parse_npy(bytes: &[u8]) -> Result<PointArray<'_>, String> {
     let not_npy = "is not an .npy file, or is cut off within its header";
     let (&[major, _], rest) =
         bytes.strip_prefix(b"\x93NUMPY").and_then(|it| it.split_first_chunk::<2>()).ok_or(not_npy)?;
@@ -46,20 +44,15 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
         ));
     }
     let n_bytes = number.n_bytes();
-    let plain;
     let data = if is_column_by_column {
-        plain = by_rows(data, n_points, n_columns, n_bytes).ok_or_else(|| {
+        let rows = by_rows(data, n_points, n_columns, n_bytes).ok_or_else(|| {
             format!("announces {n_points} points of {n_columns} values but has {} bytes", data.len())
         })?;
-        &plain
+        rows.into()
     } else {
-        data
+        data.into()
     };
-    let names = ["x", "y", "z", "intensity"].into_iter().take(n_columns);
-    let field =
-        |(index, name): (usize, &str)| PackedField { name: name.to_owned(), offset: index * n_bytes, number };
-    let fields = names.enumerate().map(field).collect();
-    PackedPoints::in_a_row(fields, n_points, n_columns * n_bytes, byte_order, data).positioned()
+    Ok(PointArray { n_points, n_columns, number, byte_order, data })
 }
 
 /// What the header says about `key`; nothing if it says nothing.
@@ -86,6 +79,13 @@ fn by_rows(columns: &[u8], n_points: usize, n_columns: usize, n_bytes: usize) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::point_columns::PointColumns;
+    use crate::dataset::positioned_points::PositionedPoints;
+
+    fn positioned(bytes: &[u8]) -> Result<PositionedPoints, String> {
+        let array = parse_npy(bytes)?;
+        array.packed(PointColumns::of_kitti().resized(array.n_columns).fields(array.number)).positioned()
+    }
 
     fn file(header: &str, data: &[u8]) -> Vec<u8> {
         [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), data].concat()
@@ -109,7 +109,7 @@ mod tests {
             [1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25_f64].iter().flat_map(|it| it.to_be_bytes()).collect();
         let doubles = file("{'descr': '>f8', 'fortran_order': False, 'shape': (2, 4)}", &doubles);
         for bytes in [rows, columns, doubles] {
-            let (cloud, _) = parse_npy(&bytes).unwrap().into_parts();
+            let (cloud, _) = positioned(&bytes).unwrap().into_parts();
             assert!(cloud.positions_m().eq([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), "{cloud:?}");
             assert_eq!(cloud.intensity(), [0.5, 0.25]);
         }
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn other_arrays_are_refused() {
         let check = |header: &str, part: &str| {
-            let problem = parse_npy(&file(header, &[0; 48])).expect_err("no points");
+            let problem = positioned(&file(header, &[0; 48])).expect_err("no points");
             assert!(problem.contains(part), "{problem}");
         };
         check("{'descr': '<i4', 'fortran_order': False, 'shape': (4, 3)}", "\"<i4\"; allowed are f4 and f8");

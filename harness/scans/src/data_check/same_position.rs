@@ -1,0 +1,65 @@
+//! Points at one position, as drivers write them for beams without a return.
+
+use detector::PointCloud;
+
+/// Points of a scan that are looked at.
+const N_SAMPLED: usize = 4096;
+
+/// Fewer points say nothing.
+const MIN_POINTS: usize = 100;
+
+/// A greater share at one position was not measured there.
+const MAX_SHARE: f64 = 0.02;
+
+/// Points of some scans that share a position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SamePosition {
+    /// Share of all points that are there.
+    pub share: f64,
+    /// The position, in metres.
+    pub position_m: [f32; 3],
+}
+
+impl SamePosition {
+    /// The position of `clouds` that a notable share of the points of one of them has, if there is one; that of the cloud
+    /// with the greatest.
+    pub fn of<'a>(clouds: impl IntoIterator<Item = &'a PointCloud>) -> Option<Self> {
+        let of_clouds = clouds.into_iter().filter(|it| it.len() >= MIN_POINTS).filter_map(Self::of_cloud);
+        let notable = of_clouds.filter(|it| it.share > MAX_SHARE);
+        notable.reduce(|most, it| if it.share > most.share { it } else { most })
+    }
+
+    fn of_cloud(cloud: &PointCloud) -> Option<Self> {
+        let n = cloud.len().min(N_SAMPLED);
+        let mut sampled: Vec<[u32; 3]> =
+            (0..n).map(|it| cloud.position_m(it * cloud.len() / n).map(|it| (it + 0.0).to_bits())).collect();
+        sampled.sort_unstable();
+        let most = sampled.chunk_by(|a, b| a == b).max_by_key(|it| it.len())?;
+        Some(Self { share: most.len() as f64 / n as f64, position_m: most[0].map(f32::from_bits) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cloud(n: usize, n_there: usize, there_m: [f32; 3]) -> PointCloud {
+        (0..n).map(|it| if it % n < n_there { there_m } else { [it as f32, 1.0, -1.5] }).collect()
+    }
+
+    #[test]
+    fn a_share_at_one_position_is_found_wherever_it_is() {
+        let found = |n, n_there, there_m| SamePosition::of(&[cloud(n, n_there, there_m)]);
+        for there_m in [[0.0; 3], [-0.0, 0.0, 0.0], [1.5, 0.0, 1.8]] {
+            let expected = SamePosition { share: 0.25, position_m: there_m.map(|it| it + 0.0) };
+            assert_eq!(found(4000, 1000, there_m), Some(expected));
+        }
+        assert_eq!(found(4000, 40, [0.0; 3]), None);
+        assert_eq!(found(99, 50, [0.0; 3]), None);
+        assert_eq!(SamePosition::of(&[PointCloud::default()]), None);
+        let share = found(200_000, 100_000, [0.0; 3]).unwrap().share;
+        assert!((share - 0.5).abs() < 0.01, "{share}");
+        let both = [cloud(4000, 1000, [0.0; 3]), cloud(4000, 3000, [0.0; 3])];
+        assert_eq!(SamePosition::of(&both).unwrap().share, 0.75);
+    }
+}
