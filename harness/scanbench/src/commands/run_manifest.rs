@@ -100,7 +100,7 @@ pub fn detector_entry(compared_detector: &ComparedDetector) -> DetectorEntry {
     let rules = rules.iter().map(ToString::to_string).collect();
     let vehicles = Some(chosen.vehicles_in_words(config));
     let (name, models) = ((*name).to_owned(), models(chosen, config));
-    DetectorEntry { name, parameters, rules, vehicles, models, foreign: None }
+    DetectorEntry { name, parameters, rules, vehicles, models, doubts: Vec::new(), foreign: None }
 }
 
 /// The models of `chosen` that did not come with the program.
@@ -143,6 +143,7 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
         rules: has_bounds.then(|| Rule::SizeBounds.to_string()).into_iter().collect(),
         vehicles: Some(chosen.vehicles_in_words(config)),
         models: models(&chosen, config),
+        doubts: Vec::new(),
         foreign: Some(entry),
     }
 }
@@ -193,6 +194,7 @@ pub fn refuse_other_scans(
 /// What a manifest says of a data set of which the scans of `selection` were chosen, or all.
 pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> DatasetEntry {
     let description = opened.dataset.description();
+    let [doubts, overruled_doubts] = opened.first_look.doubts();
     DatasetEntry {
         id: description.id.clone(),
         format: description.format.clone(),
@@ -207,13 +209,8 @@ pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> Dataset
         skipped_scans: opened.skipped.borrow().clone(),
         seen: opened.first_look.seen.clone(),
         label_points: opened.first_look.label_points.clone(),
-        doubts: opened
-            .first_look
-            .suspicions
-            .iter()
-            .filter(|it| it.is_doubt())
-            .map(ToString::to_string)
-            .collect(),
+        doubts,
+        overruled_doubts,
         classes: opened.classes.written(),
         n_points_left_out: opened.points_left_out.n_points_in(&opened.scan_indices) as u64,
         selection: selection.map(str::to_owned),

@@ -46,6 +46,8 @@ pub struct Comparison {
     /// Number of scans on which results of a detector changed, and of changes of each kind; `None` where two detectors are
     /// compared, of which that is expected.
     pub drift: Option<(usize, BTreeMap<ChangeKind, usize>)>,
+    /// What is suspect of data sets and detectors, and what users overruled, a sentence each.
+    pub doubts: Vec<String>,
     /// What changed in the configuration of detectors, a text each.
     pub configuration_changes: Vec<String>,
     /// Detectors that only the later run has.
@@ -96,6 +98,7 @@ pub fn compare_runs(
         differences,
         unit: after.manifest.unit(),
         drift: Some((drift.len(), n_of_kinds(drift.iter().flat_map(|it| &it.changes)))),
+        doubts: after.manifest.doubts_in_words(),
         configuration_changes: configuration_changes(before, after),
         new_detectors: detectors_only_in(after, before),
     })
@@ -123,6 +126,7 @@ pub fn compare_detectors(
         differences,
         unit,
         drift: None,
+        doubts: run.manifest.doubts_in_words(),
         configuration_changes: Vec::new(),
         new_detectors: Vec::new(),
     })
@@ -251,7 +255,7 @@ impl Comparison {
         });
         let about_configuration = about_configuration(&self.configuration_changes);
         let of_sides = about_scans.into_iter().chain(about_configuration).chain(about_new);
-        [about_numbers].into_iter().chain(of_sides).collect()
+        [about_numbers].into_iter().chain(self.doubts.iter().cloned()).chain(of_sides).collect()
     }
 
     fn grid(&self) -> Grid {
