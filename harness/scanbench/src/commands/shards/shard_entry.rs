@@ -86,7 +86,7 @@ impl ShardProgress {
     /// Whether `entry` can come next, where of each data set the `parts` are to be done.
     pub fn allows(&self, entry: &ShardEntry, parts: &[Range<usize>]) -> bool {
         match entry {
-            ShardEntry::Began { .. } | ShardEntry::Recorded(_) => true,
+            ShardEntry::Began { .. } | ShardEntry::Doubt { .. } | ShardEntry::Recorded(_) => true,
             ShardEntry::Skipped { dataset_idx, .. } => *dataset_idx < parts.len(),
             ShardEntry::Scan(scan) => {
                 let is_new = self.next_indices.get(&scan.dataset_idx).is_none_or(|it| scan.place >= *it);
