@@ -30,7 +30,7 @@ impl Patience {
 pub struct Progress {
     n_bytes: AtomicU64,
     n_answers: AtomicU64,
-    n_busy: AtomicUsize,
+    tasks_here: AtomicUsize,
 }
 
 /// Something that is done on this machine, for as long as this lives.
@@ -50,14 +50,14 @@ impl Progress {
 
     /// The server is not waited for meanwhile.
     pub(crate) fn busy(&self) -> Busy<'_> {
-        self.n_busy.fetch_add(1, Ordering::Relaxed);
+        self.tasks_here.fetch_add(1, Ordering::Relaxed);
         Busy(self)
     }
 }
 
 impl Drop for Busy<'_> {
     fn drop(&mut self) {
-        self.0.n_busy.fetch_sub(1, Ordering::Relaxed);
+        self.0.tasks_here.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -96,7 +96,7 @@ impl<'a> Wait<'a> {
         let n_bytes = self.progress.n_bytes.load(Ordering::Relaxed);
         let n_new_bytes = n_bytes - self.n_bytes_then;
         let has_answer = self.progress.n_answers.load(Ordering::Relaxed) > self.n_answers_then;
-        let is_busy = self.progress.n_busy.load(Ordering::Relaxed) > 0;
+        let is_busy = self.progress.tasks_here.load(Ordering::Relaxed) > 0;
         if is_busy || has_answer || n_new_bytes >= self.patience.n_least_bytes() {
             *self = Self::begin(self.progress, self.patience, now);
             return Look::Well;
@@ -112,7 +112,7 @@ impl<'a> Wait<'a> {
         }
         if !self.is_said && waited >= limit.mul_f64(SAID_AFTER) {
             self.is_said = true;
-            let left = (limit - waited).as_secs_f64().ceil();
+            let left = limit.saturating_sub(waited).as_secs_f64().ceil();
             return Look::Slow(format!("{}; waiting {left} s more", came()));
         }
         Look::Well
@@ -123,7 +123,7 @@ impl<'a> Wait<'a> {
 mod tests {
     use super::*;
 
-    const PATIENCE: Patience = Patience { limit: Duration::from_secs(60) };
+    const PATIENCE: Patience = Patience { limit: Duration::from_mins(1) };
 
     fn over(wait: &mut Wait<'_>, begin: Instant, n_seconds: u64) -> Option<u64> {
         (1..=n_seconds).find(|it| matches!(wait.look(begin + Duration::from_secs(*it)), Look::Over(_)))

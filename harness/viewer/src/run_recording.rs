@@ -185,11 +185,12 @@ struct RecordingElsewhere {
 
 impl RecordingElsewhere {
     fn begin(path: RecordingPath) -> Result<Self, StreamError> {
-        let (file, is_named) = match path {
-            RecordingPath::Named(file) => (file.canonicalize().unwrap_or(file), true),
+        let (asked, is_named) = match path {
+            RecordingPath::Named(file) => (file, true),
             RecordingPath::InRun(file) => (file, false),
         };
-        let create_error = |source| StreamError::Create { path: file.clone(), source };
+        let create_error = |source| StreamError::Create { path: asked.clone(), source };
+        let file = asked.canonicalize().ok().filter(|_| is_named).unwrap_or_else(|| asked.clone());
         let there = if is_named { file.metadata() } else { file.symlink_metadata() };
         match there {
             Ok(it) if it.is_dir() => return Err(create_error(std::io::ErrorKind::IsADirectory.into())),

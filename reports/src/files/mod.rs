@@ -2,9 +2,9 @@
 
 pub mod shown_text;
 pub mod causes;
-pub mod archive;
 pub mod regular_file;
 pub mod new_file;
+pub mod archive;
 pub mod unfinished;
 pub mod whole_file;
 pub mod hidden_folder;

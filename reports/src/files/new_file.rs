@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// If there is a folder, or if the operating system refuses.
 pub fn create_file(path: &Path) -> io::Result<File> {
     match std::fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => OpenOptions::new().write(true).create_new(true).open(path),
     }
 }

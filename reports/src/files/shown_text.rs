@@ -4,6 +4,7 @@
 //! a file or a program says is shown with control characters escaped, and cut if it has no end.
 
 use std::borrow::Cow;
+use std::fmt::Write as _;
 
 use serde::de::Error as _;
 use serde::{Deserialize as _, Deserializer};
@@ -45,7 +46,7 @@ fn escaped(text: &str, stays: impl Fn(char) -> bool, n_most_chars: usize) -> Cow
         }
     }
     if !cut.is_empty() {
-        shown += &format!("… ({} more characters)", cut.chars().count());
+        write!(shown, "… ({} more characters)", cut.chars().count()).expect("a string takes all text");
     }
     Cow::Owned(shown)
 }

@@ -53,8 +53,8 @@ impl ForeignDetections {
     ///
     /// # Errors
     ///
-    /// If there are more than [`MAX_BOXES`]; a number is NaN or infinite; a side is not above 0 and at most [`MAX_SIDE_M`]; a centre lies beyond
-    /// [`MAX_COORDINATE_M`]; there is no cluster for each point, or no box for a cluster beside others.
+    /// If there are more than [`MAX_BOXES`]; a number is NaN or infinite; a side is not above 0 and at most [`MAX_SIDE_M`]; a
+    /// centre lies beyond [`MAX_COORDINATE_M`]; there is no cluster for each point, or no box for a cluster beside others.
     pub fn check(&self, n_points: usize) -> Result<(), String> {
         if self.boxes.len() > MAX_BOXES {
             return Err(format!("there are {} boxes, more than {MAX_BOXES}", self.boxes.len()));
