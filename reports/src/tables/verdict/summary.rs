@@ -79,7 +79,9 @@ fn changes_of_kinds(drift: &[ScanDrift]) -> Vec<(String, Vec<String>)> {
         changes.sort_by_key(|(_, it)| std::cmp::Reverse(it.n_points));
         let item =
             |(of_scan, it): (&ScanDrift, &Change)| format!("{}: {}", of_scan.subject.in_words(), it.text);
-        (kind.counted(counts[&kind]), changes.into_iter().map(item).collect())
+        // Of what is not shown, only the number is said.
+        let n_named = if kind == ChangeKind::NotShown { 0 } else { changes.len() };
+        (kind.counted(counts[&kind]), changes.into_iter().take(n_named).map(item).collect())
     };
     of_kinds.into_iter().map(entry).collect()
 }
