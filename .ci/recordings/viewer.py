@@ -31,9 +31,9 @@ PATIENCE_S = float(sys.argv[3]) if len(sys.argv) > 3 else 60
 OUTCOMES = {"matched": (0, 158, 115), "missed": (240, 228, 66), "false": (213, 94, 0)}
 TABS = 1
 POINTS = "/world/sensor/scan/points"
-# What so many of the points of a scan have is a colour that can be looked for, and so many of its points, at least, are each
-# seen as a pixel of its own: others are hidden, far away, or outside.
-LEAST_SHARE, LEAST_PIXELS = 0.03, 0.02
+# A colour that so many of the points of a scan have can be looked for. So many of its points, at least, are seen as a pixel in
+# full colour, and five of them in any case: others are hidden, far away, or outside of a small view.
+LEAST_SHARE, LEAST_PIXELS = 0.03, 0.004
 
 
 @contextmanager
@@ -145,7 +145,7 @@ def problem_of(kind, is_judged, image, expected):
         if expected == {}:
             return "its points have no colours", set()
         for color, n_points in (expected or {}).items():
-            if (n_shown := n_near(color, 8)) < LEAST_PIXELS * n_points:
+            if (n_shown := n_near(color, 8)) < max(5, LEAST_PIXELS * n_points):
                 return f"{n_points} points have the colour {color}, and {n_shown} pixels", set()
         shown = {name for name, color in OUTCOMES.items() if is_judged and n_near(color, 12) >= 40}
         return "nothing matched" if is_judged and "matched" not in shown else None, shown
