@@ -4,7 +4,8 @@ import { pathToFileURL } from 'node:url';
 import { check, check_access, check_width, end, open } from './reader.mjs';
 
 const MOST_BYTES = 2_000_000;
-const PRINTED_PAGES = 2;
+// Tables of several detectors come apart.
+const MOST_PRINTED_PAGES = 4;
 const TAGS = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'];
 const [file, shots] = process.argv.slice(2);
 const url = pathToFileURL(file).href;
@@ -63,5 +64,5 @@ for (const colorScheme of ['light', 'dark']) {
 const page = await open(url, url, 'print', {});
 const pdf = await page.pdf({ path: `${shots}/page.pdf`, preferCSSPageSize: true });
 const printed = pdf.toString('latin1').match(/\/Type\s*\/Page\b(?!s)/g)?.length ?? 0;
-check(printed === PRINTED_PAGES, `${printed} printed pages instead of ${PRINTED_PAGES}`);
+check(printed > 0 && printed <= MOST_PRINTED_PAGES, `${printed} printed pages, more than ${MOST_PRINTED_PAGES}`);
 await end(`${bytes} bytes, ${printed} printed pages, ${reachable} places for Tab; pictures in ${shots}`);

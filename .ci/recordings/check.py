@@ -153,7 +153,7 @@ def main(scanbench, pictures, scratch, newest=None):
         for path in (empty, unjudged):
             judge(path, problems_of_views(path, of_viewer / f"{path.stem}.png", binaries, 8), False)
         # Colours that the points do not have are not found.
-        turned = problems_of_views(compared, of_viewer / "turned.png", binaries, 8, TURN_COLOURS="yes")
+        turned = problems_of_views(compared, of_viewer / "turned.png", binaries, 30, TURN_COLOURS="yes")
         judge(compared, [it for it in turned if "points have the colour" in it], False)
 
 

@@ -31,9 +31,9 @@ PATIENCE_S = float(sys.argv[3]) if len(sys.argv) > 3 else 60
 OUTCOMES = {"matched": (0, 158, 115), "missed": (240, 228, 66), "false": (213, 94, 0)}
 TABS = 1
 POINTS = "/world/sensor/scan/points"
-# What so many of the points of a scan have is a colour that can be looked for, and so many of its points, at least, are each
-# seen as a pixel of its own: others are hidden, far away, or outside.
-LEAST_SHARE, LEAST_PIXELS = 0.03, 0.02
+# A colour that so many of the points of a scan have can be looked for. So many of its points, at least, are seen as a pixel in
+# full colour, and five of them in any case: others are hidden, far away, or outside of a small view.
+LEAST_SHARE, LEAST_PIXELS = 0.03, 0.004
 
 
 @contextmanager
@@ -109,16 +109,16 @@ def views_in_front(path):
 
 
 def colors_of_points(path):
-    """How many points each view in three dimensions has of each colour that is not rare, by the id of the view."""
+    """How many points each view whose points take columns has of each colour that is not rare, by the id of the view;
+    nothing where none of the columns has colours."""
     reader, columns, shares = RrdReader(path), {}, {}
     for chunk in reader.stream(store=reader.blueprints()[0]):
         view, overrides, instruction = str(chunk.entity_path).partition(f"/ViewContents/overrides{POINTS}/visualizers/")
         if not (overrides and instruction):
             continue
         mappings = chunk.to_record_batch().column("VisualizerInstruction:component_map").to_pylist()[-1]
-        for it in mappings:
-            if it["target"] == "Points3D:colors":
-                columns[view.removeprefix("/view/")] = it["source_component"]
+        sources = {it["target"]: it["source_component"] for it in mappings}
+        columns[view.removeprefix("/view/")] = sources.get("Points3D:colors")
     for chunk in reader.stream():
         if str(chunk.entity_path) != POINTS:
             continue
@@ -142,8 +142,10 @@ def problem_of(kind, is_judged, image, expected):
     if kind == "3D":
         if len(colors) < 60 or n_drawn < 0.02 * n_pixels:
             return f"{len(colors)} colours, {n_drawn} of {n_pixels} pixels drawn", set()
-        for color, n_points in expected.items():
-            if (n_shown := n_near(color, 8)) < LEAST_PIXELS * n_points:
+        if expected == {}:
+            return "its points have no colours", set()
+        for color, n_points in (expected or {}).items():
+            if (n_shown := n_near(color, 8)) < max(5, LEAST_PIXELS * n_points):
                 return f"{n_points} points have the colour {color}, and {n_shown} pixels", set()
         shown = {name for name, color in OUTCOMES.items() if is_judged and n_near(color, 12) >= 40}
         return "nothing matched" if is_judged and "matched" not in shown else None, shown
@@ -173,7 +175,7 @@ def problems_of_views(path, picture):
                 view_id, kind, title, _ = view
                 is_judged = title in detectors or title.endswith("right and wrong")
                 image = screenshot(client, Path(folder, f"{view_id}.png"), view_id)
-                problem, shown = problem_of(kind, is_judged, image, expected.get(view_id, {})) if image else ("no picture", set())
+                problem, shown = problem_of(kind, is_judged, image, expected.get(view_id)) if image else ("no picture", set())
                 is_wrong_shown = is_wrong_shown or bool(shown & {"missed", "false"})
                 if problem:
                     problems[view_id] = f"{kind} view {title!r}: {problem}"

@@ -121,11 +121,12 @@ fn results_are_on_stdout_and_the_rest_is_on_stderr_unless_quiet() {
     let paths = "Run directory: out\nPage: out/report.html\nRecording: rerun out/run.rrd\n";
     assert_eq!(ended.stderr, paths);
     assert!(ended.stdout.lines().count() <= 45, "{ended:#?}");
-    // It ends with who leads and who is faster.
+    // It ends with who leads and who is faster, or that the machine was too busy to say so.
     let (_, summary) = ended.stdout.rsplit_once("\n\nTask objects: ").expect("a summary");
     assert!(summary.contains("Task vehicles: "), "{summary}");
     let compared = [" × faster than ", " about as fast as "].iter().any(|it| summary.contains(it));
-    assert!(summary.contains(" ms for a scan (median), ") && compared, "{summary}");
+    let is_said = summary.contains(" ms for a scan (median), ") && compared;
+    assert_ne!(is_said, summary.contains("Times are unreliable: "), "{summary}");
     let quiet = workplace.succeed("-q run street -d pca -o quiet");
     assert_eq!(quiet.stderr, "");
     assert_eq!(quiet.stdout, "quiet\n");

@@ -185,28 +185,20 @@ fn points_that_cannot_be_drawn_take_their_labels_along() {
 fn views_take_the_colours_of_points_and_not_their_class_ids_alone() {
     let folder = tempfile::tempdir().unwrap();
     record(folder.path(), ViewerChoice::None, 1).unwrap();
-    let file = folder.path().join("run.rrd");
-    let recorded: BTreeSet<String> = n_logged(&file).into_keys().collect();
-    let instructions = chunks_of_blueprint(&file);
-    let mapped = |to: &str, ending: &str| {
-        let said: Vec<String> = instructions.iter().map(|it| format!("{it:?}")).collect();
-        let is_there = |it: &&String| it.ends_with(ending) && it.starts_with("/world/sensor/scan/points ");
-        let columns = recorded.iter().filter(is_there).filter_map(|it| it.split_once(' ')).map(|it| it.1);
-        let is_mapped = |column: &&str| said.iter().any(|it| it.contains(to) && it.contains(*column));
-        columns.filter(is_mapped).map(str::to_owned).collect::<Vec<_>>()
-    };
-    // The last labels of each kind of both detectors; each stage shows what is there when it ends.
-    let columns = ["grid:grid:clusters:colors", "grid:grid:point_classes:colors"];
-    let expected: Vec<String> = ["", "kd-tree"]
-        .iter()
-        .flat_map(|it| {
-            columns.map(|column| match *it {
-                "" => column.to_owned(),
-                detector => column.replacen("grid", detector, 1),
-            })
-        })
-        .collect();
-    assert_eq!(mapped("Points3D:colors", ":colors"), expected);
+    let component = ComponentIdentifier::try_new("VisualizerInstruction:component_map").unwrap();
+    let blueprint = chunks_of_blueprint(&folder.path().join("run.rrd"));
+    let mappings = blueprint.iter().filter_map(|it| it.components().get_array(component));
+    let mappings: Vec<String> = mappings.map(|it| format!("{it:?}")).collect();
+    for detector in ["grid", "kd-tree"] {
+        for (product, class_ids) in [("point_classes", true), ("clusters", false)] {
+            let column = format!("\"{detector}:grid:{product}:colors\"");
+            let of_column: Vec<&String> = mappings.iter().filter(|it| it.contains(&column)).collect();
+            let is_right = |it: &&String| {
+                it.contains("Points3D:colors") && it.contains("Points3D:class_ids") == class_ids
+            };
+            assert!(!of_column.is_empty() && of_column.iter().all(is_right), "{column}: {mappings:#?}");
+        }
+    }
 }
 
 #[track_caller]
