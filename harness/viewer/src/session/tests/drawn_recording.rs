@@ -27,7 +27,7 @@ use scans::annotation::{Annotation, LabeledScan, ScanId};
 
 use super::super::{Stream, StreamEnding};
 use crate::{
-    DetectorView, FirstTab, Opening, PointChoice, ScanView, StreamError, StreamOptions, TaskView,
+    DetectorView, ExistingRecording, FirstTab, Opening, PointChoice, ScanView, StreamError, StreamOptions, TaskView,
     ViewerChoice,
 };
 
