@@ -32,10 +32,13 @@ pub(crate) fn open_to_add(path: &Path) -> io::Result<File> {
 
 /// Creates the file at `path`. What is there goes; what a link leads to stays as it is.
 pub(crate) fn create(path: &Path) -> io::Result<File> {
-    match std::fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => File::create_new(path),
+    match std::fs::symlink_metadata(path) {
+        Ok(it) if it.is_file() || it.is_symlink() => std::fs::remove_file(path)?,
+        Ok(it) => refuse_irregular(&it)?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
     }
+    File::create_new(path)
 }
 
 #[derive(Clone, Copy)]

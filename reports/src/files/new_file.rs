@@ -11,12 +11,15 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 ///
-/// If there is a folder, or if the operating system refuses.
+/// If there is a folder, a pipe or a device, or if the operating system refuses.
 pub fn create_file(path: &Path) -> io::Result<File> {
-    match std::fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => OpenOptions::new().write(true).create_new(true).open(path),
+    match std::fs::symlink_metadata(path) {
+        Ok(it) if it.is_file() || it.is_symlink() => std::fs::remove_file(path)?,
+        Ok(it) => refuse_other_than_one_file(&it)?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
     }
+    OpenOptions::new().write(true).create_new(true).open(path)
 }
 
 /// Opens the file `path`, made if it is not there, to read it and to add to it.
@@ -162,7 +165,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let pipe = folder.path().join("pipe");
         mknodat(CWD, &pipe, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0).unwrap();
-        assert!(open_to_add(&pipe).is_err());
-        create_file(&pipe).unwrap();
+        assert!(open_to_add(&pipe).is_err() && create_file(&pipe).is_err());
+        assert!(pipe.exists());
     }
 }

@@ -27,8 +27,8 @@ use scans::annotation::{Annotation, LabeledScan, ScanId};
 
 use super::super::{Stream, StreamEnding};
 use crate::{
-    DetectorView, FirstTab, Opening, PointChoice, ScanView, StreamError, StreamOptions, TaskView,
-    ViewerChoice,
+    DetectorView, ExistingRecording, FirstTab, Opening, PointChoice, ScanView, StreamError, StreamOptions,
+    TaskView, ViewerChoice,
 };
 
 pub const N_POINTS: usize = 6;

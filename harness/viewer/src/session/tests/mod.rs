@@ -232,6 +232,7 @@ fn what_is_not_of_this_scan_is_refused() {
 fn a_full_disk_is_an_error() {
     let mut options = options(Path::new("."), ViewerChoice::None);
     options.file = PathBuf::from("/dev/full");
+    options.existing = ExistingRecording::WriteTo;
     let refused = Stream::open(&options, &["grid"]).map(|_| ()).unwrap_err();
     assert!(matches!(refused, StreamError::Write { .. }), "{refused}");
     assert!(refused.to_string().contains("No space left"), "{refused}");
