@@ -3,15 +3,14 @@
 
 use detector::OrientedBox;
 
-use super::label_correction::Correction;
-use super::seen_vehicles::SeenVehicle;
+use super::label_correction::{Correction, DrawnBy};
+use super::paired_fits::PairedFits;
+use super::seen_vehicles::{SeenVehicle, SeenVehicles};
 
 /// A point so far from the side that it belongs to counts nothing, in metres.
 const NEAR_SIDE_M: f32 = 0.45;
 /// Points may lie so far outside of boxes, in metres.
 const OUTSIDE_M: f32 = 0.3;
-/// What fits worse than this is as good as nothing.
-const LEAST_FIT: f64 = 0.02;
 /// Steps of a shift along both axes, coarse first: so large, and so many to either side, in metres.
 const SHIFT_STEPS: [(f32, i32); 3] = [(0.3, 6), (0.1, 3), (0.05, 2)];
 /// Changes with two parameters fit better by chance, and are believed if they fit so much better.
@@ -22,16 +21,12 @@ const WORTH_OF_SHIFT_IF_ODD: f64 = 0.7;
 const CAR_LENGTHS_M: std::ops::Range<f32> = 3.0..5.6;
 
 /// A change of all boxes that lets points lie better along their sides.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct BetterFit {
     /// The change.
     pub correction: Correction,
-    /// How well points lie then, from 0 to 1.
-    pub fit: f64,
-    /// How many times as well as without it.
-    pub gain: f64,
-    /// Vehicles that it makes better, as a share.
-    pub share_better: f64,
+    /// How well points lie without it and with it, object by object.
+    pub fits: PairedFits,
 }
 
 /// The mean over `vehicles`, changed by `correction` if there is one, of how well points lie along sides, from 0 to 1; 0 of
@@ -41,9 +36,20 @@ pub fn mean_fit(vehicles: &[SeenVehicle], correction: Option<Correction>) -> f64
     fits.sum::<f64>() / vehicles.len().max(1) as f64
 }
 
-fn fit_of(vehicle: &SeenVehicle, correction: Option<Correction>) -> f64 {
+/// How well points lie along the sides of `vehicle`, changed by `correction` if there is one, from 0 to 1.
+pub fn fit_of(vehicle: &SeenVehicle, correction: Option<Correction>) -> f64 {
     let labelled = &vehicle.bounding_box;
     fit(&correction.map_or(*labelled, |it| it.of(labelled)), &vehicle.sides_m)
+}
+
+/// How many of `points_m` lie in `bounding_box`, seen from above.
+pub fn n_inside(bounding_box: &OrientedBox, points_m: &[[f32; 2]]) -> usize {
+    let [length_m, width_m, _] = bounding_box.length_width_height_m;
+    let is_inside = |[x_m, y_m]: &&[f32; 2]| {
+        let [along_m, across_m, _] = bounding_box.in_box_frame([*x_m, *y_m, 0.0]);
+        along_m.abs() <= 0.5 * length_m && across_m.abs() <= 0.5 * width_m
+    };
+    points_m.iter().filter(is_inside).count()
 }
 
 /// Mean over `points_m` of how near each is to the sides of `bounding_box` that face the sensor: 1 on one, 0 elsewhere.
@@ -72,32 +78,39 @@ fn fit(bounding_box: &OrientedBox, points_m: &[[f32; 2]]) -> f64 {
     points_m.iter().map(|it| f64::from(of_point(*it))).sum::<f64>() / points_m.len().max(1) as f64
 }
 
-/// The change that is believed first, of those that leave boxes near their vehicles; `None` if all are best as they are.
-pub fn better_fit(vehicles: &[SeenVehicle]) -> Option<BetterFit> {
-    let unchanged = mean_fit(vehicles, None);
-    let with_fit = |it: Correction| (it, mean_fit(vehicles, Some(it)));
-    let worth_of_shift = if has_odd_cars(vehicles) { WORTH_OF_SHIFT_IF_ODD } else { WORTH_OF_SHIFT };
-    let shifts = [Correction::Shift, Correction::OwnShift].map(|it| best_shift(vehicles, it));
-    let tried = changes().map(with_fit).map(|it| (it, it.1));
+/// The change that is believed first, of those that boxes `drawn_by` somebody may need and that leave them near their
+/// vehicles; `None` if all are best as they are.
+pub fn better_fit(vehicles: &SeenVehicles, drawn_by: DrawnBy) -> Option<BetterFit> {
+    let seen = &vehicles.seen;
+    let unchanged = mean_fit(seen, None);
+    let with_fit = |it: Correction| (it, mean_fit(seen, Some(it)));
+    let worth_of_shift = if has_odd_cars(seen) { WORTH_OF_SHIFT_IF_ODD } else { WORTH_OF_SHIFT };
+    let tried = changes().filter(|it| drawn_by.may_need(*it)).map(with_fit).map(|it| (it, it.1));
+    let shifts = [Correction::Shift, Correction::OwnShift].map(|it| best_shift(seen, it));
+    let shifts = shifts.into_iter().filter(|it| drawn_by.may_need(it.0));
     let tried = tried.chain(shifts.map(|it| (it, worth_of_shift * it.1)));
     let ((correction, fit), _) = tried.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (fit > unchanged).then(|| BetterFit {
-        correction,
-        fit,
-        gain: gain(fit, unchanged),
-        share_better: share_better(vehicles, correction),
-    })
+    (fit > unchanged).then(|| BetterFit { correction, fits: paired_fits(vehicles, correction) })
 }
 
-/// `fit`, compared with what `unchanged` boxes have.
-pub fn gain(fit: f64, unchanged: f64) -> f64 {
-    fit / unchanged.max(LEAST_FIT)
+/// How well points lie without and with `correction`, object by object.
+fn paired_fits(vehicles: &SeenVehicles, correction: Correction) -> PairedFits {
+    let fits = |it: &SeenVehicle| [fit_of(it, None), fit_of(it, Some(correction))];
+    PairedFits::of(vehicles.seen.iter().map(|it| (vehicles.object(it), fits(it))))
+}
+
+/// Points in boxes without and with `correction`, object by object.
+pub fn paired_interiors(vehicles: &SeenVehicles, correction: Correction) -> PairedFits {
+    let inside = |it: &SeenVehicle| {
+        [it.bounding_box, correction.of(&it.bounding_box)].map(|of| n_inside(&of, &it.sides_m) as f64)
+    };
+    PairedFits::of(vehicles.seen.iter().map(|it| (vehicles.object(it), inside(it))))
 }
 
 /// All changes that are tried besides shifts.
 fn changes() -> impl Iterator<Item = Correction> {
     let steps = |n: i32, step: f32| (-n..=n).filter(|it| *it != 0).map(move |it| it as f32 * step);
-    [Correction::SwapSides, Correction::NegateYaw, Correction::YawFromLeft]
+    [Correction::SwapSides, Correction::NegateYaw, Correction::YawFromLeft, Correction::YawFromDegrees]
         .into_iter()
         .chain(steps(22, 2_f32.to_radians()).map(Correction::Yaw))
         .chain(steps(24, 0.5_f32.to_radians()).map(Correction::Turn))
@@ -121,11 +134,6 @@ fn best_shift(vehicles: &[SeenVehicle], kind: fn([f32; 2]) -> Correction) -> (Co
     (kind(best.0), best.1)
 }
 
-fn share_better(vehicles: &[SeenVehicle], correction: Correction) -> f64 {
-    let is_better = |it: &&SeenVehicle| fit_of(it, Some(correction)) > fit_of(it, None);
-    vehicles.iter().filter(is_better).count() as f64 / vehicles.len().max(1) as f64
-}
-
 /// Whether the median car is longer or shorter than cars are.
 fn has_odd_cars(vehicles: &[SeenVehicle]) -> bool {
     let longer = |it: &SeenVehicle| {
@@ -140,8 +148,7 @@ fn has_odd_cars(vehicles: &[SeenVehicle]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::Annotation;
-    use crate::data_check::seen_vehicles::SeenVehicles;
+    use crate::annotation::{Annotation, LabeledScan, ScanId};
     use detector::PointCloud;
     use reports::vocabulary::class::AnnotationClass;
 
@@ -174,18 +181,21 @@ mod tests {
                 }
             }
             let car = Annotation { bounding_box: Some(bounding_box), ..Annotation::of(AnnotationClass::Car) };
-            vehicles.add(&cloud, &[car], |it| *it);
+            let id = ScanId { sequence: "drawn".to_owned(), index: index as u32 };
+            vehicles.add(&LabeledScan::everywhere(id, cloud, vec![car]), |it| *it);
         }
         vehicles
     }
 
     #[test]
     fn points_on_the_seen_sides_fit_and_no_change_is_better() {
-        let SeenVehicles { seen, n_near } = cars(12);
-        assert_eq!((seen.len(), n_near), (12, 12));
+        let vehicles = cars(12);
+        let seen = &vehicles.seen;
+        assert_eq!((seen.len(), vehicles.one_of_each().len()), (12, 12));
         // A side that the sensor sees along its plane only counts less.
-        assert!(mean_fit(&seen, None) > 0.8, "{}", mean_fit(&seen, None));
-        assert!(better_fit(&seen).is_none_or(|it| it.gain < 1.1), "{:?}", better_fit(&seen));
+        assert!(mean_fit(seen, None) > 0.8, "{}", mean_fit(seen, None));
+        let better = better_fit(&vehicles, DrawnBy::People);
+        assert!(better.as_ref().is_none_or(|it| it.fits.gain() < 1.1), "{better:?}");
         assert_eq!(mean_fit(&[], None), 0.0);
     }
 
@@ -197,12 +207,13 @@ mod tests {
             (Correction::OwnShift([0.6, -0.3]), Correction::OwnShift([-0.6, 0.3])),
             (Correction::NegateYaw, Correction::NegateYaw),
         ] {
-            let mut vehicles = cars(12).seen;
-            for it in &mut vehicles {
+            let mut vehicles = cars(12);
+            for it in &mut vehicles.seen {
                 it.bounding_box = damage.of(&it.bounding_box);
             }
-            let found = better_fit(&vehicles).unwrap();
-            assert!(found.gain > 1.3 && found.share_better > 0.7, "{found:?}");
+            let found = better_fit(&vehicles, DrawnBy::People).unwrap();
+            assert!(found.fits.gain() > 1.3 && found.fits.is_surely_over(1.1), "{found:?}");
+            assert!(found.fits.share_larger() > 0.7, "{found:?}");
             let text = |it: Correction| it.to_string();
             let of_kind = |it: Correction| std::mem::discriminant(&it);
             assert_eq!(of_kind(found.correction), of_kind(mended), "{damage:?}: {}", text(found.correction));

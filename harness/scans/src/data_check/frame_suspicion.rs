@@ -34,6 +34,11 @@ pub enum FrameSuspicion {
 }
 
 impl FrameSuspicion {
+    /// Whether it is about the labels, and not about the frame of the scans.
+    pub fn is_about_labels(&self) -> bool {
+        matches!(self, Self::Labels(_) | Self::EmptyBoxes(_))
+    }
+
     /// Whether numbers are in doubt. Objects may lie to one side in truth: whoever labelled them knows.
     pub fn is_doubt(&self) -> bool {
         !matches!(self, Self::Labels(LabelSuspicion::Sector { .. }))

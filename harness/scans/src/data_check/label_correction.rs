@@ -14,6 +14,8 @@ pub enum Correction {
     NegateYaw,
     /// The yaw counts clockwise from the left, as KITTI's `rotation_y`.
     YawFromLeft,
+    /// The yaw is in degrees.
+    YawFromDegrees,
     /// All yaws turn by so much.
     Yaw(f32),
     /// Lengths and widths are multiplied.
@@ -35,7 +37,34 @@ pub enum Correction {
     },
 }
 
+/// Origin of boxes: what may be wrong with all of them at once depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DrawnBy {
+    /// Labels: boxes fit their objects, unless something is wrong with all.
+    People,
+    /// Results of a detector, whose boxes may be a little too large, turned or off in all scans.
+    Detector,
+}
+
+impl DrawnBy {
+    /// Whether `correction` is what may be wrong with all boxes at once, and no weakness of a detector.
+    pub fn may_need(self, correction: Correction) -> bool {
+        match (self, correction) {
+            (Self::People, _) => true,
+            (Self::Detector, Correction::Scale(_) | Correction::OwnShift(_) | Correction::Yaw(_)) => false,
+            (Self::Detector, Correction::Turn(by_rad)) => by_rad.to_degrees().abs() >= 4.0,
+            (Self::Detector, Correction::Shift(by_m)) => by_m[0].hypot(by_m[1]) >= 0.8,
+            (Self::Detector, _) => true,
+        }
+    }
+}
+
 impl Correction {
+    /// Whether boxes keep their size, and can be compared by the points in them.
+    pub fn keeps_size(self) -> bool {
+        !matches!(self, Self::Scale(_))
+    }
+
     /// The box as it would be.
     pub fn of(self, labelled: &OrientedBox) -> OrientedBox {
         let mut it = *labelled;
@@ -45,6 +74,7 @@ impl Correction {
             Self::SwapSides => it.length_width_height_m = [width_m, length_m, height_m],
             Self::NegateYaw => it.yaw_rad = -it.yaw_rad,
             Self::YawFromLeft => it.yaw_rad = FRAC_PI_2 - it.yaw_rad,
+            Self::YawFromDegrees => it.yaw_rad = it.yaw_rad.to_radians(),
             Self::Yaw(by_rad) => it.yaw_rad += by_rad,
             Self::Scale(factor) => it.length_width_height_m = [factor * length_m, factor * width_m, height_m],
             Self::Turn(by_rad) => {
@@ -95,6 +125,7 @@ impl Correction {
                 "yaws count clockwise from the left, as KITTI's rotation_y",
                 "write pi/2 minus the yaw for every yaw in the labels",
             ],
+            Self::YawFromDegrees => ["yaws are in degrees", "write every yaw in radians"],
             Self::Mirror => ["left and right are exchanged", "change the signs of y and yaw in the labels"],
             Self::ExchangeAxes => {
                 ["x and y are exchanged", "exchange x and y in the labels, and write pi/2 minus the yaw"]

@@ -4,10 +4,12 @@ use detector::OrientedBox;
 use reports::numbers::box_points::{Across, BoxPoints, FramedPoints};
 use reports::vocabulary::class::AnnotationClass;
 
-use super::box_fit::{BetterFit, better_fit, gain, mean_fit};
+use super::box_fit::{better_fit, fit_of, paired_interiors};
 use super::empty_boxes::NEAR_M;
-use super::label_correction::Correction;
+use super::label_correction::{Correction, DrawnBy};
 use super::label_suspicion::{LabelSuspicion, TakenFor};
+use super::other_scan::OtherScan;
+use super::paired_fits::{PairedFits, is_surely_more_than};
 use super::seen_vehicles::{SeenVehicle, SeenVehicles, is_vehicle};
 use crate::annotation::{LabeledScan, PointRegion};
 use crate::dataset::proposal_list::ProposalList;
@@ -18,22 +20,28 @@ const FEWEST: usize = 5;
 const ENOUGH: usize = 10;
 /// A change is believed if points fit so much better, of enough vehicles, and of few ones.
 const BELIEVED_GAIN: [f64; 2] = [1.15, 2.0];
+/// And if they surely fit so much better.
+const SURE_GAIN: f64 = 1.05;
 /// And if it makes this share of the vehicles better.
 const BELIEVED_SHARE: f64 = 0.7;
-/// The labels of the next scan are believed if they fit so much better than those of this one, and so well beside the best
-/// change.
-const BELIEVED_OTHER_SCAN: [f64; 2] = [1.25, 0.8];
+
 /// Bottoms of boxes may be so far from the ground, in metres.
 const FROM_GROUND_M: f64 = 0.3;
+/// Those that a detector found, if half their height does not explain it.
+const OFF_OF_DETECTOR_M: f64 = 1.0;
 /// Heights differ so little from a half of that of the box, in metres.
 const NEAR_HALF_M: f64 = 0.2;
+
+/// Yaws beyond a turn of fewer boxes, and of a smaller share of them, may only be written with a turn too much.
+const FEWEST_BEYOND: (usize, f64) = (3, 0.1);
 
 /// Boxes whose ranges differ by less are neighbours, in metres.
 const NEIGHBOURS_M: f32 = 5.0;
 /// So many points are many: the median of neighbours.
 const MANY_POINTS: usize = 50;
-/// So many empty boxes, and this share of those with such neighbours, may be hidden from the sensor.
-const MOST_HIDDEN: (usize, f64) = (2, 0.2);
+/// So many empty boxes, and this share of those with such neighbours, may be hidden from the sensor; and so may all be where
+/// the share is surely no larger than the last.
+const MOST_HIDDEN: (usize, f64, f64) = (2, 0.2, 0.1);
 
 /// Fewer boxes may lie to one side by chance.
 const FEWEST_OF_SECTOR: usize = 15;
@@ -55,23 +63,25 @@ impl LabelLook {
     /// The labels of `scans`. `next` reads the scans that follow some of them: the index of each in `scans`, and the next
     /// one.
     pub fn of(scans: &[LabeledScan], next: impl FnOnce() -> Vec<(usize, LabeledScan)>) -> Self {
-        let vehicles = seen(scans, |it| it);
-        let position = position_suspicion(scans, &vehicles, next);
-        let is_swapped =
-            matches!(position, Some(LabelSuspicion::Position { correction: Correction::SwapSides, .. }));
-        let sideways = sideways_suspicion(&vehicles.seen).filter(|_| !is_swapped);
+        let vehicles = SeenVehicles::of(scans, |it| *it);
+        let position = position_suspicion(scans, &vehicles, next, DrawnBy::People);
         let holes = holes_suspicion(scans).filter(|_| position.is_none());
-        let suspicions = [
-            degrees_suspicion(scans),
-            position,
-            sideways,
-            height_suspicion(&vehicles.seen),
-            holes,
-            sector_suspicion(scans),
-        ]
-        .into_iter()
-        .flatten();
-        Self { suspicions: suspicions.collect(), vehicles }
+        let mut suspicions = suspicions_of_boxes(scans, &vehicles, position);
+        suspicions.extend([holes, sector_suspicion(scans)].into_iter().flatten());
+        Self { suspicions, vehicles }
+    }
+
+    /// The same of what a detector found, which stands for the annotations of `scans`: what is wrong with all its boxes at
+    /// once, and no weakness of a detector.
+    pub fn of_detections(scans: &[LabeledScan], next: impl FnOnce() -> Vec<(usize, LabeledScan)>) -> Self {
+        let vehicles = SeenVehicles::of(scans, |it| *it);
+        let position = position_suspicion(scans, &vehicles, next, DrawnBy::Detector);
+        let mut suspicions = suspicions_of_boxes(scans, &vehicles, position);
+        // Boxes of a detector may end a little above the ground.
+        suspicions.retain(|it| {
+            !matches!(it, LabelSuspicion::Height { taken_for: TakenFor::Unknown, above_ground_m, .. } if above_ground_m.abs() < OFF_OF_DETECTOR_M)
+        });
+        Self { suspicions, vehicles }
     }
 
     /// Whether there are enough vehicles to decide.
@@ -116,108 +126,117 @@ fn in_frame(vehicle: &SeenVehicle, across: Across) -> Vec<[f32; 2]> {
     vehicle.sides_m.iter().map(position_m).map(|[along_m, across_m, _]| [along_m, across_m]).collect()
 }
 
-/// The vehicles of `scans`, their boxes changed.
-fn seen(scans: &[LabeledScan], moved: impl Fn(OrientedBox) -> OrientedBox) -> SeenVehicles {
-    let mut vehicles = SeenVehicles::default();
-    for scan in scans {
-        vehicles.add(&scan.cloud, &scan.annotations, |it| moved(*it));
-    }
-    vehicles
-}
-
-/// The fit of all vehicles near the sensor, also of those without points.
-fn fit_of_all(vehicles: &SeenVehicles) -> f64 {
-    let share_seen = vehicles.seen.len() as f64 / vehicles.n_near.max(1) as f64;
-    share_seen * mean_fit(&vehicles.seen, None)
+/// What is suspect about boxes, whoever made them; `position` is about where they lie.
+fn suspicions_of_boxes(
+    scans: &[LabeledScan],
+    vehicles: &SeenVehicles,
+    position: Option<LabelSuspicion>,
+) -> Vec<LabelSuspicion> {
+    let corrected = position.as_ref().and_then(|it| match it {
+        LabelSuspicion::Position { correction, .. } => Some(*correction),
+        _ => None,
+    });
+    let one_of_each = vehicles.one_of_each();
+    let degrees = degrees_suspicion(scans, vehicles);
+    let sideways = sideways_suspicion(&one_of_each).filter(|_| corrected != Some(Correction::SwapSides));
+    // Yaws in degrees are said once, by what is surest.
+    let position = position.filter(|_| degrees.is_none() || corrected != Some(Correction::YawFromDegrees));
+    [degrees, position, sideways, height_suspicion(&one_of_each)].into_iter().flatten().collect()
 }
 
 fn position_suspicion(
     scans: &[LabeledScan],
     vehicles: &SeenVehicles,
     next: impl FnOnce() -> Vec<(usize, LabeledScan)>,
+    drawn_by: DrawnBy,
 ) -> Option<LabelSuspicion> {
-    let suspicion =
-        |correction, gain, n_vehicles| Some(LabelSuspicion::Position { correction, gain, n_vehicles });
-    let unchanged = fit_of_all(vehicles);
-    let better = better_fit(&vehicles.seen);
-    let best_here = better.map_or(0.0, |it| it.fit);
-    let [_, surely] = BELIEVED_GAIN;
-    if let Some((correction, fit, n)) = best_elsewhere(scans)
-        && n >= FEWEST
-        && fit >= (surely * unchanged).max(best_here)
+    let better = better_fit(vehicles, drawn_by);
+    let gain_nearby = better.as_ref().map_or(1.0, |it| it.fits.gain());
+    if let Some((correction, fits)) = best_elsewhere(scans, vehicles)
+        && fits.n_groups() >= FEWEST
+        && fits.gain() >= BELIEVED_GAIN[1].max(gain_nearby)
+        && fits.is_surely_over(SURE_GAIN)
     {
-        return suspicion(correction, gain(fit, unchanged), n);
+        return Some(suspicion_of(correction, &fits));
     }
-    let (better, n) = (better?, vehicles.seen.len());
-    let least_gain = BELIEVED_GAIN[usize::from(n < ENOUGH)];
-    if n < FEWEST || better.gain < least_gain {
+    let better = better?;
+    let n_objects = vehicles.one_of_each().len();
+    let least_gain = BELIEVED_GAIN[usize::from(n_objects < ENOUGH)];
+    if n_objects < FEWEST || better.fits.gain() < least_gain {
         return None;
     }
-    let [other_gain, beside_best] = BELIEVED_OTHER_SCAN;
-    let least_other = (other_gain * unchanged).max(beside_best * better.fit);
-    if let Some((correction, fit, n)) = best_other_scan(scans, &next())
-        && n >= FEWEST
-        && fit >= least_other
-    {
-        return suspicion(correction, gain(fit, unchanged), n);
-    }
-    let BetterFit { correction, gain, share_better, .. } = better;
-    if correction.is_large() && share_better >= BELIEVED_SHARE {
-        suspicion(correction, gain, n)
-    } else {
-        None
-    }
-}
-
-/// The best of the changes that put boxes elsewhere, how well all vehicles fit then, and how many are seen.
-fn best_elsewhere(scans: &[LabeledScan]) -> Option<(Correction, f64, usize)> {
-    let fit = |correction: Correction| {
-        let vehicles = seen(scans, |labelled| correction.of(&labelled));
-        (correction, fit_of_all(&vehicles), vehicles.seen.len())
-    };
-    Correction::ELSEWHERE.map(fit).into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// How well the labels of each next scan fit the scan before it, and the other way round: the better of both, and the number
-/// of vehicles.
-fn best_other_scan(scans: &[LabeledScan], next: &[(usize, LabeledScan)]) -> Option<(Correction, f64, usize)> {
-    let fit = |is_next: bool| {
-        let mut vehicles = SeenVehicles::default();
-        for (scan_idx, next) in next {
-            let scan = &scans[*scan_idx];
-            let (points, labels) = if is_next { (scan, next) } else { (next, scan) };
-            vehicles.add(&points.cloud, &labels.annotations, |it| *it);
+    let next = next();
+    let both = [true, false].map(|is_next| OtherScan::of(scans, &next, is_next, better.correction));
+    for (this, opposite) in [(&both[0], &both[1]), (&both[1], &both[0])] {
+        if this.n_vehicles >= FEWEST && this.is_believed(opposite, SURE_GAIN) {
+            let (correction, gain) = (Correction::OtherScan { is_next: this.is_next }, this.fits.gain());
+            return Some(LabelSuspicion::Position { correction, gain, n_vehicles: this.n_vehicles });
         }
-        (Correction::OtherScan { is_next }, fit_of_all(&vehicles), vehicles.seen.len())
-    };
-    [true, false].map(fit).into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+    let correction = better.correction;
+    let keeps_points = || !correction.keeps_size() || paired_interiors(vehicles, correction).gain() >= 1.0;
+    let is_believed = correction.is_large()
+        && better.fits.share_larger() >= BELIEVED_SHARE
+        && better.fits.is_surely_over(SURE_GAIN)
+        && keeps_points();
+    is_believed.then(|| suspicion_of(correction, &better.fits))
 }
 
-fn sideways_suspicion(vehicles: &[SeenVehicle]) -> Option<LabelSuspicion> {
-    let is_wide = |it: &&SeenVehicle| {
+fn suspicion_of(correction: Correction, fits: &PairedFits) -> LabelSuspicion {
+    LabelSuspicion::Position { correction, gain: fits.gain(), n_vehicles: fits.n_groups() }
+}
+
+/// The best of the changes that put boxes elsewhere, with how well points fit all near boxes without it and with it; one
+/// without points fits nothing.
+fn best_elsewhere(scans: &[LabeledScan], vehicles: &SeenVehicles) -> Option<(Correction, PairedFits)> {
+    let before = fits_of_near(vehicles);
+    let fits = |correction: Correction| {
+        let after = fits_of_near(&SeenVehicles::of(scans, |labelled| correction.of(labelled)));
+        let pairs = before.iter().zip(after).map(|(before, after)| [*before, after]);
+        (correction, PairedFits::of(vehicles.objects.iter().zip(pairs)))
+    };
+    Correction::ELSEWHERE.map(fits).into_iter().max_by(|a, b| a.1.gain().total_cmp(&b.1.gain()))
+}
+
+fn fits_of_near(vehicles: &SeenVehicles) -> Vec<f64> {
+    let mut fits = vec![0.0; vehicles.objects.len()];
+    for it in &vehicles.seen {
+        fits[it.near_idx] = fit_of(it, None);
+    }
+    fits
+}
+
+fn sideways_suspicion(vehicles: &[&SeenVehicle]) -> Option<LabelSuspicion> {
+    let is_wide = |it: &&&SeenVehicle| {
         let [length_m, width_m, _] = it.bounding_box.length_width_height_m;
         width_m > length_m
     };
     let (n_wide, n_vehicles) = (vehicles.iter().filter(is_wide).count(), vehicles.len());
-    (n_vehicles >= FEWEST && 2 * n_wide > n_vehicles)
+    (n_vehicles >= FEWEST && is_surely_more_than(0.5, n_wide, n_vehicles))
         .then_some(LabelSuspicion::Sideways { n_wide, n_vehicles })
 }
 
-fn height_suspicion(vehicles: &[SeenVehicle]) -> Option<LabelSuspicion> {
+fn half_height_m(vehicle: &SeenVehicle) -> f64 {
+    0.5 * f64::from(vehicle.bounding_box.length_width_height_m[2])
+}
+
+fn bottom_above_ground_m(vehicle: &SeenVehicle) -> f64 {
+    let bottom_m = f64::from(vehicle.bounding_box.center_m[2]) - half_height_m(vehicle);
+    bottom_m - f64::from(vehicle.ground_z_m)
+}
+
+fn height_suspicion(vehicles: &[&SeenVehicle]) -> Option<LabelSuspicion> {
     let n_vehicles = vehicles.len();
     if n_vehicles < FEWEST {
         return None;
     }
-    let median = |value: fn(&SeenVehicle) -> f32| {
-        let mut values: Vec<f32> = vehicles.iter().map(value).collect();
-        values.sort_unstable_by(f32::total_cmp);
-        f64::from(values[n_vehicles / 2])
+    let median = |value: fn(&SeenVehicle) -> f64| {
+        let mut values: Vec<f64> = vehicles.iter().map(|it| value(it)).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        values[n_vehicles / 2]
     };
-    let half_height = |it: &SeenVehicle| 0.5 * it.bounding_box.length_width_height_m[2];
-    let above_ground_m = median(|it| {
-        it.bounding_box.center_m[2] - 0.5 * it.bounding_box.length_width_height_m[2] - it.ground_z_m
-    });
-    let half_m = median(half_height);
+    let above_ground_m = median(bottom_above_ground_m);
+    let half_m = median(half_height_m);
     let taken_for = if (above_ground_m + half_m).abs() < NEAR_HALF_M {
         TakenFor::BottomForCentre
     } else if (above_ground_m - half_m).abs() < NEAR_HALF_M {
@@ -225,8 +244,13 @@ fn height_suspicion(vehicles: &[SeenVehicle]) -> Option<LabelSuspicion> {
     } else {
         TakenFor::Unknown
     };
-    let suspicion = LabelSuspicion::Height { above_ground_m, taken_for, n_vehicles };
-    (above_ground_m.abs() >= FROM_GROUND_M).then_some(suspicion)
+    let is_off = |it: &&&SeenVehicle| above_ground_m.signum() * bottom_above_ground_m(it) >= FROM_GROUND_M;
+    let n_off = vehicles.iter().filter(is_off).count();
+    is_surely_more_than(0.5, n_off, n_vehicles).then_some(LabelSuspicion::Height {
+        above_ground_m,
+        taken_for,
+        n_vehicles,
+    })
 }
 
 fn holes_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
@@ -243,8 +267,9 @@ fn holes_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
     let among_full: Vec<usize> =
         boxes.iter().enumerate().filter(has_full_neighbours).map(|(_, it)| it.1).collect();
     let (n_empty, n_vehicles) = (among_full.iter().filter(|it| **it == 0).count(), among_full.len());
-    let (most, most_share) = MOST_HIDDEN;
-    (n_empty > most && n_empty as f64 > most_share * n_vehicles as f64)
+    let (most, most_share, sure_share) = MOST_HIDDEN;
+    let are_many = n_empty > most && n_empty as f64 > most_share * n_vehicles as f64;
+    (are_many && is_surely_more_than(sure_share, n_empty, n_vehicles))
         .then_some(LabelSuspicion::Holes { n_empty, n_vehicles })
 }
 
@@ -291,9 +316,23 @@ fn boxes(scans: &[LabeledScan]) -> impl Iterator<Item = OrientedBox> + '_ {
     scans.iter().flat_map(|it| &it.annotations).filter_map(|it| it.bounding_box)
 }
 
-fn degrees_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
-    let n_beyond = boxes(scans).filter(|it| it.yaw_rad.abs() > std::f32::consts::TAU + 0.01).count();
+fn degrees_suspicion(scans: &[LabeledScan], vehicles: &SeenVehicles) -> Option<LabelSuspicion> {
+    let n_beyond = boxes(scans).filter(is_beyond).count();
     let n_boxes = boxes(scans).count();
-    // A few may only be written with a turn too much.
-    (10 * n_beyond > n_boxes).then_some(LabelSuspicion::Degrees { n_beyond, n_boxes })
+    let (fewest, least_share) = FEWEST_BEYOND;
+    if n_beyond < fewest || n_beyond as f64 <= least_share * n_boxes as f64 {
+        return None;
+    }
+    // Where points lie along the sides as they are, there is a turn too much and nothing wrong.
+    let turned = Correction::Yaw(std::f32::consts::FRAC_PI_4);
+    let beyond = vehicles.seen.iter().filter(|it| is_beyond(&it.bounding_box));
+    let fits = beyond.map(|it| (vehicles.object(it), [fit_of(it, Some(turned)), fit_of(it, None)]));
+    let fits = PairedFits::of(fits);
+    let are_turns = fits.n_groups() >= fewest && fits.is_surely_over(SURE_GAIN);
+    (!are_turns).then_some(LabelSuspicion::Degrees { n_beyond, n_boxes })
+}
+
+/// Whether the yaw of `labelled` is beyond a whole turn.
+fn is_beyond(labelled: &OrientedBox) -> bool {
+    labelled.yaw_rad.abs() > std::f32::consts::TAU + 0.01
 }

@@ -65,6 +65,13 @@ pub enum LabelSuspicion {
     },
 }
 
+impl LabelSuspicion {
+    /// The same about boxes that a detector found.
+    pub fn about_results(&self) -> String {
+        self.to_string().replace("labels", "results")
+    }
+}
+
 /// What heights of boxes look like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TakenFor {

@@ -7,7 +7,9 @@ pub mod seen_ground;
 // Labels against points.
 pub mod seen_vehicles;
 pub mod label_correction;
+pub mod paired_fits;
 pub mod box_fit;
+pub mod other_scan;
 pub mod label_suspicion;
 pub mod label_look;
 

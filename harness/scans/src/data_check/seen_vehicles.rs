@@ -1,9 +1,11 @@
 //! Labelled vehicles with the points around them: what labels are compared with.
 
+use std::collections::BTreeSet;
+
 use detector::{OrientedBox, PointCloud};
 use reports::vocabulary::class::AnnotationClass;
 
-use crate::annotation::Annotation;
+use crate::annotation::{Annotation, LabeledScan};
 
 /// Vehicles farther away are not looked at, in metres.
 const MAX_RANGE_M: f32 = 40.0;
@@ -21,6 +23,8 @@ const BELOW_GROUND: usize = 20;
 /// A vehicle as labelled, and what the sensor saw around it, in the sensor frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenVehicle {
+    /// Its number among all near vehicles.
+    pub near_idx: usize,
     /// What it is.
     pub class: AnnotationClass,
     /// Its labelled box.
@@ -36,30 +40,53 @@ pub struct SeenVehicle {
 /// Labelled vehicles near the sensor.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SeenVehicles {
-    /// How many there are, with points around them or without.
-    pub n_near: usize,
+    /// Which object each is, with points around it or without: what several scans show is the same one.
+    pub objects: Vec<String>,
     /// Those with enough points around them.
     pub seen: Vec<SeenVehicle>,
 }
 
 impl SeenVehicles {
-    /// The vehicles of `annotations` with the points of `cloud`. A box is `moved` first, as the search for what is wrong
-    /// with it asks.
-    pub fn add(
-        &mut self,
-        cloud: &PointCloud,
-        annotations: &[Annotation],
-        moved: impl Fn(&OrientedBox) -> OrientedBox,
-    ) {
-        for annotation in annotations.iter().filter(|it| is_vehicle(it.class)) {
-            let Some(bounding_box) = annotation.bounding_box.as_ref().map(&moved) else { continue };
-            if bounding_box.range_m() > MAX_RANGE_M {
-                continue;
-            }
-            self.n_near += 1;
-            self.seen.extend(SeenVehicle::of(cloud, annotation.class, bounding_box));
+    /// Those of `scans`, their boxes `moved`.
+    pub fn of(scans: &[LabeledScan], moved: impl Fn(&OrientedBox) -> OrientedBox) -> Self {
+        let mut vehicles = Self::default();
+        for scan in scans {
+            vehicles.add(scan, &moved);
+        }
+        vehicles
+    }
+
+    /// Adds the vehicles of `scan`. A box is `moved` first, as the search for what is wrong with it asks.
+    pub fn add(&mut self, scan: &LabeledScan, moved: impl Fn(&OrientedBox) -> OrientedBox) {
+        for annotation in &scan.annotations {
+            let Some(bounding_box) = near_vehicle(annotation, &moved) else { continue };
+            let near_idx = self.objects.len();
+            self.objects.push(match annotation.track {
+                Some(track) => format!("{} {track}", scan.id.sequence),
+                None => format!("{} {near_idx}", scan.id),
+            });
+            let seen = SeenVehicle::of(&scan.cloud, annotation.class, bounding_box);
+            self.seen.extend(seen.map(|it| SeenVehicle { near_idx, ..it }));
         }
     }
+
+    /// One of the seen vehicles for each object.
+    pub fn one_of_each(&self) -> Vec<&SeenVehicle> {
+        let mut known = BTreeSet::new();
+        self.seen.iter().filter(|it| known.insert(self.object(it))).collect()
+    }
+
+    /// Which object `vehicle`, one of the seen ones, is.
+    pub fn object(&self, vehicle: &SeenVehicle) -> &str {
+        &self.objects[vehicle.near_idx]
+    }
+}
+
+/// The box of `annotation`, `moved`, if it is a vehicle near the sensor.
+fn near_vehicle(annotation: &Annotation, moved: impl Fn(&OrientedBox) -> OrientedBox) -> Option<OrientedBox> {
+    let bounding_box =
+        annotation.bounding_box.as_ref().filter(|_| is_vehicle(annotation.class)).map(moved)?;
+    (bounding_box.range_m() <= MAX_RANGE_M).then_some(bounding_box)
 }
 
 /// Whether labels of this class are compared with points.
@@ -92,6 +119,7 @@ impl SeenVehicle {
         let is_of_side = |it: &&[f32; 3]| (SIDES_M[0]..SIDES_M[1]).contains(&(it[2] - ground_z_m));
         let sides_m: Vec<[f32; 2]> = near.iter().filter(is_of_side).map(|it| [it[0], it[1]]).collect();
         (sides_m.len() >= MIN_POINTS).then(|| Self {
+            near_idx: 0,
             class,
             bounding_box,
             around_m: thinned(near),
