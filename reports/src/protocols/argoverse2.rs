@@ -60,6 +60,8 @@ impl Argoverse2 {
         };
         let all: Vec<&ClassScores> = scores.iter().map(|it| it.as_ref().unwrap_or(&nothing)).collect();
         let present: Vec<&ClassScores> = scores.iter().flatten().collect();
+        // Where nothing is annotated that the protocol evaluates, it says nothing of a detector.
+        let all = if self.present().next().is_some() { all } else { Vec::new() };
         let mut values: Vec<Option<f64>> = mean(&all).into_iter().chain(mean(&present)).collect();
         for (index, _) in self.present() {
             let numbers: [Option<f64>; OF_CLASS.len()] = match &scores[index] {

@@ -56,6 +56,10 @@ impl Nuscenes {
 
     fn values_of(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
         let mut values = Self::of_all(scores);
+        // Where nothing is annotated that the protocol evaluates, it says nothing of a detector.
+        if self.present().next().is_none() {
+            values.fill(None);
+        }
         values.extend(self.of_present(scores));
         for (index, name, class) in self.present() {
             let it = &scores[index];

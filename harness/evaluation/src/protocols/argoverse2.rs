@@ -30,10 +30,16 @@ impl RankedRules for Argoverse2 {
             "trailer" => "VEHICULAR_TRAILER",
             "pedestrian" => "PEDESTRIAN",
             "cyclist" => "BICYCLIST",
-            "parked-cycle" => "BICYCLE",
+            "parked-cycle" | "bicycle" => "BICYCLE",
+            "motorcycle" => "MOTORCYCLE",
+            "traffic_cone" => "CONSTRUCTION_CONE",
             other => other,
         };
         Self::PROTOCOL.class_named(class)
+    }
+
+    fn is_own_name(name: &str) -> bool {
+        name.chars().all(|it| it.is_ascii_uppercase() || it == '_')
     }
 
     fn state(_class: &'static str, object: &OfficialObject, _labels: &[OfficialObject]) -> BoxState {

@@ -42,6 +42,10 @@ impl RankedRules for Nuscenes {
         Self::PROTOCOL.class_named(class)
     }
 
+    fn is_own_name(name: &str) -> bool {
+        name.contains('.') || name == "animal"
+    }
+
     fn state(class: &'static str, object: &OfficialObject, labels: &[OfficialObject]) -> BoxState {
         let [x_m, y_m, _] = object.center_m;
         let is_cycle = matches!(class, "bicycle" | "motorcycle");

@@ -4,7 +4,9 @@ use std::cmp::Ordering;
 
 use reports::rows::official_rows::OfficialRows;
 use reports::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox, RankedBoxRow};
+use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
+use scans::dataset::class_name::{class_named, plain_name};
 use scans::dataset::official::OfficialObject;
 
 use super::official_protocol::{FoundInScan, OfficialProtocol};
@@ -19,6 +21,9 @@ pub(super) trait RankedRules {
 
     /// The class that is evaluated of what files call `name`; `None` if it is not.
     fn class_of(name: &str) -> Option<&'static str>;
+
+    /// Whether the makers of the protocol call something `name`: then [`Self::class_of`] has the last word.
+    fn is_own_name(name: &str) -> bool;
 
     /// Whether a label or a detection of `class` is evaluated, in a scan with these labels.
     fn state(class: &'static str, object: &OfficialObject, labels: &[OfficialObject]) -> BoxState;
@@ -78,12 +83,40 @@ fn rows_by<Rules: RankedRules>(found: &FoundInScan<'_>) -> Vec<RankedBoxRow> {
 /// their order in a file decides nothing.
 fn candidates<Rules: RankedRules>(objects: Vec<OfficialObject>, labels: &[OfficialObject]) -> Vec<Candidate> {
     let candidate = |object: OfficialObject| {
-        let class = Rules::class_of(&object.name)?;
+        let class = class_evaluated::<Rules>(&object.name)?;
         Some(Candidate { class, state: Rules::state(class, &object, labels), object })
     };
     let mut candidates: Vec<Candidate> = objects.into_iter().filter_map(candidate).collect();
     candidates.sort_by(|a, b| order(&a.object, &b.object));
     candidates
+}
+
+/// The class that is evaluated of what files call `name`: as the makers of the protocol have it, or of the name of another
+/// data set as our class for it has it.
+fn class_evaluated<Rules: RankedRules>(name: &str) -> Option<&'static str> {
+    let of_others = || Rules::class_of(common_name(name)?);
+    Rules::class_of(name).or_else(|| if Rules::is_own_name(name) { None } else { of_others() })
+}
+
+/// A name that protocols know for what the maker of another data set calls `name`: that of our class, where this says as
+/// much. Ours make one of bicycles, motorcycles and scooters, and one of cones and barrels.
+fn common_name(name: &str) -> Option<&'static str> {
+    use AnnotationClass as Class;
+    let plain = plain_name(name);
+    match class_named(name)? {
+        class
+        @ (Class::Car | Class::Van | Class::Truck | Class::Bus | Class::Trailer | Class::Pedestrian) => {
+            Some(class.name())
+        }
+        Class::Cyclist | Class::ParkedCycle if plain.contains("motorcycl") => Some("motorcycle"),
+        class @ (Class::Cyclist | Class::ParkedCycle)
+            if plain.contains("bicycl") && !plain.contains("rack") =>
+        {
+            Some(class.name())
+        }
+        Class::StreetFurniture if plain.contains("cone") => Some("traffic_cone"),
+        _ => None,
+    }
 }
 
 fn order(a: &OfficialObject, b: &OfficialObject) -> Ordering {
@@ -189,6 +222,44 @@ mod tests {
             matches!(it.ranked_box.kind, BoxKind::Detection { pairs: [Some(_), ..], errors: Some(_), .. })
         };
         rows.iter().filter(is_found).count()
+    }
+
+    #[test]
+    fn names_of_other_makers_stand_for_what_our_classes_say() {
+        #[track_caller]
+        fn check(name: &str, nuscenes: Option<&str>, argoverse2: Option<&str>) {
+            let found = (class_evaluated::<Nuscenes>(name), class_evaluated::<Argoverse2>(name));
+            assert_eq!(found, (nuscenes, argoverse2), "{name}");
+        }
+        // Argoverse 2's names.
+        check("REGULAR_VEHICLE", Some("car"), Some("REGULAR_VEHICLE"));
+        check("BOX_TRUCK", Some("truck"), Some("BOX_TRUCK"));
+        check("SCHOOL_BUS", Some("bus"), Some("SCHOOL_BUS"));
+        check("MOTORCYCLE", Some("motorcycle"), Some("MOTORCYCLE"));
+        check("BICYCLIST", Some("bicycle"), Some("BICYCLIST"));
+        check("CONSTRUCTION_CONE", Some("traffic_cone"), Some("CONSTRUCTION_CONE"));
+        check("CONSTRUCTION_BARREL", None, Some("CONSTRUCTION_BARREL"));
+        check("WHEELED_DEVICE", None, Some("WHEELED_DEVICE"));
+        check("SIGN", None, Some("SIGN"));
+        // Its makers do not evaluate it.
+        check("OFFICIAL_SIGNALER", Some("pedestrian"), None);
+        // Those of nuScenes.
+        check("vehicle.car", Some("car"), Some("REGULAR_VEHICLE"));
+        check("vehicle.bus.bendy", Some("bus"), Some("BUS"));
+        check("vehicle.motorcycle", Some("motorcycle"), Some("MOTORCYCLE"));
+        check("vehicle.bicycle", Some("bicycle"), Some("BICYCLE"));
+        check("human.pedestrian.child", Some("pedestrian"), Some("PEDESTRIAN"));
+        check("human.pedestrian.wheelchair", None, None);
+        check("static_object.bicycle_rack", None, None);
+        check("movable_object.trafficcone", Some("traffic_cone"), Some("CONSTRUCTION_CONE"));
+        check("movable_object.barrier", Some("barrier"), None);
+        // Nor these.
+        check("vehicle.emergency.police", None, Some("REGULAR_VEHICLE"));
+        // Ours.
+        check("car", Some("car"), Some("REGULAR_VEHICLE"));
+        check("parked-cycle", Some("bicycle"), Some("BICYCLE"));
+        check("tram", None, None);
+        check("tree", None, None);
     }
 
     #[test]
