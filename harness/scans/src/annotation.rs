@@ -30,6 +30,13 @@ impl LabeledScan {
         let labeled_area = LabeledArea::Everywhere;
         Self { id, cloud, annotations, point_regions, labeled_area, points_left_out: Vec::new() }
     }
+
+    /// Whether the labels say something about the scan, if only that nothing stands there.
+    pub fn is_labeled(&self) -> bool {
+        self.labeled_area != LabeledArea::AsPoints
+            || !self.annotations.is_empty()
+            || self.point_regions.iter().any(|it| *it != PointRegion::Outside)
+    }
 }
 
 /// Names a scan within its data set.

@@ -58,9 +58,7 @@ pub(super) fn verdict(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
             @for ranking in &facts.rankings { p { (unbroken(&ranking.sentence())) } }
             @for sentence in facts.speeds.iter().filter_map(Speeds::sentence) { p { (unbroken(&sentence)) } }
         }
-        @for entry in &facts.manifest.datasets {
-            @for doubt in &entry.doubts { p.failed role="note" { (entry.id) ": " (doubt) } }
-        }
+        @for doubt in facts.manifest.doubts_in_words() { p.failed role="note" { (doubt) } }
         @for it in &facts.failures { p.failed role="note" { (about_failure(it)) } }
         @if !plots.is_empty() {
         (FigureMarkup {

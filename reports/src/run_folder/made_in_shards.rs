@@ -133,7 +133,8 @@ fn is_same_detector(ours: &DetectorEntry, theirs: &DetectorEntry) -> bool {
     let is_same =
         |one: &Option<String>, other: &Option<String>| one.is_none() || other.is_none() || one == other;
     let silent = |it: &DetectorEntry| {
-        let mut it = it.clone();
+        // What is suspect of its boxes depends on the scans, too.
+        let mut it = DetectorEntry { doubts: Vec::new(), ..it.clone() };
         if let Some(foreign) = &mut it.foreign {
             (foreign.reported_name, foreign.version) = (None, None);
         }

@@ -141,6 +141,9 @@ pub struct DatasetEntry {
     /// Why the frame of the scans or their labels are suspect, a sentence each. No verdict rests on such a data set.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<String>,
+    /// Why its labels are suspect although the user says that they are right (`--labels-are-right`). Verdicts rest on them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub overruled_doubts: Vec<String>,
     /// Its licence, where known.
     pub licence: Option<String>,
     /// What a simulation was asked for besides its seed; `None` for what was recorded.
@@ -252,6 +255,10 @@ pub struct DetectorEntry {
     /// By what its vehicles are classified, in words; `None` in manifests from before this was said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vehicles: Option<String>,
+    /// Why its boxes are suspect, a sentence for each reason and data set: they do not lie where the points are, all in the
+    /// same way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<String>,
     /// Where it comes from if it is not built in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foreign: Option<ForeignEntry>,
@@ -325,6 +332,27 @@ impl Manifest {
     /// The data sets whose numbers are put together.
     pub fn pools(&self) -> Vec<Pool> {
         pools(self.datasets.iter().map(|it| (it.id.as_str(), it.origin())))
+    }
+
+    /// What is suspect of data sets and detectors, and what the user overruled, a sentence each.
+    pub fn doubts_in_words(&self) -> Vec<String> {
+        let of_dataset = |it: &DatasetEntry| {
+            let doubts =
+                it.doubts.iter().map(|doubt| format!("Frame or labels of {} are suspect: {doubt}.", it.id));
+            let overruled = it.overruled_doubts.iter().map(|doubt| {
+                format!(
+                    "The labels of {} are right, says the user (--labels-are-right), though {doubt}.",
+                    it.id
+                )
+            });
+            doubts.chain(overruled).collect::<Vec<_>>()
+        };
+        let of_detector = |it: &DetectorEntry| {
+            let doubts = it.doubts.iter();
+            doubts.map(|doubt| format!("The boxes of {} are suspect: {doubt}.", it.name)).collect::<Vec<_>>()
+        };
+        let of_datasets = self.datasets.iter().flat_map(of_dataset);
+        of_datasets.chain(self.detectors.iter().flat_map(of_detector)).collect()
     }
 
     /// What is judged one by one, for people.

@@ -172,6 +172,7 @@ mod tests {
                 end: within(scans.end),
                 selected: String::new(),
                 n_labels: 0,
+                n_labeled_scans: 0,
             }
         };
         let record = ShardRecord {

@@ -63,6 +63,9 @@ pub struct ShardPart {
     pub selected: String,
     /// Annotations of any kind in its scans.
     pub n_labels: u64,
+    /// Scans whose labels say something, if only that nothing stands there.
+    #[serde(default)]
+    pub n_labeled_scans: u64,
 }
 
 /// How many rows of `scans.csv` were made on a processor; of a sweep, how many scans were timed on it.

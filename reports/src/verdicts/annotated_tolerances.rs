@@ -62,8 +62,10 @@ fn meaning(rule: &Rule, sizes: &Sizes) -> String {
     if !rule.parts.contains(&Slice::All.name()) {
         return sizes.slices.meaning.clone();
     }
-    let meant = sizes.metric.iter().filter(|it| rule.metrics.contains(&it.id));
-    meant.map(|it| it.meaning.as_str()).collect::<Vec<_>>().join("\n")
+    let of_negatives = (&sizes.negatives.metric, &sizes.negatives.meaning);
+    let meanings = sizes.metric.iter().map(|it| (&it.id, &it.meaning)).chain([of_negatives]);
+    let meant = meanings.filter(|(id, _)| rule.metrics.contains(id));
+    meant.map(|(_, meaning)| meaning.as_str()).collect::<Vec<_>>().join("\n")
 }
 
 /// What a rule means, and the beginning of its table.

@@ -24,6 +24,7 @@ pub(super) const OF_OBJECTS: &str = include_str!("partial_tolerances.toml");
 #[serde(deny_unknown_fields)]
 pub(super) struct Sizes {
     pub(super) metric: Vec<MetricSize>,
+    pub(super) negatives: NegativeSize,
     pub(super) slices: SliceSize,
     pub(super) protocols: ProtocolSize,
     pub(super) speed: SpeedSize,
@@ -34,6 +35,16 @@ pub(super) struct Sizes {
 #[serde(deny_unknown_fields)]
 pub(super) struct MetricSize {
     pub(super) id: String,
+    pub(super) meaning: String,
+    absolute: f64,
+    relative: f64,
+}
+
+/// Of a count where no annotation counts.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NegativeSize {
+    pub(super) metric: String,
     pub(super) meaning: String,
     absolute: f64,
     relative: f64,
@@ -91,7 +102,8 @@ impl Tolerances {
             of_metrics.flat_map(|it| numbers.rules_about(&it.id, &all, [it.absolute, it.relative]));
         let SliceSize { metric, patterns, absolute, relative, .. } = &sizes.slices;
         let of_slices = numbers.rules_about(metric, patterns, [*absolute, *relative]);
-        let quality = of_metrics.chain(of_slices).collect();
+        let quality =
+            of_metrics.chain(numbers.rules_of_negatives(&sizes.negatives)).chain(of_slices).collect();
         let speed = numbers.speed_rule(sizes.speed.relative);
         let protocols = protocol_rules(baseline, &sizes.protocols);
         Self {
@@ -180,6 +192,22 @@ impl Numbers<'_> {
             })
         });
         rules.collect()
+    }
+
+    /// About false detections, in the tasks in which no annotation counts.
+    fn rules_of_negatives(&self, size: &NegativeSize) -> Vec<Rule> {
+        let all = Slice::All.name();
+        let rules =
+            self.rules_about(&size.metric, std::slice::from_ref(&all), [size.absolute, size.relative]);
+        let is_negative = |task: &String| {
+            let task = self.tally.tasks().iter().find(|it| it.name() == task);
+            task.is_some_and(|it| self.detectors(&Metric::Recall, *it, &all).is_empty())
+        };
+        let only_negative = |rule: Rule| {
+            let tasks: Vec<String> = rule.tasks.into_iter().flatten().filter(is_negative).collect();
+            (!tasks.is_empty()).then(|| Rule { tasks: Some(tasks), ..rule })
+        };
+        rules.into_iter().filter_map(only_negative).collect()
     }
 
     /// Of the detectors that were timed; nothing if none was.

@@ -30,6 +30,8 @@ pub struct TaskRanking {
     pub lead: Option<PairedDifference>,
     /// Data sets whose frame or labels are suspect.
     pub suspect: Vec<String>,
+    /// Data sets whose labels are suspect, but right as the user says.
+    pub overruled: Vec<String>,
 }
 
 /// What one detector reached.
@@ -41,6 +43,8 @@ pub struct RankedDetector {
     pub value: Option<f64>,
     /// How sure it is.
     pub interval: Option<Interval>,
+    /// Its false detections; `None` where these cannot be known.
+    pub n_false: Option<u64>,
     /// Scans that it gave no answer to, and all its scans; `None` if it answered all.
     pub failed_scans: Option<[u64; 2]>,
 }
@@ -69,16 +73,21 @@ pub fn rankings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<T
             |detector: &str, metric: &Metric| report.row(&Subject::of_all(dataset, task, detector), metric);
         let has_f_rate =
             tally.detectors().iter().all(|it| row(it, &Metric::FRate).is_some_and(|it| it.value().is_some()));
+        let value = |detector: &str, metric: &Metric| row(detector, metric).and_then(MetricRow::value);
+        // Where nothing is annotated, a rate tells no detector from another.
+        let has_f_rate =
+            has_f_rate && tally.detectors().iter().any(|it| value(it, &Metric::Recall).is_some());
         let metric = if has_f_rate { Metric::FRate } else { Metric::Recall };
         let mut detectors: Vec<RankedDetector> = tally
             .detectors()
             .iter()
             .map(|detector| {
+                let n_false = value(detector, &Metric::Fo).map(|it| it as u64);
                 let row = row(detector, &metric);
                 let (value, interval) = (row.and_then(MetricRow::value), row.and_then(MetricRow::interval));
                 let is_here = |it: &str| pool.datasets.iter().any(|id| id == it);
                 let failed_scans = report.failed_scans(is_here, task, detector);
-                RankedDetector { detector: detector.clone(), value, interval, failed_scans }
+                RankedDetector { detector: detector.clone(), value, interval, n_false, failed_scans }
             })
             .collect();
         detectors.sort_by(|a, b| {
@@ -90,16 +99,19 @@ pub fn rankings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<T
                 |detector| tally.sample(&Question { dataset, task, detector, slice: Slice::All }, &draws);
             paired_difference(&sample(&second.detector)?, &sample(&detectors[0].detector)?, &metric)
         });
-        let (suspect, has_others) = (suspect(manifest, pool), pools.len() > 1);
-        TaskRanking { task, pool: pool.clone(), has_others, metric, detectors, lead, suspect }
+        let suspect = those_with(manifest, pool, |it| &it.doubts);
+        let overruled = those_with(manifest, pool, |it| &it.overruled_doubts);
+        let (pool, has_others) = (pool.clone(), pools.len() > 1);
+        TaskRanking { task, pool, has_others, metric, detectors, lead, suspect, overruled }
     };
     let of_task = |task: &Task| pools.iter().map(|it| ranking(*task, it)).collect::<Vec<_>>();
     tally.tasks().iter().flat_map(of_task).collect()
 }
 
-fn suspect(manifest: &Manifest, pool: &Pool) -> Vec<String> {
+/// The data sets of `pool` that have any of these `doubts`.
+fn those_with(manifest: &Manifest, pool: &Pool, doubts: fn(&DatasetEntry) -> &Vec<String>) -> Vec<String> {
     let datasets = manifest.datasets.iter().filter(|it| pool.datasets.contains(&it.id));
-    datasets.filter(|it| !it.doubts.is_empty()).map(|it| it.id.clone()).collect()
+    datasets.filter(|it| !doubts(it).is_empty()).map(|it| it.id.clone()).collect()
 }
 
 /// How long the detectors of a run take: on the recorded data sets, and on the simulated ones.
@@ -123,12 +135,20 @@ impl TaskRanking {
     /// Who leads, in a sentence. A second sentence is about the detectors that it does not name, and one more about each
     /// detector that gave no answer to some scans.
     pub fn sentence(&self) -> String {
-        format!("{}{}{}", self.sentence_of_rates(), self.sentence_of_others(), self.sentence_of_failures())
+        let of_rates = self.sentence_of_rates() + &self.sentence_of_others();
+        of_rates + &self.sentence_of_failures() + &self.sentence_of_overruled()
     }
 
     /// The same without the second sentence, where a table is above it.
     pub fn short_sentence(&self) -> String {
-        self.sentence_of_rates() + &self.sentence_of_failures()
+        self.sentence_of_rates() + &self.sentence_of_failures() + &self.sentence_of_overruled()
+    }
+
+    fn sentence_of_overruled(&self) -> String {
+        if self.overruled.is_empty() || !self.suspect.is_empty() {
+            return String::new();
+        }
+        format!(" Doubts about the labels of {} were overruled.", self.overruled.join(", "))
     }
 
     fn sentence_of_failures(&self) -> String {
@@ -167,6 +187,12 @@ impl TaskRanking {
         format!("Task {}{on}: ", self.task)
     }
 
+    /// How many each detector has; `None` where these cannot be known.
+    fn false_detections(&self) -> Option<String> {
+        let counts = self.detectors.iter().map(|it| Some(format!("{} {}", it.detector, it.n_false?)));
+        Some(counts.collect::<Option<Vec<_>>>()?.join(", "))
+    }
+
     fn sentence_of_rates(&self) -> String {
         let about = self.about();
         let metric = match self.metric {
@@ -175,7 +201,12 @@ impl TaskRanking {
         };
         let defined: Vec<&RankedDetector> = self.detectors.iter().filter(|it| it.value.is_some()).collect();
         match (&defined[..], &self.lead) {
-            ([], _) => format!("{about}{metric} is undefined."),
+            ([], _) => match self.false_detections() {
+                Some(counts) => {
+                    format!("{about}nothing is annotated that counts; false detections: {counts}.")
+                }
+                None => format!("{about}{metric} is undefined."),
+            },
             _ if !self.suspect.is_empty() => {
                 format!(
                     "{about}no verdict, since frame or labels of {} are suspect.",
@@ -311,7 +342,13 @@ mod tests {
 
     fn ranked(detector: &str, value: Option<f64>) -> RankedDetector {
         let interval = value.map(|it| Interval { ends: [it - 0.02, it + 0.01], blocks: drives(12) });
-        RankedDetector { detector: detector.to_owned(), value, interval, failed_scans: None }
+        RankedDetector {
+            detector: detector.to_owned(),
+            value,
+            interval,
+            n_false: Some(3),
+            failed_scans: None,
+        }
     }
 
     fn ranking(values: &[Option<f64>], lead: Option<[f64; 3]>) -> TaskRanking {
@@ -326,7 +363,16 @@ mod tests {
         });
         let pool = pools([("street", Origin::Simulated)]).remove(0);
         let (task, metric) = (Task::Objects, Metric::FRate);
-        TaskRanking { task, pool, has_others: false, metric, detectors, lead, suspect: Vec::new() }
+        TaskRanking {
+            task,
+            pool,
+            has_others: false,
+            metric,
+            detectors,
+            lead,
+            suspect: Vec::new(),
+            overruled: Vec::new(),
+        }
     }
 
     #[test]
@@ -344,6 +390,18 @@ mod tests {
                 "Task objects on kitti (recorded): grid has an F-rate of 70.0 % (68.0 to 71.0)."
             ]
         );
+    }
+
+    #[test]
+    fn where_nothing_is_annotated_false_detections_are_counted() {
+        let mut empty = ranking(&[None, None], None);
+        assert_eq!(
+            empty.sentence(),
+            "Task objects (simulated): nothing is annotated that counts; false detections: grid 3, tree 3."
+        );
+        empty.detectors[0].n_false = None;
+        empty.metric = Metric::Recall;
+        assert_eq!(empty.sentence(), "Task objects (simulated): recall is undefined.");
     }
 
     #[test]
@@ -416,6 +474,10 @@ mod tests {
         assert_eq!(suspect.sentence(), expected);
         suspect.detectors.truncate(1);
         assert_eq!(suspect.sentence(), expected);
+        (suspect.suspect, suspect.overruled) = (Vec::new(), vec!["mine".to_owned()]);
+        let said = suspect.sentence();
+        assert!(said.contains("grid has an F-rate"), "{said}");
+        assert!(said.ends_with(" Doubts about the labels of mine were overruled."), "{said}");
     }
 
     #[test]

@@ -89,8 +89,6 @@ pub struct Judged {
     pub n_scans: u64,
     /// Annotations that count, in the task with the most of them.
     pub n_annotations: u64,
-    /// Annotations of any kind.
-    pub n_labels: u64,
 }
 
 impl<'a> JudgedScan<'a> {
@@ -149,7 +147,6 @@ pub fn run_watched<E: From<RunError>>(
         let judged = JudgedScan::new(watched, &results);
         judged_so_far.n_scans += 1;
         judged_so_far.n_annotations += judged.n_annotations();
-        judged_so_far.n_labels += judged.results.scan.annotations.len() as u64;
         sinks.iter_mut().try_for_each(|it| it.add_scan(&judged))
     })?;
     sinks.iter_mut().try_for_each(|it| it.end_dataset())?;

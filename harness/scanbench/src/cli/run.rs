@@ -7,7 +7,7 @@ use evaluation::run::detector_list::DEFAULT_DETECTORS;
 use evaluation::run::side_by_side::OnDetectorFailure;
 
 use super::detectors::detectors_help;
-use super::help_text::{DETECTORS, OUTPUT, with_details};
+use super::help_text::{DATA, DETECTORS, OUTPUT, with_details};
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
 use super::protocols::ProtocolArgs;
@@ -33,6 +33,12 @@ pub struct RunArgs {
     /// What becomes of damaged ones.
     #[command(flatten)]
     pub damage: DamageArgs,
+    /// Say that the labels are right, where they look suspect
+    ///
+    /// Labels that do not lie where the points are leave a run without a verdict. This overrules such doubts. They are still
+    /// reported, and the run says that they were overruled.
+    #[arg(long, hide_short_help = true, help_heading = DATA)]
+    pub labels_are_right: bool,
     /// The detectors, in the order of the tables.
     #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = detectors_help(), hide_default_value = true)]
     #[arg(default_values = DEFAULT_DETECTORS, help_heading = DETECTORS)]

@@ -49,9 +49,9 @@ const ON_GROUND_M: f64 = 0.2;
 pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
     let proposed = suspicion_of_proposals(&opened);
     let mut opened = look_at_scans(opened, config);
-    if let Some(suspicion) = proposed {
+    opened.first_look.suspicions.extend(proposed);
+    for suspicion in &opened.first_look.suspicions {
         warn_of(&opened.dataset.description().id, suspicion);
-        opened.first_look.suspicions.push(suspicion);
     }
     opened
 }
@@ -95,7 +95,11 @@ pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunCon
     }
     let mut look = Look::new(&opened.description, stated, &clouds);
     look.take(config, &clouds);
-    let (mounting, _) = look.reported();
+    let id = opened.description.id.clone();
+    let (mounting, first_look) = look.reported();
+    for suspicion in &first_look.suspicions {
+        warn_of(&id, suspicion);
+    }
     mounting.describe(&mut opened.description);
     mounting.move_scan(&mut opened.scan);
 }
@@ -134,7 +138,7 @@ fn suspicion_of_proposals(opened: &OpenedDataset) -> Option<FrameSuspicion> {
     proposed_suspicion(&first_scans(opened), &list).map(FrameSuspicion::Labels)
 }
 
-fn warn_of(id: &str, suspicion: FrameSuspicion) {
+fn warn_of(id: &str, suspicion: &FrameSuspicion) {
     let (subject, are) =
         if let FrameSuspicion::Labels(_) = suspicion { ("labels", "are") } else { ("frame", "is") };
     print_diagnostic(format_args!("warning: the {subject} of {id:?} {are} suspect: {suspicion}"));
@@ -169,7 +173,7 @@ fn take_density(config: &mut RunConfig, [id, sensor]: [&str; 2], clouds: &[&Poin
 }
 
 /// As many points of `cloud` as are enough to look at: every second, or third, and so on, of larger ones.
-fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
+pub fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
     if cloud.len() <= ENOUGH_POINTS {
         return Cow::Borrowed(cloud);
     }
@@ -348,11 +352,9 @@ impl Look {
         } else {
             print_diagnostic(sentence);
         }
-        for suspicion in &self.suspicions {
-            warn_of(&self.id, *suspicion);
-        }
         let label_points = self.labels.points().map(SeenLabels::of);
-        (self.mounting, FirstLook { seen: Some(self.seen), label_points, suspicions: self.suspicions })
+        let (seen, suspicions) = (Some(self.seen), self.suspicions);
+        (self.mounting, FirstLook { seen, label_points, suspicions, ..FirstLook::default() })
     }
 
     /// What was seen, and which of it the run uses.

@@ -15,6 +15,23 @@ pub struct FirstLook {
     pub label_points: Option<SeenLabels>,
     /// Why its frame or its labels are suspect.
     pub suspicions: Vec<FrameSuspicion>,
+    /// Whether the user says that the labels are right, whatever is suspect about them.
+    pub labels_are_right: bool,
+}
+
+impl FirstLook {
+    /// Whether labels are in doubt, and the user has not overruled it.
+    pub fn doubts_labels(&self) -> bool {
+        !self.labels_are_right && self.suspicions.iter().any(|it| it.is_about_labels() && it.is_doubt())
+    }
+
+    /// The doubts about numbers, and those of them that the user overruled, a sentence each.
+    pub fn doubts(&self) -> [Vec<String>; 2] {
+        let is_overruled = |it: &&FrameSuspicion| self.labels_are_right && it.is_about_labels();
+        let (overruled, doubts): (Vec<_>, Vec<_>) =
+            self.suspicions.iter().filter(|it| it.is_doubt()).partition(is_overruled);
+        [doubts, overruled].map(|it| it.into_iter().map(ToString::to_string).collect())
+    }
 }
 
 /// Who says how the sensor is mounted.

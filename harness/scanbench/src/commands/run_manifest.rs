@@ -99,7 +99,7 @@ pub fn detector_entry(compared_detector: &ComparedDetector) -> DetectorEntry {
     let rules = listed.build(config, 0.0).rules();
     let rules = rules.iter().map(ToString::to_string).collect();
     let vehicles = Some(chosen.vehicles_in_words(config));
-    DetectorEntry { name: (*name).to_owned(), parameters, rules, vehicles, foreign: None }
+    DetectorEntry { name: (*name).to_owned(), parameters, rules, vehicles, doubts: Vec::new(), foreign: None }
 }
 
 fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> DetectorEntry {
@@ -131,6 +131,7 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
         parameters: foreign.parameters(config).into(),
         rules: has_bounds.then(|| Rule::SizeBounds.to_string()).into_iter().collect(),
         vehicles: Some(chosen.vehicles_in_words(config)),
+        doubts: Vec::new(),
         foreign: Some(entry),
     }
 }
@@ -181,6 +182,7 @@ pub fn refuse_other_scans(
 /// What a manifest says of a data set of which the scans of `selection` were chosen, or all.
 pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> DatasetEntry {
     let description = opened.dataset.description();
+    let [doubts, overruled_doubts] = opened.first_look.doubts();
     DatasetEntry {
         id: description.id.clone(),
         format: description.format.clone(),
@@ -195,13 +197,8 @@ pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> Dataset
         skipped_scans: opened.skipped.borrow().clone(),
         seen: opened.first_look.seen.clone(),
         label_points: opened.first_look.label_points.clone(),
-        doubts: opened
-            .first_look
-            .suspicions
-            .iter()
-            .filter(|it| it.is_doubt())
-            .map(ToString::to_string)
-            .collect(),
+        doubts,
+        overruled_doubts,
         classes: opened.classes.written(),
         n_points_left_out: opened.points_left_out.n_points_in(&opened.scan_indices) as u64,
         selection: selection.map(str::to_owned),

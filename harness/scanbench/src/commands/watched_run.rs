@@ -125,21 +125,42 @@ impl<'a> WatchedRun<'a> {
     }
 }
 
-/// Reports that nothing is to be found in the scans of a data set: a warning if there are no labels, and an error if there
-/// are some but none counts.
+/// Labels of a data set in which nothing is to be found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Labels {
+    /// No scan is labelled.
+    None,
+    /// Scans are labelled, and nothing stands there.
+    OfNothing {
+        /// Number of these scans.
+        n_labeled_scans: u64,
+    },
+    /// Objects are labelled, of which none counts.
+    OfObjects,
+}
+
+/// Reports that nothing is to be found in the scans of a data set: a warning if there are no labels, or if they say that
+/// nothing stands there, and an error if there are objects but none counts.
 pub fn report_nothing_to_find(
     id: &str,
-    has_labels: bool,
+    labels: Labels,
     n_scans: u64,
     suspicions: &[String],
 ) -> Result<(), Failure> {
-    if !has_labels {
-        print_diagnostic(format_args!(
+    match labels {
+        Labels::None => print_diagnostic(format_args!(
             "warning: {id:?} has no labels: nothing is scored, and detectors are compared with one another"
-        ));
-        return Ok(());
+        )),
+        Labels::OfNothing { n_labeled_scans } => print_diagnostic(format_args!(
+            "warning: nothing is annotated in the {n_labeled_scans} labelled scans of {id:?}: every detection there is false, \
+             and recall is undefined"
+        )),
+        Labels::OfObjects => {
+            let why =
+                if suspicions.is_empty() { String::new() } else { format!("; {}", suspicions.join("; ")) };
+            let reason = format!("none of the {n_scans} scans of {id:?} has an annotation that counts{why}");
+            return Err(NothingEvaluated { reason }.into());
+        }
     }
-    let why = if suspicions.is_empty() { String::new() } else { format!("; {}", suspicions.join("; ")) };
-    let reason = format!("none of the {n_scans} scans of {id:?} has an annotation that counts{why}");
-    Err(NothingEvaluated { reason }.into())
+    Ok(())
 }

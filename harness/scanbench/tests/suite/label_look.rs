@@ -1,7 +1,9 @@
 //! Labels that do not lie where the points are, or that a detector made, are heard before anything rests on them.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::program::{Prepared, Workplace};
+use std::path::Path;
+
+use crate::program::{Prepared, Workplace, copy_folder};
 
 /// Simulated scans with boxes, as if they were recorded: no file says where they come from.
 fn recorded() -> Workplace {
@@ -16,7 +18,12 @@ fn recorded() -> Workplace {
 
 /// Rewrites the numbers of every line of KITTI's labels: height, width, length, x, y, z and yaw.
 fn rewrite(workplace: &Workplace, change: impl Fn(&mut [f64])) {
-    for entry in std::fs::read_dir(workplace.path("drive/training/label_02")).unwrap() {
+    rewrite_in(&workplace.path("drive/training/label_02"), change);
+}
+
+/// The same of all files in a folder.
+fn rewrite_in(folder: &Path, change: impl Fn(&mut [f64])) {
+    for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let line = |line: &str| {
             let (head, numbers): (Vec<&str>, Vec<&str>) = {
@@ -55,6 +62,21 @@ fn swapped_sides_are_heard_and_no_verdict_is_drawn() {
     ]);
     ended.check_stdout(&["no verdict, since frame or labels of drive are suspect."]);
     workplace.check_file("out/report.html", &["it looks as if length and width are swapped"]);
+    ended.check_stderr(&["if they are right, say so with --labels-are-right"]);
+    // The user has the last word, and everybody is told.
+    let ended = workplace.succeed(&(RUN, "--labels-are-right"));
+    ended.check_stderr(&["swap length and width in the labels"]);
+    assert!(!ended.stderr.contains("say so with"), "{ended:#?}");
+    ended.check_stdout(&["Doubts about the labels of drive were overruled."]);
+    assert!(!ended.stdout.contains("no verdict"), "{ended:#?}");
+    let overruled = &workplace.json("out/manifest.json")["datasets"][0];
+    assert!(overruled["doubts"].is_null(), "{overruled:#}");
+    assert_eq!(overruled["overruled_doubts"].as_array().map(Vec::len), Some(1), "{overruled:#}");
+    let said = "The labels of drive are right, says the user (--labels-are-right), though the points of";
+    workplace.check_file("out/report.html", &[said]);
+    workplace.succeed("gate out -b out -o verdict").check_stdout(&[said]);
+    workplace.check_file("verdict/gate.json", &["says the user (--labels-are-right)"]);
+    workplace.check_file("verdict/gate.md", &[said]);
     let checked = workplace.succeed("data check drive").stdout;
     assert!(checked.contains("it looks as if length and width are swapped"), "{checked}");
 }
@@ -96,4 +118,47 @@ fn labels_that_a_detector_made_do_not_judge_it() {
     }
     let ended = workplace.succeed(run);
     assert!(!ended.stderr.contains("suspect"), "{ended:#?}");
+}
+
+/// Results that lie as labels do, damaged by `change`: what is said of them has all `parts`; without any, nothing is said.
+#[track_caller]
+fn check_results(workplace: &Workplace, change: impl Fn(&mut [f64]), parts: &[&str]) {
+    let found = workplace.path("found");
+    if found.exists() {
+        std::fs::remove_dir_all(&found).unwrap();
+    }
+    copy_folder(&workplace.path("drive/training/label_02"), &found);
+    rewrite_in(&found, change);
+    let run = "run drive -d simple-grid --detections net=found --no-rrd -o out --overwrite";
+    let ended = workplace.succeed(run);
+    let entry = &workplace.json("out/manifest.json")["detectors"];
+    let doubts = entry.as_array().unwrap().iter().find(|it| it["name"] == "net").unwrap()["doubts"].clone();
+    if parts.is_empty() {
+        assert!(!ended.stderr.contains("suspect") && doubts.is_null(), "{ended:#?} {doubts}");
+        return;
+    }
+    ended.check_stderr(&["warning: the boxes of the detector \"net\" are suspect: on drive, "]);
+    ended.check_stderr(parts);
+    for part in parts {
+        assert!(doubts.to_string().contains(part), "{part}: {doubts}");
+    }
+    workplace.check_file("out/report.html", &["The boxes of net are suspect: on drive, "]);
+}
+
+#[test]
+fn results_get_the_look_that_labels_get() {
+    let workplace = recorded();
+    check_results(&workplace, |_| {}, &[]);
+    check_results(&workplace, |it| it[6] = it[6].to_degrees(), &["as if they were degrees"]);
+    check_results(&workplace, |it| it[4] += 0.5 * it[0], &["add half the height of each box"]);
+    check_results(&workplace, |it| it.swap(1, 2), &["swap length and width in the results", "times as well"]);
+    // Boxes that are merely bad: a little too large, turned and off.
+    let bad = |it: &mut [f64]| {
+        it[1] *= 1.2;
+        it[2] *= 1.15;
+        it[3] += 0.2;
+        it[5] -= 0.3;
+        it[6] += 0.1;
+    };
+    check_results(&workplace, bad, &[]);
 }

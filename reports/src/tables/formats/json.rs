@@ -30,6 +30,8 @@ pub(crate) struct VerdictRecord<'a> {
     speeds: Vec<SpeedRecord<'a>>,
     /// Why times were not compared, where a rule is about them.
     speed_not_compared: Option<&'a str>,
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    doubts: &'a [String],
     configuration_changes: &'a [String],
     /// Claims of the papers of which something else comes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -123,6 +125,7 @@ impl Format<Verdict> for Json {
             metrics: verdict.metrics.iter().map(metric_record).collect(),
             speeds: verdict.speeds.iter().map(speed_record).collect(),
             speed_not_compared: verdict.speed_not_compared.as_deref(),
+            doubts: &verdict.doubts,
             configuration_changes: &verdict.configuration_changes,
             claims: verdict.claims.iter().map(claim_record).collect(),
             drift_rule: verdict.tolerances.drift.name(),

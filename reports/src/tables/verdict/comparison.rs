@@ -43,6 +43,8 @@ pub struct Comparison {
     /// Number of scans on which results of a detector changed; `None` where two detectors are compared, of which that is
     /// expected.
     pub n_changed_scans: Option<usize>,
+    /// What is suspect of data sets and detectors, and what users overruled, a sentence each.
+    pub doubts: Vec<String>,
     /// What changed in the configuration of detectors, a text each.
     pub configuration_changes: Vec<String>,
     /// Detectors that only the later run has.
@@ -94,6 +96,7 @@ pub fn compare_runs(
         differences,
         unit: after.manifest.unit(),
         n_changed_scans: Some(drift(before, after).len()),
+        doubts: after.manifest.doubts_in_words(),
         configuration_changes: configuration_changes(before, after),
         new_detectors: detectors_only_in(after, before),
         other_results: detectors_with_other_results(before, after),
@@ -122,6 +125,7 @@ pub fn compare_detectors(
         differences,
         unit,
         n_changed_scans: None,
+        doubts: run.manifest.doubts_in_words(),
         configuration_changes: Vec::new(),
         new_detectors: Vec::new(),
         other_results: Vec::new(),
@@ -250,7 +254,7 @@ impl Comparison {
         let about_configuration = about_configuration(&self.configuration_changes);
         let of_sides =
             about_scans.into_iter().chain(about_configuration).chain(about_new).chain(about_results);
-        [about_numbers].into_iter().chain(of_sides).collect()
+        [about_numbers].into_iter().chain(self.doubts.iter().cloned()).chain(of_sides).collect()
     }
 
     fn grid(&self) -> Grid {

@@ -88,6 +88,7 @@ pub(crate) fn about_judging(verdict: &Verdict) -> Vec<String> {
 /// Claims that changed, and what could not be judged although no number is missing.
 fn caveats(verdict: &Verdict) -> Vec<String> {
     let mut lines: Vec<String> = verdict.claims.iter().map(ChangedClaim::in_words).collect();
+    lines.extend(verdict.doubts.iter().cloned());
     lines.extend(about_configuration(&verdict.configuration_changes));
     lines.extend(verdict.speed_not_compared.as_ref().map(|it| format!("Speed was not compared: {it}.")));
     if !verdict.new_detectors.is_empty() {

@@ -47,6 +47,8 @@ pub struct Verdict {
     pub claims: Vec<ChangedClaim>,
     /// Scans on which results of a detector changed.
     pub drift: Vec<ScanDrift>,
+    /// What is suspect of the later run's data sets and detectors, and what its user overruled, a sentence each.
+    pub doubts: Vec<String>,
     /// What changed in the configuration of detectors, a text each.
     pub configuration_changes: Vec<String>,
     /// Detectors that only the later run has.
@@ -260,6 +262,7 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
         speed_not_compared,
         claims: changed_claims(&baseline.claims, &run.claims),
         drift: drift(baseline, run),
+        doubts: run.manifest.doubts_in_words(),
         configuration_changes: configuration_changes(baseline, run),
         new_detectors: detectors_only_in(run, baseline),
         tolerances: tolerances.clone(),

@@ -235,7 +235,13 @@ fn parts(sets: &[Compared], ranges: &[Range<usize>]) -> Vec<ShardPart> {
     let part = |(set, range): (&Compared, &Range<usize>)| {
         let classes: Vec<&str> = set.judged.classes().iter().map(|it| it.name()).collect();
         let selected = sha256(classes.join("\n").as_str());
-        ShardPart { first: range.start as u64, end: range.end as u64, selected, n_labels: 0 }
+        ShardPart {
+            first: range.start as u64,
+            end: range.end as u64,
+            selected,
+            n_labels: 0,
+            n_labeled_scans: 0,
+        }
     };
     sets.iter().zip(ranges).map(part).collect()
 }

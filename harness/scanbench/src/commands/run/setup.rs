@@ -15,6 +15,7 @@ use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::opened_results::OpenedResults;
 use crate::commands::progress::RunProgress;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
+use crate::commands::standard_streams::print_diagnostic;
 use crate::commands::watched_run::WatchedRun;
 
 /// Who runs with which parameters; no data set is open yet.
@@ -43,7 +44,16 @@ impl ChosenRun {
         for it in &mut datasets {
             it.stated.transform |= has_results;
         }
-        let datasets = look_first_at_all(datasets, &mut config);
+        let mut datasets = look_first_at_all(datasets, &mut config);
+        for it in &mut datasets {
+            it.first_look.labels_are_right = arguments.labels_are_right;
+            if it.first_look.doubts_labels() {
+                let id = &it.dataset.description().id;
+                print_diagnostic(format_args!(
+                    "{id}: no verdict rests on suspect labels; if they are right, say so with --labels-are-right"
+                ));
+            }
+        }
         let compared_detectors: Vec<ComparedDetector> =
             chosen.into_iter().map(|it| ComparedDetector::of(it, &config)).collect();
         let missing = arguments.foreign.missing_detections.rule();

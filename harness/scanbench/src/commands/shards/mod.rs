@@ -9,6 +9,7 @@ pub mod whole_manifest;
 pub mod executor;
 pub mod shard_entry;
 pub mod shard_journal;
+pub mod detection_look;
 pub mod shard_files;
 pub mod rows_of_shards;
 pub mod whole_run;

@@ -28,6 +28,13 @@ pub enum ShardEntry {
         /// What is wrong with it.
         reason: String,
     },
+    /// Boxes of a detector are suspect.
+    Doubt {
+        /// Its name.
+        detector: String,
+        /// On which data set, and why.
+        doubt: String,
+    },
     /// A recording was completed.
     Recorded(ShardRecording),
 }
@@ -41,6 +48,8 @@ pub struct ShardScan {
     pub place: usize,
     /// Its number among all scans of the run.
     pub number: u64,
+    /// Whether its labels say something, if only that nothing stands there.
+    pub is_labeled: bool,
     /// Annotations of any kind.
     pub n_labels: u64,
     /// Points without a position.
@@ -55,7 +64,7 @@ pub struct ShardScan {
     pub stages: String,
     /// Lines of the files of protocols of others.
     pub official: OfficialLines,
-    /// How far detectors agree; nothing where something is labelled.
+    /// How far detectors agree; nothing of a labelled scan.
     pub agreement: Vec<AgreementRow>,
     /// What the sensor saw around those of its mistakes that may be among the worst.
     pub patches: Vec<Patch>,
@@ -81,7 +90,7 @@ impl ShardProgress {
                 self.n_scans += 1;
                 self.next_indices.insert(scan.dataset_idx, scan.place + 1);
             }
-            ShardEntry::Skipped { .. } | ShardEntry::Recorded(_) => {}
+            ShardEntry::Skipped { .. } | ShardEntry::Doubt { .. } | ShardEntry::Recorded(_) => {}
         }
     }
 }

@@ -53,6 +53,7 @@ pub fn write_shard_files(
 #[derive(Default)]
 struct DatasetSoFar {
     n_labels: u64,
+    n_labeled_scans: u64,
     n_points_left_out: u64,
     skipped: Vec<SkippedScan>,
     skipped_names: BTreeSet<String>,
@@ -74,6 +75,8 @@ struct ShardFiles {
     worst: WorstObjects<SeenMistake>,
     processors: Vec<ProcessorRows>,
     recordings: Vec<ShardRecording>,
+    // Names of detectors, and why their boxes are suspect.
+    doubts: Vec<(String, String)>,
 }
 
 impl ShardFiles {
@@ -96,6 +99,7 @@ impl ShardFiles {
             worst: WorstObjects::default(),
             processors: Vec::new(),
             recordings: Vec::new(),
+            doubts: Vec::new(),
         })
     }
 
@@ -114,6 +118,7 @@ impl ShardFiles {
                     dataset.skipped.push(SkippedScan { scan, reason });
                 }
             }
+            ShardEntry::Doubt { detector, doubt } => self.doubts.push((detector, doubt)),
             ShardEntry::Recorded(recording) => self.recordings.push(recording),
         }
         Ok(())
@@ -122,6 +127,7 @@ impl ShardFiles {
     fn add_scan(&mut self, scan: ShardScan) -> Result<(), Failure> {
         let dataset = &mut self.datasets[scan.dataset_idx];
         dataset.n_labels += scan.n_labels;
+        dataset.n_labeled_scans += u64::from(scan.is_labeled);
         dataset.n_points_left_out += scan.n_points_left_out;
         add_agreement(&mut dataset.agreement, scan.agreement);
         if let Some(processor) = self.processors.last_mut() {
@@ -162,15 +168,23 @@ impl ShardFiles {
         let mut agreement = Vec::new();
         for (dataset_idx, dataset) in self.datasets.into_iter().enumerate() {
             record.parts[dataset_idx].n_labels = dataset.n_labels;
+            record.parts[dataset_idx].n_labeled_scans = dataset.n_labeled_scans;
             let entry = &mut manifest.datasets[dataset_idx];
             entry.n_points_left_out = dataset.n_points_left_out;
             entry.skipped_scans.extend(dataset.skipped);
-            if dataset.n_labels == 0 {
+            if dataset.n_labeled_scans == 0 {
                 agreement.extend(dataset.agreement);
             }
         }
         if !agreement.is_empty() {
             record.files.push(write_checksummed(folder, AGREEMENT_CSV, &to_csv_bytes(&agreement)?)?);
+        }
+        for (detector, doubt) in self.doubts {
+            let entry = manifest.detectors.iter_mut().find(|it| it.name == detector);
+            // Whoever was interrupted may have looked twice.
+            if let Some(entry) = entry.filter(|it| !it.doubts.contains(&doubt)) {
+                entry.doubts.push(doubt);
+            }
         }
         record.processors = self.processors;
         record.recordings = self.recordings;

@@ -105,6 +105,7 @@ impl RunSink<Failure> for ShardJournal<'_> {
             dataset_idx: self.dataset_idx,
             place: judged.results.run_idx,
             number: judged.number() as u64,
+            is_labeled: scan.is_labeled(),
             n_labels: scan.annotations.len() as u64,
             n_points_left_out: scan.points_left_out.len() as u64,
             scans: text(to_csv_lines(tasks.iter().map(|it| &it.scan))?),
@@ -112,7 +113,7 @@ impl RunSink<Failure> for ShardJournal<'_> {
             matches: text(to_csv_lines(tasks.iter().flat_map(|it| &it.matches))?),
             stages: text(to_csv_lines(judged.rows.iter().flat_map(|it| &it.stages))?),
             official: self.official_lines(judged)?,
-            agreement: if scan.annotations.is_empty() { agreement_of(judged) } else { Vec::new() },
+            agreement: if scan.is_labeled() { Vec::new() } else { agreement_of(judged) },
             patches: self.patches(judged),
         };
         self.end.set(Some(entry.number + 1));

@@ -36,7 +36,13 @@ pub fn take_share(datasets: &mut [OpenedDataset], shard: Shard) -> ShareOfWork {
     let mut parts = Vec::new();
     for ((opened, times), range) in datasets.iter_mut().zip(times).zip(ranges) {
         let selected = checksum_of_selected(opened, &times);
-        parts.push(ShardPart { first: range.start as u64, end: range.end as u64, selected, n_labels: 0 });
+        parts.push(ShardPart {
+            first: range.start as u64,
+            end: range.end as u64,
+            selected,
+            n_labels: 0,
+            n_labeled_scans: 0,
+        });
         opened.part = range;
     }
     ShareOfWork { cut_by, parts }

@@ -14,6 +14,7 @@ use reports::run_folder::shard_record::{ShardRecord, ShardRecording};
 use reports::vocabulary::shard::Shard;
 use serde_json::{Value, json};
 
+use super::detection_look::DetectionLook;
 use super::executor::{Made, SharedWork, execute};
 use super::shard_entry::{ShardEntry, ShardProgress};
 use super::shard_files::write_shard_files;
@@ -202,10 +203,11 @@ impl<S: WatchedStudy> Watched<'_, S> {
         let name = claimed.target().file_name().unwrap_or_default().to_string_lossy().into_owned();
         let recorder = study.begin_recording(&name, folder.join(&file))?;
         let every = recorder.as_ref().map(|(_, every)| *every);
-        let protocols = study.manifest().protocols;
+        let manifest = study.manifest();
         let mut sinks = if has_all { study.sinks(folder)? } else { Vec::new() };
         sinks.push(Box::new(recorder.map(|(it, _)| RerunRecording::new(it, &progress, &mut served))));
-        sinks.push(Box::new(ShardJournal::new(journal, study.datasets(), &protocols, &self.end)));
+        sinks.push(Box::new(ShardJournal::new(journal, study.datasets(), &manifest.protocols, &self.end)));
+        sinks.push(Box::new(DetectionLook::new(journal, &progress, &manifest)));
         sinks.push(Box::new(Terminal::new(&progress)));
         let ended = study.watched(&progress).run(sinks);
         let is_complete = matches!(ended, Ok(()) | Err(Failure::Interrupted(_) | Failure::Detector(_)));

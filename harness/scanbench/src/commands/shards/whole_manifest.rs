@@ -50,6 +50,13 @@ pub fn merged_manifest(shards: &[&Manifest], target: &Path, pieces: Pieces) -> M
         if let Some(introduced) = introduced {
             entry.clone_from(introduced);
         }
+        let mut doubts: Vec<String> = Vec::new();
+        for doubt in manifests().flat_map(|it| &it.detectors[detector_idx].doubts) {
+            if !doubts.contains(doubt) {
+                doubts.push(doubt.clone());
+            }
+        }
+        entry.doubts = doubts;
     }
     whole
 }

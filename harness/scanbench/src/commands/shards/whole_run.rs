@@ -7,6 +7,7 @@ use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{
     AGREEMENT_CSV, RECORDINGS_JSON, RUN_RRD, RunDirectory, WORST_POINTS_JSON,
 };
+use reports::run_folder::shard_record::ShardPart;
 use reports::vocabulary::study::Study;
 use reports::vocabulary::task::Task;
 use reports::worst::objects::{ObjectName, WorstObjects};
@@ -21,7 +22,7 @@ use crate::commands::failure::Failure;
 use crate::commands::run_numbers::{
     RunNumbers, write_agreement, write_numbers, write_protocols, write_times_of_processors,
 };
-use crate::commands::watched_run::report_nothing_to_find;
+use crate::commands::watched_run::{Labels, report_nothing_to_find};
 
 /// A run in which all scans are judged, and its numbers, which are written.
 pub struct WholeRun {
@@ -96,7 +97,7 @@ fn write_worst(
     Ok(())
 }
 
-/// How far detectors agree in the data sets in which no shard has found a label.
+/// How far detectors agree in the data sets of which no shard has found a labelled scan.
 fn agreement_of(shards: &[ShardDirectory<'_>], manifest: &Manifest) -> Result<Vec<AgreementRow>, Failure> {
     let mut sums = Vec::new();
     for shard in shards {
@@ -106,15 +107,22 @@ fn agreement_of(shards: &[ShardDirectory<'_>], manifest: &Manifest) -> Result<Ve
             add_agreement(&mut sums, rows);
         }
     }
-    sums.retain(|it: &AgreementRow| n_labels(manifest, &it.dataset) == 0);
+    sums.retain(|it: &AgreementRow| labels_of(manifest, &it.dataset) == Labels::None);
     Ok(sums)
 }
 
-/// Annotations of any kind in the scans of the data set called `id`.
-fn n_labels(manifest: &Manifest, id: &str) -> u64 {
+/// Labels in the scans of the data set called `id`.
+fn labels_of(manifest: &Manifest, id: &str) -> Labels {
     let index = manifest.datasets.iter().position(|it| it.id == id);
-    let of_shards = manifest.shards.iter().filter_map(|it| Some(it.parts.get(index?)?.n_labels));
-    of_shards.sum()
+    let sum = |count: fn(&ShardPart) -> u64| -> u64 {
+        let of_shards = manifest.shards.iter().filter_map(|it| Some(count(it.parts.get(index?)?)));
+        of_shards.sum()
+    };
+    match (sum(|it| it.n_labels), sum(|it| it.n_labeled_scans)) {
+        (0, 0) => Labels::None,
+        (0, n_labeled_scans) => Labels::OfNothing { n_labeled_scans },
+        _ => Labels::OfObjects,
+    }
 }
 
 /// What a run in one piece says of data sets in which nothing is to be found.
@@ -127,10 +135,10 @@ fn refuse_nothing(study: Study, manifest: &Manifest, tally: &Tally) -> Result<()
             .flat_map(|task| tally.detectors().iter().filter_map(move |it| Some(counts(task, it)?.no())))
             .max();
         if n_annotations.is_none_or(|it| it == 0) {
-            // A study is about labels.
-            let has_labels = study != Study::Run || n_labels(manifest, &entry.id) > 0;
+            // A study is about objects.
+            let labels = if study == Study::Run { labels_of(manifest, &entry.id) } else { Labels::OfObjects };
             let n_scans = entry.n_scans - entry.skipped_scans.len() as u64;
-            report_nothing_to_find(&entry.id, has_labels, n_scans, &entry.doubts)?;
+            report_nothing_to_find(&entry.id, labels, n_scans, &entry.doubts)?;
         }
     }
     Ok(())

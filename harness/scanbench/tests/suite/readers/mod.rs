@@ -15,6 +15,7 @@ mod commands;
 mod conversion;
 mod foreign_results;
 mod kitti_raw;
+mod labelled_and_empty;
 mod las;
 mod made;
 mod recordings;
