@@ -144,7 +144,7 @@ fn detections_are_false_where_nothing_stands() {
         ended.check_stdout(&[&said]);
         let report = workplace.json("out/report.json");
         let value = |metric: &str| {
-            let rows = report["metrics"].as_array().unwrap();
+            let rows = report["rows"].as_array().unwrap();
             let is_asked = |it: &&serde_json::Value| {
                 it["metric"] == metric && it["task"] == task && it["slice"] == "all"
             };
@@ -189,8 +189,10 @@ fn invented_vehicles_do_not_pass_a_gate() {
     assert_eq!(sum(&workplace, "run-after", ["net", "vehicles", "fo"]), 24);
     let gate = "gate run-after -b run-before --allow-drift -o verdict";
     workplace.end_with(gate, 100, &[]).check_stdout(&["FAILED: worse"]);
-    let verdict = workplace.json("verdict/gate.json").to_string();
-    assert!(verdict.contains("\"fo\""), "{verdict}");
+    let verdict = workplace.json("verdict/gate.json");
+    let is_of_net = |it: &&serde_json::Value| it["metric"] == "fo" && it["detector"] == "net";
+    let gated = verdict["metrics"].as_array().unwrap().iter().find(is_of_net);
+    assert_eq!(gated.expect("false detections are gated")["finding"], "regression", "{verdict:#}");
     workplace.succeed("gate run-after -b run-after").check_stdout(&["PASSED"]);
     workplace.succeed("baseline init run-after -o ci");
     workplace.check_file("ci/tolerances.toml", &["where no annotation counts", "metrics = [\"fo\"]"]);
