@@ -72,7 +72,9 @@ impl ScanColumns {
             PointArray::of_bin(bytes, self.n_columns_of_bin(path, bytes)?)
         };
         let columns = self.columns_of(path, array.n_columns)?;
-        array.packed(columns.fields(array.number)).positioned().map_err(damaged)?.not_empty(path)
+        let points = array.packed(columns.fields(array.number)).positioned().map_err(damaged)?;
+        // Only the header of an array can say that there are none.
+        if is_npy(path) { points.none_or_some(path) } else { points.not_empty(path) }
     }
 
     /// What the columns are and how that is known; `None` if all scans name their columns.
