@@ -493,7 +493,9 @@ mod tests {
 
     #[test]
     fn undefined_rates_lead_nothing() {
-        assert_eq!(ranking(&[None, None], None).sentence(), "Task objects (simulated): F-rate is undefined.");
+        let mut undefined = ranking(&[None, None], None);
+        undefined.detectors[1].n_false = None;
+        assert_eq!(undefined.sentence(), "Task objects (simulated): F-rate is undefined.");
         assert_eq!(
             ranking(&[Some(0.7), None], None).sentence(),
             "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0). Undefined: tree."

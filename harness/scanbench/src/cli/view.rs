@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use reports::vocabulary::class::{AnnotationClass, DetectionClass};
 use reports::vocabulary::task::Task;
 
-use super::help_text::MISTAKES;
+use super::help_text::{DATA, MISTAKES};
 use super::stream::StreamArgs;
 
 /// Arguments of `scanbench view`.
@@ -17,6 +17,9 @@ pub struct ViewArgs {
     /// Run directory
     #[arg(value_name = "RUN", help_heading = Resettable::Reset)]
     pub run: PathBuf,
+    /// Also fetch data from the addresses, and start the programs, that the run names
+    #[arg(long, help_heading = DATA)]
+    pub trust: bool,
     /// Number of mistakes to list, the worst first
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub worst: u32,
@@ -32,9 +35,6 @@ pub struct ViewArgs {
     /// Only mistakes with this annotated or detected class
     #[arg(long, value_name = "CLASS", value_parser = PossibleValuesParser::new(classes()))]
     pub class: Option<String>,
-    /// Also fetch data from the addresses, and start the programs, that the run names
-    #[arg(long, help_heading = Resettable::Reset)]
-    pub trust: bool,
     /// What is streamed to Rerun.
     #[command(flatten)]
     pub stream: StreamArgs,

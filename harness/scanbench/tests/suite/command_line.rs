@@ -280,7 +280,7 @@ fn a_full_stdout_is_an_error_and_the_run_is_there_all_the_same() {
     let mut command = workplace.command("run street -d pca -o out");
     let full = std::fs::File::options().write(true).open("/dev/full").expect("a device");
     let ended = Ended::from(command.stdout(full).output().expect("it starts"));
-    assert_eq!(ended.exit_code, Some(1), "{ended:#?}");
+    assert_eq!(ended.exit_code, Some(7), "{ended:#?}");
     ended.check_stderr(&["Run directory: out\n", "error: cannot write to stdout: No space left"]);
     assert!(workplace.path("out/report.json").is_file());
 }

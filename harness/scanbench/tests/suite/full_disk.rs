@@ -138,7 +138,7 @@ fn a_verdict_that_cannot_be_written_leaves_nothing_of_it() {
     let before = workplace.names();
     workplace.end_with(
         "gate first -b golden -o verdict",
-        1,
+        2,
         &["cannot write \"verdict/gate.md\": is a directory"],
     );
     assert_eq!(workplace.names(), before);

@@ -256,23 +256,22 @@ const PAST_THE_DOORS: [&str; 11] = [
 ];
 
 /// The doors, and files that open what nobody else can have put there, or what the user has named.
-const OPENING: [(&str, &str, &str); 20] = [
+const OPENING: [(&str, &str, &str); 19] = [
     ("reports", "files::regular_file", "the door for reading"),
     ("reports", "files::new_file", "the door for writing"),
     ("reports", "files::new_folders", "folders on the way to a result that the user names"),
+    ("reports", "files::whole_set", "folders of what was just written are brought to the disk"),
     ("reports", "run_folder::manifest", "for tests"),
     ("reports", "run_folder::run_directory", "what was just written is brought to the disk"),
     ("harness/scans", "conversion::whole_folder", "in a folder that was just made"),
     ("harness/evaluation", "process::processes", "what the system says of processes"),
     ("harness/evaluation", "process::shared_cloud", "memory that is made anew"),
+    ("harness/evaluation", "process::received_cloud", "memory of the program that asks"),
     ("harness/evaluation", "process::supervisor", "what the system says of processes; /dev/null"),
     ("harness/viewer", "recording_file", "a device or a pipe that the user names"),
     ("harness/remote", "local_file", "the door of a crate that uses no other"),
     ("harness/remote", "transfer", "folders of what is fetched"),
     ("harness/remote", "unpack", "folders of what is unpacked"),
-    ("harness/scanbench", "commands", "the folder of manual pages, which the user names"),
-    ("harness/scanbench", "commands::fit_density", "a folder that the user names"),
-    ("harness/scanbench", "commands::gate", "a folder that the user names"),
     ("harness/scanbench", "commands::interruption", "what the system says of this program"),
     ("harness/scanbench", "commands::provenance", "this program, and what the system says of the processor"),
     ("harness/scanbench", "commands::serve", "pipes and memory of the program that serves"),

@@ -161,10 +161,12 @@ fn the_kd_tree_ends_soon_in_the_middle_of_two_million_points() {
 #[test]
 fn a_reader_that_waits_for_ever_ends_soon() {
     let workplace = Workplace::new();
-    // A pipe into which nobody writes.
-    assert!(Command::new("mkfifo").arg(workplace.path("scan.bin")).status().unwrap().success());
+    // A pipe of settings into which nobody writes, though somebody could.
+    let pipe = workplace.path("settings.toml");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let _writer = std::fs::File::options().read(true).write(true).open(&pipe).unwrap();
     for turn in 0..SIGNALS.len() {
-        check(&workplace, "detect scan.bin", turn, &["scan.bin"]);
+        check(&workplace, "run street-narrow -c settings.toml", turn, &["settings.toml"]);
     }
 }
 

@@ -7,7 +7,7 @@ use statrs::distribution::{ContinuousCDF as _, StudentsT};
 /// What fits worse than this is as good as nothing.
 const LEAST_FIT: f64 = 0.02;
 /// How often a gain is at least as large as it surely is.
-const CONFIDENCE: f64 = 0.99;
+const CONFIDENCE: f64 = 0.95;
 /// A share as large as this comes by chance once in so many times, and is no chance then.
 const CHANCE: f64 = 0.035;
 

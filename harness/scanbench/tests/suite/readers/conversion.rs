@@ -262,9 +262,9 @@ impl Dataset for Drawn {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let objects = &self.objects[scan_idx];
-        // Two metres apart, so that poles do not hang together.
-        let cloud: PointCloud =
-            (0..objects.len()).map(|it| [2.0 * (it % 500) as f32, 2.0 * (it / 500) as f32, 0.0]).collect();
+        // Two metres apart, so that poles do not hang together; whole numbers would look like lasers.
+        let at_m = |step: usize| 2.0 * step as f32 + 0.25;
+        let cloud: PointCloud = (0..objects.len()).map(|it| [at_m(it % 500), at_m(it / 500), 0.0]).collect();
         let annotation = |(index, &(class, track)): (usize, &(AnnotationClass, Option<u32>))| Annotation {
             point_indices: vec![index as u32],
             track,

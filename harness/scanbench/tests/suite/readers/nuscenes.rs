@@ -83,17 +83,21 @@ fn damage_and_files_elsewhere_are_named() {
     check_damaged(workplace.folder(), &["0.pcd.bin", "41 bytes", "20 of a point"]);
 }
 
-/// `tables` with `from` written as `to`, which the program refuses with all of `parts`.
+/// `table` with the number behind each `from` written as `to`, which the program refuses with all of `parts`.
 #[track_caller]
 fn check_nan(table: &str, from: &str, to: &str, parts: &[&str]) {
     let workplace = Workplace::new();
     nuscenes(workplace.folder(), &*street(1));
     let path = workplace.path(&format!("v1.0-mini/{table}.json"));
     let text = std::fs::read_to_string(&path).unwrap();
-    let at = text.find(from).unwrap_or_else(|| panic!("{from} in {text}"));
-    let value = at + from.len();
-    let end = value + text[value..].find([',', '\n', ']']).unwrap();
-    std::fs::write(&path, format!("{}{to}{}", &text[..value], &text[end..])).unwrap();
+    let mut parts = text.split(from);
+    let mut damaged = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.find([',', '\n', ']']).unwrap();
+        damaged += &format!("{from}{to}{}", &part[end..]);
+    }
+    assert_ne!(damaged, text);
+    std::fs::write(&path, damaged).unwrap();
     check_damaged(workplace.folder(), parts);
 }
 

@@ -152,7 +152,7 @@ fn scans_that_links_lead_nowhere_to_are_refused_by_name_or_skipped() {
         ["has 3 files that cannot be read: b.npy (a link to what is not there), e.bin (", "f.pcd (a link"];
     check_damaged(&workplace.path("drive"), &parts);
     workplace.refuse("run drive -d pca --no-rrd -o out", 3, &parts);
-    let ended = workplace.succeed("run drive -d pca --no-rrd -o out --skip-damaged");
+    let ended = workplace.succeed("run drive -d pca --no-rrd -o out -P matching.min_points=1 --skip-damaged");
     ended.check_stderr(&[
         "skipped scan drive/000001: cannot read \"drive/b.npy\"",
         "skipped scan drive/000005",
@@ -186,7 +186,7 @@ fn labels_without_a_scan_are_refused_by_name_or_skipped() {
     let parts = ["labels\" does not go with the scans: 2 label files have no scan: d.json, x.json; a scan"];
     check_damaged(&workplace.path("drive"), &parts);
     workplace.refuse("data check drive", 3, &parts);
-    let ended = workplace.succeed("run drive -d pca --no-rrd -o out --skip-damaged");
+    let ended = workplace.succeed("run drive -d pca --no-rrd -o out -P matching.min_points=1 --skip-damaged");
     ended.check_stderr(&["skipped \"x.json\" of \"drive\": it is the labels of a scan that is not there"]);
     assert_eq!(
         workplace.json("out/manifest.json")["datasets"][0]["skipped_scans"].as_array().map(Vec::len),
