@@ -125,7 +125,16 @@ fn a_gate_judges_results_of_other_files() {
     }
     let compared = workplace.succeed("compare first other").stdout;
     assert!(compared.contains(said), "{compared}");
-    workplace.succeed(&["baseline", "accept", "other", "-b", "golden", "--why", "another network", "--worse"]);
+    workplace.succeed(&[
+        "baseline",
+        "accept",
+        "other",
+        "-b",
+        "golden",
+        "--why",
+        "another network",
+        "--worse",
+    ]);
     assert_eq!(gate("other", "").exit_code, Some(0));
     assert_eq!(gate("first", "").exit_code, Some(101));
 }
