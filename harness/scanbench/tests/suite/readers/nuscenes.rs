@@ -90,11 +90,11 @@ fn check_nan(table: &str, from: &str, to: &str, parts: &[&str]) {
     nuscenes(workplace.folder(), &*street(1));
     let path = workplace.path(&format!("v1.0-mini/{table}.json"));
     let text = std::fs::read_to_string(&path).unwrap();
-    let mut parts = text.split(from);
-    let mut damaged = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let end = part.find([',', '\n', ']']).unwrap();
-        damaged += &format!("{from}{to}{}", &part[end..]);
+    let mut pieces = text.split(from);
+    let mut damaged = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        let end = piece.find([',', '\n', ']']).unwrap();
+        damaged += &format!("{from}{to}{}", &piece[end..]);
     }
     assert_ne!(damaged, text);
     std::fs::write(&path, damaged).unwrap();
