@@ -11,6 +11,8 @@ use super::seen_vehicles::{SeenVehicle, SeenVehicles};
 const NEAR_SIDE_M: f32 = 0.45;
 /// Points may lie so far outside of boxes, in metres.
 const OUTSIDE_M: f32 = 0.3;
+/// Points of sides lie so far outside of boxes by noise, in metres.
+const NOISE_M: f32 = 0.1;
 /// Steps of a shift along both axes, coarse first: so large, and so many to either side, in metres.
 const SHIFT_STEPS: [(f32, i32); 3] = [(0.3, 6), (0.1, 3), (0.05, 2)];
 /// Changes with two parameters fit better by chance, and are believed if they fit so much better.
@@ -42,12 +44,13 @@ pub fn fit_of(vehicle: &SeenVehicle, correction: Option<Correction>) -> f64 {
     fit(&correction.map_or(*labelled, |it| it.of(labelled)), &vehicle.sides_m)
 }
 
-/// How many of `points_m` lie in `bounding_box`, seen from above.
+/// How many of `points_m` lie in `bounding_box` or right outside of it, where noise brings points of its sides, seen from
+/// above.
 pub fn n_inside(bounding_box: &OrientedBox, points_m: &[[f32; 2]]) -> usize {
     let [length_m, width_m, _] = bounding_box.length_width_height_m;
     let is_inside = |[x_m, y_m]: &&[f32; 2]| {
         let [along_m, across_m, _] = bounding_box.in_box_frame([*x_m, *y_m, 0.0]);
-        along_m.abs() <= 0.5 * length_m && across_m.abs() <= 0.5 * width_m
+        along_m.abs() <= 0.5 * length_m + NOISE_M && across_m.abs() <= 0.5 * width_m + NOISE_M
     };
     points_m.iter().filter(is_inside).count()
 }

@@ -20,8 +20,10 @@ const FEWEST: usize = 5;
 const ENOUGH: usize = 10;
 /// A change is believed if points fit so much better, of enough vehicles, and of few ones.
 const BELIEVED_GAIN: [f64; 2] = [1.15, 2.0];
+/// And if boxes of the same size keep so much of their points: they lose some where labels are a little off, anyway.
+const KEPT_POINTS: f64 = 0.9;
 /// And if they surely fit so much better.
-const SURE_GAIN: f64 = 1.05;
+const SURE_GAIN: f64 = 1.0;
 /// And if it makes this share of the vehicles better.
 const BELIEVED_SHARE: f64 = 0.7;
 
@@ -174,7 +176,8 @@ fn position_suspicion(
         }
     }
     let correction = better.correction;
-    let keeps_points = || !correction.keeps_size() || paired_interiors(vehicles, correction).gain() >= 1.0;
+    let keeps_points =
+        || !correction.keeps_size() || paired_interiors(vehicles, correction).gain() >= KEPT_POINTS;
     let is_believed = correction.is_large()
         && better.fits.share_larger() >= BELIEVED_SHARE
         && better.fits.is_surely_over(SURE_GAIN)
@@ -323,12 +326,13 @@ fn degrees_suspicion(scans: &[LabeledScan], vehicles: &SeenVehicles) -> Option<L
     if n_beyond < fewest || n_beyond as f64 <= least_share * n_boxes as f64 {
         return None;
     }
-    // Where points lie along the sides as they are, there is a turn too much and nothing wrong.
+    // Where points lie along the sides as they are, there is a turn too much and nothing wrong. Degrees are many turns.
     let turned = Correction::Yaw(std::f32::consts::FRAC_PI_4);
     let beyond = vehicles.seen.iter().filter(|it| is_beyond(&it.bounding_box));
     let fits = beyond.map(|it| (vehicles.object(it), [fit_of(it, Some(turned)), fit_of(it, None)]));
     let fits = PairedFits::of(fits);
-    let are_turns = fits.n_groups() >= fewest && fits.is_surely_over(SURE_GAIN);
+    let is_one_turn = boxes(scans).all(|it| it.yaw_rad.abs() < 2.0 * std::f32::consts::TAU);
+    let are_turns = is_one_turn && fits.n_groups() >= fewest && fits.is_surely_over(SURE_GAIN);
     (!are_turns).then_some(LabelSuspicion::Degrees { n_beyond, n_boxes })
 }
 

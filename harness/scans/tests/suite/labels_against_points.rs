@@ -4,7 +4,7 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use detector::OrientedBox;
-use scans::annotation::{LabeledScan, points_inside};
+use scans::annotation::LabeledScan;
 use scans::data_check::label_correction::Correction;
 use scans::data_check::label_look::LabelLook;
 use scans::data_check::label_suspicion::{LabelSuspicion, TakenFor};
@@ -168,11 +168,11 @@ fn check_all(looked: &Looked) {
     has_height(TakenFor::CentreForBottom, looked.suspicions(raised(|height_m| 0.5 * height_m)));
     has_height(TakenFor::Unknown, looked.suspicions(raised(|_| 1.73)));
     let degrees = looked.suspicions(|it| OrientedBox { yaw_rad: it.yaw_rad.to_degrees() + 20.0, ..*it });
-    assert!(degrees.iter().any(|it| matches!(it, LabelSuspicion::Degrees { .. })), "{degrees:?}");
+    assert!(degrees.iter().any(|it| matches!(it, LabelSuspicion::Degrees { .. })), "degrees {degrees:?}");
     let holes = looked.suspicions_with_holes(3);
     assert!(holes.iter().any(|it| matches!(it, LabelSuspicion::Holes { .. })), "{}: {holes:?}", looked.name);
     let sideways = looked.suspicions(|it| Correction::Yaw(FRAC_PI_2).of(&Correction::SwapSides.of(it)));
-    assert!(sideways.iter().any(|it| matches!(it, LabelSuspicion::Sideways { .. })), "{sideways:?}");
+    assert!(sideways.iter().any(|it| matches!(it, LabelSuspicion::Sideways { .. })), "sideways {sideways:?}");
 }
 
 #[test]
@@ -288,121 +288,4 @@ fn labels_to_one_side_of_scans_all_round_are_named() {
     let LabelSuspicion::Sector { width_deg, share_elsewhere, n_boxes } = *found else { unreachable!() };
     assert!((50.0..100.0).contains(&width_deg) && n_boxes >= 15, "{found:?}");
     assert!((0.6..0.9).contains(&share_elsewhere), "{found:?}");
-}
-
-/// A damage of the labels of a few scans that follow one another: what mends the boxes, or which other scan's they are.
-enum Damage {
-    Boxes(&'static str, fn(&OrientedBox) -> OrientedBox),
-    OtherScan(&'static str, isize),
-}
-
-const DAMAGES: [Damage; 12] = [
-    Damage::Boxes("none", |it| *it),
-    Damage::OtherScan("a scan late", -1),
-    Damage::OtherScan("a scan early", 1),
-    Damage::Boxes("yaw in degrees", |it| OrientedBox { yaw_rad: it.yaw_rad.to_degrees(), ..*it }),
-    Damage::Boxes("z of the bottom", |it| raised(|height_m| -0.5 * height_m)(it)),
-    Damage::Boxes("sides swapped", |it| Correction::SwapSides.of(it)),
-    Damage::Boxes("y mirrored", |it| Correction::Mirror.of(it)),
-    Damage::Boxes("x and y exchanged", |it| Correction::ExchangeAxes.of(it)),
-    Damage::Boxes("sign of yaw", |it| Correction::NegateYaw.of(it)),
-    Damage::Boxes("turned by 90°", |it| Correction::Turn(FRAC_PI_2).of(it)),
-    Damage::Boxes("turned by 5°", |it| Correction::Turn(5_f32.to_radians()).of(it)),
-    Damage::Boxes("shifted by 0.6 m", |it| Correction::Shift([0.6, -0.5]).of(it)),
-];
-
-/// Scans that follow one another in a drive, as if they were a data set: what is suspect if its labels are damaged.
-fn suspicions_of(scans: &[LabeledScan], damage: &Damage) -> Vec<LabelSuspicion> {
-    let damaged: Vec<LabeledScan> = match damage {
-        Damage::Boxes(_, change) => {
-            let changed = |it: &LabeledScan| {
-                let mut scan = it.clone();
-                for it in scan.annotations.iter_mut().filter_map(|it| it.bounding_box.as_mut()) {
-                    *it = change(it);
-                }
-                for it in &mut scan.annotations {
-                    it.point_indices =
-                        it.bounding_box.map(|it| points_inside(&scan.cloud, &it)).unwrap_or_default();
-                }
-                scan
-            };
-            scans.iter().map(changed).collect()
-        }
-        Damage::OtherScan(_, offset) => {
-            let other = |index: usize| {
-                let other = index.checked_add_signed(*offset).and_then(|it| scans.get(it))?;
-                (other.id.sequence == scans[index].id.sequence)
-                    .then(|| LabeledScan { annotations: other.annotations.clone(), ..scans[index].clone() })
-            };
-            (0..scans.len()).filter_map(other).collect()
-        }
-    };
-    let n = damaged.len();
-    if n == 0 {
-        return Vec::new();
-    }
-    let indices: Vec<usize> = (0..n.min(N_SCANS)).map(|it| it * n / n.min(N_SCANS)).collect();
-    let looked: Vec<LabeledScan> = indices.iter().map(|it| damaged[*it].clone()).collect();
-    let follows = |index: &usize| {
-        let next = damaged.get(index + 1)?;
-        (next.id.sequence == damaged[*index].id.sequence).then(|| next.clone())
-    };
-    let next =
-        || indices.iter().enumerate().filter_map(|(nth, index)| Some((nth, follows(index)?))).collect();
-    LabelLook::of(&looked, next).suspicions
-}
-
-const SETS: [&str; 10] = [
-    "kitti_tracking",
-    "kitti_object",
-    "kitti_object_drives",
-    "kitti_raw",
-    "pandaset",
-    "rs128",
-    "sustech",
-    "carla_kitti",
-    "semantic_kitti",
-    "argoverse2/sensor/val",
-];
-
-fn all_scans(set: &str) -> Vec<LabeledScan> {
-    let path = test_data(&format!("data/{set}"));
-    let options = OpenOptions::default();
-    let dataset = open_dataset(path.to_str().unwrap(), &options, &built_in_catalogue().unwrap()).unwrap();
-    (0..dataset.scan_ids().len()).map(|it| dataset.read_scan(it).unwrap()).collect()
-}
-
-#[test]
-#[ignore = "prints what is heard of every real set and of every window of it; needs SCANBENCH_TEST_DATA"]
-fn what_is_heard_of_real_labels() {
-    for set in SETS {
-        let scans = all_scans(set);
-        for damage in &DAMAGES {
-            let (Damage::Boxes(name, _) | Damage::OtherScan(name, _)) = damage;
-            let found = suspicions_of(&scans, damage);
-            eprintln!("| {set} ({}) | {name} | {found:?} |", scans.len());
-        }
-        for n in [1, 2, 3, 4, 5, 8] {
-            let windows = scans.windows(n).filter(|it| it[0].id.sequence == it[n - 1].id.sequence);
-            let heard: Vec<(usize, usize)> = windows.fold(vec![(0, 0); DAMAGES.len()], |mut sums, window| {
-                for (sum, damage) in sums.iter_mut().zip(&DAMAGES) {
-                    let is_heard = suspicions_of(window, damage)
-                        .iter()
-                        .any(|it| !matches!(it, LabelSuspicion::Sector { .. }));
-                    sum.0 += usize::from(is_heard);
-                    sum.1 += 1;
-                }
-                sums
-            });
-            let cells: Vec<String> = DAMAGES
-                .iter()
-                .zip(heard)
-                .map(|(damage, (n, of))| {
-                    let (Damage::Boxes(name, _) | Damage::OtherScan(name, _)) = damage;
-                    format!("{name} {n}/{of}")
-                })
-                .collect();
-            eprintln!("| {set} windows of {n} | {} |", cells.join(" | "));
-        }
-    }
 }

@@ -177,15 +177,10 @@ fn invented_vehicles_do_not_pass_a_gate() {
         let results = format!("net={side}");
         let run = ["run", "street", "-d", "pca", "--detections", &results, "--blocks", "blocks.csv"];
         workplace.succeed(&(&run, ["--no-rrd", "-o", &format!("run-{side}")]));
-        // Files of results are what is under test here, not what a baseline pins.
+        // Whoever changes the program runs this before there is a commit of it.
         let path = format!("run-{side}/manifest.json");
-        let mut manifest = workplace.json(&path);
-        for it in manifest["detectors"].as_array_mut().unwrap() {
-            if let Some(foreign) = it["foreign"].as_object_mut() {
-                foreign.remove("results_checksum");
-            }
-        }
-        workplace.write(&path, &manifest.to_string());
+        let manifest = workplace.read(&path).replace("\"dirty\": true", "\"dirty\": false");
+        workplace.write(&path, &manifest);
     }
     assert_eq!(sum(&workplace, "run-before", ["net", "vehicles", "fo"]), 0);
     assert_eq!(sum(&workplace, "run-after", ["net", "vehicles", "fo"]), 24);
