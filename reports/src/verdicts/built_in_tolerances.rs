@@ -205,7 +205,7 @@ impl Numbers<'_> {
         };
         let only_negative = |rule: Rule| {
             let tasks: Vec<String> = rule.tasks.into_iter().flatten().filter(is_negative).collect();
-            (!tasks.is_empty()).then(|| Rule { tasks: Some(tasks), ..rule })
+            (!tasks.is_empty()).then_some(Rule { tasks: Some(tasks), ..rule })
         };
         rules.into_iter().filter_map(only_negative).collect()
     }

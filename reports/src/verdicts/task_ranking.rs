@@ -199,6 +199,14 @@ impl TaskRanking {
         Some(counts.collect::<Option<Vec<_>>>()?.join(", "))
     }
 
+    fn sentence_without_rates(&self, metric: &str) -> String {
+        let about = self.about();
+        match self.false_detections() {
+            Some(counts) => format!("{about}nothing is annotated that counts; false detections: {counts}."),
+            None => format!("{about}{metric} is undefined."),
+        }
+    }
+
     fn sentence_of_rates(&self) -> String {
         let about = self.about();
         let metric = match self.metric {
@@ -207,12 +215,7 @@ impl TaskRanking {
         };
         let defined: Vec<&RankedDetector> = self.detectors.iter().filter(|it| it.value.is_some()).collect();
         match (&defined[..], &self.lead) {
-            ([], _) => match self.false_detections() {
-                Some(counts) => {
-                    format!("{about}nothing is annotated that counts; false detections: {counts}.")
-                }
-                None => format!("{about}{metric} is undefined."),
-            },
+            ([], _) => self.sentence_without_rates(metric),
             _ if !self.suspect.is_empty() => {
                 format!(
                     "{about}no verdict, since frame or labels of {} are suspect.",

@@ -45,9 +45,13 @@ impl ResultsDetector {
             let problem = "only `scanbench run` judges results of other programs";
             return Err(DetectorProblem::Machine(problem.to_owned()));
         };
-        let found = results.read(scan).map_err(|error| match error.is_usage_error() {
-            true => DetectorProblem::Unusable(with_causes(&error)),
-            false => DetectorProblem::Unreadable(with_causes(&error)),
+        let found = results.read(scan).map_err(|error| {
+            let causes = with_causes(&error);
+            if error.is_usage_error() {
+                DetectorProblem::Unusable(causes)
+            } else {
+                DetectorProblem::Unreadable(causes)
+            }
         })?;
         let mut output = DetectorOutput::default();
         let mut found = found.unwrap_or_default();

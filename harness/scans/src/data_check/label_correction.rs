@@ -50,11 +50,10 @@ impl DrawnBy {
     /// Whether `correction` is what may be wrong with all boxes at once, and no weakness of a detector.
     pub fn may_need(self, correction: Correction) -> bool {
         match (self, correction) {
-            (Self::People, _) => true,
             (Self::Detector, Correction::Scale(_) | Correction::OwnShift(_) | Correction::Yaw(_)) => false,
             (Self::Detector, Correction::Turn(by_rad)) => by_rad.to_degrees().abs() >= 4.0,
             (Self::Detector, Correction::Shift(by_m)) => by_m[0].hypot(by_m[1]) >= 0.8,
-            (Self::Detector, _) => true,
+            (Self::People | Self::Detector, _) => true,
         }
     }
 }

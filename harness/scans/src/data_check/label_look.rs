@@ -70,7 +70,7 @@ impl LabelLook {
         let holes = holes_suspicion(scans).filter(|_| position.is_none());
         let mut suspicions = suspicions_of_boxes(scans, &vehicles, position);
         suspicions.extend([holes, sector_suspicion(scans)].into_iter().flatten());
-        Self { suspicions, vehicles }
+        Self { vehicles, suspicions }
     }
 
     /// The same of what a detector found, which stands for the annotations of `scans`: what is wrong with all its boxes at
@@ -83,7 +83,7 @@ impl LabelLook {
         suspicions.retain(|it| {
             !matches!(it, LabelSuspicion::Height { taken_for: TakenFor::Unknown, above_ground_m, .. } if above_ground_m.abs() < OFF_OF_DETECTOR_M)
         });
-        Self { suspicions, vehicles }
+        Self { vehicles, suspicions }
     }
 
     /// Whether there are enough vehicles to decide.

@@ -84,7 +84,7 @@ impl ColumnSample {
                 all.add(elevation_rad);
             }
         }
-        let within: f64 = by_laser.values().map(|it| it.squares()).sum();
+        let within: f64 = by_laser.values().map(Moments::squares).sum();
         // A laser that is seen once explains itself.
         all.n >= 10.0 * by_laser.len() as f64 && within <= (1.0 - MIN_BETWEEN_LASERS) * all.squares()
     }

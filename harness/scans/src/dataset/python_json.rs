@@ -58,9 +58,8 @@ impl Place {
         }
         *self = match (*self, byte) {
             (Self::InString, b'\\') => Self::InEscape,
-            (Self::InEscape, _) => Self::InString,
             (Self::InString, b'"') => Self::Between,
-            (Self::InString, _) | (_, b'"') => Self::InString,
+            (Self::InEscape | Self::InString, _) | (_, b'"') => Self::InString,
             (_, b'-') => return *self = Self::Minus,
             (_, b'N' | b'I') => {
                 push(b'"');

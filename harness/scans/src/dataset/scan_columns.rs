@@ -181,7 +181,9 @@ impl ScanColumns {
         }
         let of_bin = evidence.seen();
         if let SeenColumns::Seen(n_columns) = of_bin {
-            bins.iter().for_each(|bytes| add(&PointArray::of_bin(bytes, n_columns)));
+            for bytes in &bins {
+                add(&PointArray::of_bin(bytes, n_columns));
+            }
         }
         let meaning = |(n, sample): (usize, ColumnSample)| (n, meaning_of(&sample, &self.usual));
         Decided { of_bin, meanings: samples.into_iter().map(meaning).collect() }

@@ -168,7 +168,7 @@ fn invented_vehicles_do_not_pass_a_gate() {
     let mut blocks = "scan,block\n".to_owned();
     for number in 0..12 {
         drawn.write(&format!("training/label_2/{number:06}.txt"), "");
-        blocks.push_str(&format!("{number},day {number}\n"));
+        blocks.extend([format!("{number},day {number}\n")]);
         write(&workplace.path(&format!("before/{number:06}.txt")), "");
         write(&workplace.path(&format!("after/{number:06}.txt")), INVENTED);
     }

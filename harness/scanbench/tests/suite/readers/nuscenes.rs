@@ -94,7 +94,7 @@ fn check_nan(table: &str, from: &str, to: &str, parts: &[&str]) {
     let mut damaged = pieces.next().unwrap_or_default().to_owned();
     for piece in pieces {
         let end = piece.find([',', '\n', ']']).unwrap();
-        damaged += &format!("{from}{to}{}", &piece[end..]);
+        damaged.extend([from, to, &piece[end..]]);
     }
     assert_ne!(damaged, text);
     std::fs::write(&path, damaged).unwrap();

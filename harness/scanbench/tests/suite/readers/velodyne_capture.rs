@@ -145,7 +145,7 @@ fn n_taken(bytes: &[u8], block: usize, head: &Head) -> usize {
     let is_taken = match (is_dual, head.last) {
         (false, _) => true,
         (true, [0, 0]) => block % 4 >= 2,
-        (true, _) => block % 2 == 0,
+        (true, _) => block.is_multiple_of(2),
     };
     let measurements = bytes[100 * block + 4..100 * (block + 1)].chunks_exact(3);
     if is_taken { measurements.filter(|it| it[..2] != [0, 0]).count() } else { 0 }

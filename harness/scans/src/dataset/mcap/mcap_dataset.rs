@@ -225,15 +225,11 @@ impl McapDataset {
 
     fn times(&self) -> &RecordedTimes {
         self.times.get_or_init(|| {
-            let (clouds, annotations) = match &self.annotations {
-                Some(annotations) => {
-                    let [clouds, annotations] = self.messages.moments([&self.clouds, annotations]);
-                    (clouds, annotations)
-                }
-                None => {
-                    let [clouds] = self.messages.moments([&self.clouds]);
-                    (clouds, Vec::new())
-                }
+            let [clouds, annotations] = if let Some(annotations) = &self.annotations {
+                self.messages.moments([&self.clouds, annotations])
+            } else {
+                let [clouds] = self.messages.moments([&self.clouds]);
+                [clouds, Vec::new()]
             };
             RecordedTimes { scans_ns: times_ns(&clouds), pairs: TimePairs::of(&clouds, &annotations) }
         })

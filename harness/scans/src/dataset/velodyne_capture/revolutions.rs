@@ -191,7 +191,9 @@ fn refuse_several(
 /// Lets times begin at the first one.
 fn shift_to_first(times_s: &mut [f64]) {
     let first_s = times_s.first().copied().unwrap_or(0.0);
-    times_s.iter_mut().for_each(|it| *it -= first_s);
+    for time_s in times_s {
+        *time_s -= first_s;
+    }
 }
 
 /// The clocks of the packets of one turn.

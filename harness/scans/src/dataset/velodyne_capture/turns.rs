@@ -52,7 +52,7 @@ pub struct Turn {
 /// What is no whole turn at the beginning and the end is left out, unless there is nothing else.
 pub fn turns_of(packets: &[PacketAzimuths]) -> (Vec<Turn>, Rotation) {
     let field = Field::of(packets);
-    let mut turns = cut(packets, &field);
+    let mut turns = cut(packets, field);
     if turns.iter().any(|it| it.is_whole) {
         if turns.first().is_some_and(|it| !it.is_whole) {
             turns.remove(0);
@@ -107,12 +107,12 @@ impl Field {
     }
 
     /// How far the head has turned since the cut, in hundredths of a degree.
-    fn progress(&self, azimuth: u16) -> u16 {
+    fn progress(self, azimuth: u16) -> u16 {
         self.rotation.from(self.cut, azimuth)
     }
 
     /// Whether blocks from `first` to `last` span the field of view.
-    fn is_whole(&self, first: u16, last: u16) -> bool {
+    fn is_whole(self, first: u16, last: u16) -> bool {
         let within = WHOLE_WITHIN.min((FULL_TURN - self.blind) / WHOLE_WITHIN_PART);
         let reach = self.blind / 2 + within;
         self.progress(first) <= reach && self.progress(last) >= FULL_TURN - reach
@@ -149,7 +149,7 @@ fn widest_unseen(packets: &[PacketAzimuths]) -> (u16, u16) {
 }
 
 /// Cuts wherever the head passes the cut for the first time, and after each pause in which it may have.
-fn cut(packets: &[PacketAzimuths], field: &Field) -> Vec<Turn> {
+fn cut(packets: &[PacketAzimuths], field: Field) -> Vec<Turn> {
     let pauses = Pauses::of(packets, field);
     let mut turns: Vec<Turn> = Vec::new();
     // Hundredths of a degree since the cut before the first block, and turns by them.
@@ -182,14 +182,14 @@ fn cut(packets: &[PacketAzimuths], field: &Field) -> Vec<Turn> {
 
 impl Field {
     /// How far the head turns from one block to the next: forward, or back by noise.
-    fn step(&self, before: u16, azimuth: u16) -> i64 {
+    fn step(self, before: u16, azimuth: u16) -> i64 {
         let forward = self.rotation.from(before, azimuth);
         let back = if forward > FULL_TURN - MAX_BACK { FULL_TURN } else { 0 };
         i64::from(forward) - i64::from(back)
     }
 
     /// How far the head turns from the last block of one packet to that of the next, and whether it passes the cut.
-    fn motion(&self, [before, packet]: [&PacketAzimuths; 2]) -> (i64, bool) {
+    fn motion(self, [before, packet]: [&PacketAzimuths; 2]) -> (i64, bool) {
         let from = before.azimuths[N_BLOCKS - 1];
         let (mut motion, mut last) = (0, from);
         for azimuth in packet.azimuths {
@@ -208,7 +208,7 @@ struct Pauses {
 }
 
 impl Pauses {
-    fn of(packets: &[PacketAzimuths], field: &Field) -> Self {
+    fn of(packets: &[PacketAzimuths], field: Field) -> Self {
         if field.blind == 0 {
             return Self { period_ns: None };
         }
@@ -224,7 +224,7 @@ impl Pauses {
     }
 
     /// Whether the head may have turned once more than azimuths say before packet `packet_idx`.
-    fn may_hide_a_turn(self, packets: &[PacketAzimuths], field: &Field, packet_idx: usize) -> bool {
+    fn may_hide_a_turn(self, packets: &[PacketAzimuths], field: Field, packet_idx: usize) -> bool {
         let Some([before, packet]) = packet_idx.checked_sub(1).and_then(|it| packets.get(it..=packet_idx))
         else {
             return false;
