@@ -1,7 +1,7 @@
 //! Scans in files that do not name their columns, `.bin` and `.npy`: which columns they have is decided once for a data set.
 //!
 //! `.bin`, as KITTI and nuScenes have it, is little-endian f32 and nothing else: x, y and z in metres, then mostly intensity,
-//! often ring, time or more. The user says what the columns are, or the [numbers show](super::column_evidence) how many
+//! often ring, time or more. The user says what the columns are, or the numbers show how many
 //! there are; where they are too few for that, there are as many as the format has. What a column means is decided by what
 //! its numbers look like. Files that look unlike the others are refused.
 
