@@ -21,6 +21,7 @@ row! {
         box_score: Option<Fixed<6>>,
         seen_sides: Option<String>,
         front_sure: Option<bool>,
+        unlikely: Option<bool>,
     }
 }
 
@@ -54,7 +55,13 @@ impl BoxRow {
                 .as_ref()
                 .map(|it| if it.is_empty() { "none".to_owned() } else { it.join(" ") }),
             front_sure: details.front_sure,
+            unlikely: None,
         }
+    }
+
+    /// The same of a vehicle that is unlikely: only protocols that rank boxes count it.
+    pub fn unlikely(self) -> Self {
+        Self { unlikely: Some(true), ..self }
     }
 }
 
@@ -89,10 +96,10 @@ mod tests {
             BoxRow::new(&detection(2, Some(0.5)), &sides(&[])),
         ];
         insta::assert_snapshot!(csv_text(&rows), @r"
-        id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points,box_score,seen_sides,front_sure
-        1,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,,,
-        2,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,1.250000,rear left,true
-        3,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,1.250000,none,true
+        id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points,box_score,seen_sides,front_sure,unlikely
+        1,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,,,,
+        2,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,1.250000,rear left,true,
+        3,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120,1.250000,none,true,
         ");
     }
 }

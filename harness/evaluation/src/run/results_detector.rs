@@ -1,13 +1,13 @@
 //! A detector that was at work somewhere else: its results are read, and judged as ours are. It has no times.
 
 use detector::stage_product::{Shape, StageProduct};
-use detector::{DetectorOutput, PointCloud};
+use detector::{DetectedClass, Detection, DetectorOutput, PointCloud};
 use reports::files::causes::with_causes;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::conversion::results::detection_rows::clusters_of_points;
 use scans::dataset::kitti::label::KittiObject;
 use scans::dataset::official::OfficialObject;
-use scans::foreign::detections::ForeignDetections;
+use scans::foreign::detections::{ForeignBox, ForeignDetections};
 use scans::foreign::foreign_results::ForeignResults;
 use scans::foreign::result_format::ResultFormat;
 
@@ -58,9 +58,15 @@ impl ResultsDetector {
         let official = std::mem::take(&mut found.official);
         let kitti_objects = found.kitti_objects.take();
         let point_labels = found.point_labels.take();
+        let unlikely: Vec<ForeignBox> = found.boxes.iter().filter(|it| it.is_unlikely).copied().collect();
         let objects = objects_of(found);
         let made = self.vehicles.detections_of(objects, &scan.cloud, &mut output);
         made.map_err(DetectorProblem::Unreadable)?;
+        for it in unlikely {
+            let score = it.box_score.or(it.score);
+            let vehicle = Detection::new(&[], it.bounding_box, DetectedClass::Vehicle, score);
+            output.unlikely_vehicles.push(vehicle);
+        }
         Ok(ReadScan { id: scan.id.clone(), output, official, kitti_objects, point_labels })
     }
 }
@@ -139,15 +145,15 @@ fn objects_of(found: ForeignDetections) -> Vec<FoundObject> {
             .map(|(id, points)| FoundObject { class: class_of(id), ..FoundObject::of_points(points) })
             .collect();
     }
-    let object = |(id, it): (u32, &scans::foreign::detections::ForeignBox)| FoundObject {
+    let object = |(id, it): (u32, &ForeignBox)| FoundObject {
         // Without clusters the points are those in the box; a box beside clusters may have none.
         point_indices: members.as_mut().map(|it| it.remove(&id).unwrap_or_default()),
         bounding_box: Some(it.bounding_box),
         class: it.class,
         score: it.score,
-        box_score: None,
+        box_score: it.box_score,
     };
-    (1..).zip(&boxes).map(object).collect()
+    (1..).zip(&boxes).filter(|(_, it)| !it.is_unlikely).map(object).collect()
 }
 
 #[cfg(test)]
@@ -155,7 +161,6 @@ mod tests {
     use super::*;
     use detector::OrientedBox;
     use reports::vocabulary::class::AnnotationClass;
-    use scans::foreign::detections::ForeignBox;
 
     const CUBE: ForeignBox = ForeignBox {
         bounding_box: OrientedBox {
@@ -165,6 +170,8 @@ mod tests {
         },
         class: Some(AnnotationClass::Bus),
         score: Some(0.5),
+        box_score: None,
+        is_unlikely: false,
     };
 
     #[test]
@@ -192,5 +199,9 @@ mod tests {
         assert_eq!(objects_of(found), [boxed(Some(vec![])), boxed(Some(vec![1]))]);
         assert_eq!(objects_of(ForeignDetections::of_boxes(vec![CUBE])), [boxed(None)]);
         assert_eq!(objects_of(ForeignDetections::default()), []);
+        // Clusters keep their numbers.
+        let boxes = vec![ForeignBox { is_unlikely: true, ..CUBE }, CUBE];
+        let found = ForeignDetections { clusters: Some(vec![0, 2]), boxes, ..Default::default() };
+        assert_eq!(objects_of(found), [boxed(Some(vec![1]))]);
     }
 }

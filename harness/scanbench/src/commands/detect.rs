@@ -154,7 +154,10 @@ impl Destinations {
             contents.push((destination.clone(), content));
         }
         if let Some(destination) = &self.boxes {
-            contents.push((destination.clone(), to_csv_bytes(&box_rows(detections))?));
+            contents.push((
+                destination.clone(),
+                to_csv_bytes(&box_rows(detections.iter().map(|it| (it, false))))?,
+            ));
         }
         Ok(contents)
     }

@@ -41,6 +41,31 @@ fn our_own_results_are_judged_as_we_are() {
     }
 }
 
+/// Boxes of vehicles that are unlikely, and scores of boxes, are carried, too.
+#[test]
+fn protocols_rank_our_own_results_as_they_rank_us() {
+    let workplace = Workplace::new();
+    let street = ["street-intersection", "--simulated-scans", "4", "--protocol", "nuscenes"];
+    let ours = [&["run"], &street[..], &["-d", "hierarchical"]].concat();
+    workplace.succeed(&(&ours, OUTPUT, "first --detections-out found --as csv"));
+    let files = workplace.names().into_iter().filter(|it| it.starts_with("found"));
+    let csv = files.filter(|it| it.extension().is_some_and(|it| it == "csv"));
+    let boxes: String = csv.map(|it| workplace.read(&it.display().to_string())).collect();
+    assert!(boxes.contains(",true\n"), "{boxes}");
+    let theirs = [&["run"], &street[..], &["-d", "hierarchical", "--detections", "again=found/hierarchical"]];
+    workplace.succeed(&(&theirs.concat(), OUTPUT, "second"));
+    assert_eq!(counts(&workplace, "second", "again"), counts(&workplace, "second", "hierarchical"));
+    let report = workplace.json("second/protocols.json");
+    let numbers = |detector: &str| -> Vec<f64> {
+        let rows = report["rows"].as_array().unwrap().iter().filter(|it| it["detector"] == detector);
+        rows.filter_map(|it| it["value"].as_f64()).collect()
+    };
+    let (again, ours) = (numbers("again"), numbers("hierarchical"));
+    // Files have four decimals.
+    assert!(again.len() > 20 && again.len() == ours.len());
+    assert!(again.iter().zip(&ours).all(|(a, b)| (a - b).abs() < 1e-4), "{again:?} {ours:?}");
+}
+
 #[test]
 fn several_data_sets_have_a_folder_each() {
     let workplace = Workplace::new();

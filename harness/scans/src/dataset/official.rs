@@ -12,6 +12,9 @@ pub struct OfficialScan {
     pub origin_m: [f64; 3],
 }
 
+/// What results that we write call a vehicle which only protocols count that rank boxes; evaluators of others do not read it.
+pub const UNLIKELY: &str = "unlikely";
+
 /// An object, labelled or found, in the frame of the files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OfficialObject {

@@ -17,7 +17,7 @@ use crate::dataset::argoverse2::log_truth::{POSE, take_poses};
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::foreign_frame::ForeignFrame;
-use crate::dataset::official::OfficialObject;
+use crate::dataset::official::{OfficialObject, UNLIKELY};
 use crate::dataset::upright_box::upright_box;
 
 /// The ending of the files.
@@ -42,6 +42,7 @@ struct CarBox {
     length_width_height_m: [f64; 3],
     class: AnnotationClass,
     score: f64,
+    is_unlikely: bool,
 }
 
 impl Argoverse2Tables {
@@ -77,7 +78,7 @@ impl Argoverse2Tables {
         left_over: &mut BTreeSet<String>,
         classes: &mut ClassReader<'_>,
     ) -> Result<(), DatasetError> {
-        let mut table = FeatherTable::read(path, &[&COLUMNS[..], &POSE[..]].concat())?;
+        let mut table = FeatherTable::read_some(path, &[&COLUMNS[..], &POSE[..]].concat(), &[UNLIKELY])?;
         let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
         let logs = table.take_texts("log_id").map_err(damaged)?;
         let times_ns = table.take_integers("timestamp_ns").map_err(damaged)?;
@@ -85,6 +86,8 @@ impl Argoverse2Tables {
         let mut take = |name: &str| table.take_numbers(name).map_err(damaged);
         let [scores, lengths_m, widths_m, heights_m] =
             [take("score")?, take("length_m")?, take("width_m")?, take("height_m")?];
+        // Only tables that we wrote have it.
+        let unlikely = table.take_integers(UNLIKELY).ok();
         let poses = take_poses(&mut table).map_err(damaged)?;
         let n_rows = logs.len();
         let lengths = [times_ns.len(), categories.len(), scores.len(), lengths_m.len(), widths_m.len()];
@@ -106,6 +109,7 @@ impl Argoverse2Tables {
                 length_width_height_m: [lengths_m[row], widths_m[row], heights_m[row]],
                 class,
                 score: scores[row],
+                is_unlikely: unlikely.as_ref().and_then(|it| it.get(row)) == Some(&1),
             });
         }
         Ok(())
@@ -130,6 +134,8 @@ impl ResultReader for Argoverse2Tables {
             bounding_box: upright_box(&(sensor_from_car * it.car_from_box), it.length_width_height_m),
             class: Some(it.class),
             score: Some(it.score as f32),
+            box_score: None,
+            is_unlikely: it.is_unlikely,
         });
         let official = found.iter().map(|it| OfficialObject {
             score: Some(it.score),

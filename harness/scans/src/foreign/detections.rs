@@ -40,6 +40,10 @@ pub struct ForeignBox {
     pub class: Option<AnnotationClass>,
     /// How sure the program is; more is surer.
     pub score: Option<f32>,
+    /// How sure it is of the box, where files say it beside.
+    pub box_score: Option<f32>,
+    /// Whether only protocols that rank boxes count it: files of our own detectors say so of unlikely vehicles.
+    pub is_unlikely: bool,
 }
 
 impl ForeignDetections {
@@ -87,7 +91,7 @@ impl ForeignBox {
         if !yaw_rad.is_finite() {
             return Err(format!("has the yaw {yaw_rad}"));
         }
-        match self.score {
+        match self.score.or(self.box_score) {
             Some(score) if !score.is_finite() => Err(format!("has the score {score}")),
             _ => Ok(()),
         }
@@ -108,6 +112,8 @@ pub(crate) mod tests {
             },
             class: Some(AnnotationClass::Car),
             score: Some(0.5),
+            box_score: None,
+            is_unlikely: false,
         }
     }
 

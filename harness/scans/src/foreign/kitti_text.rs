@@ -18,7 +18,7 @@ use crate::dataset::class_table::{ClassReader, ClassRules};
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
 use crate::dataset::kitti::label::{
-    KITTI_VOCABULARY, KittiLabel, KittiObject, parse_object_labels, parse_tracking_labels,
+    KITTI_VOCABULARY, KittiLabel, KittiObject, UNLIKELY_OCCLUSION, parse_object_labels, parse_tracking_labels,
 };
 use crate::dataset::text_file::read_text_file;
 
@@ -131,5 +131,7 @@ fn box_of(object: &KittiObject, velodyne_from_camera: &Matrix4<f64>) -> ForeignB
         bounding_box: box_in_velodyne(&object.camera_box, velodyne_from_camera),
         class: Some(object.class),
         score: object.score.map(|it| it as f32),
+        box_score: None,
+        is_unlikely: object.in_image.occlusion == UNLIKELY_OCCLUSION,
     }
 }

@@ -123,6 +123,8 @@ struct BoxRecord {
     velocity: Option<[f64; 2]>,
     #[serde(default)]
     attribute_name: Option<String>,
+    #[serde(default)]
+    unlikely: bool,
 }
 
 impl BoxRecord {
@@ -150,6 +152,8 @@ impl BoxRecord {
             bounding_box: upright_box(&sensor_from_box, [length_m, width_m, height_m]),
             class: Some(if is_ridden { AnnotationClass::Cyclist } else { class }),
             score: self.detection_score.map(|it| it as f32),
+            box_score: None,
+            is_unlikely: self.unlikely,
         })
     }
 

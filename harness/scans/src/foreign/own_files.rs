@@ -7,8 +7,9 @@
 //! ```
 //!
 //! A scan has clusters, boxes, or both; of two files in CSV one is called `NNNNNN.clusters.csv` or `NNNNNN.boxes.csv`. Of
-//! the columns of boxes `id`, `class` and `score` may be left out, and others may be there. The class is any name; `object`
-//! is none of the vehicles, and an empty one not known. Beside clusters the box in row *k* is that of cluster *k*.
+//! the columns of boxes `id`, `class`, `score`, `box_score` and `unlikely` may be left out, and others may be there. The
+//! class is any name; `object` is none of the vehicles, and an empty one not known. Of unlikely vehicles, which are `true`
+//! in `unlikely`, only protocols that rank boxes take notice. Beside clusters the box in row *k* is that of cluster *k*.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -141,6 +142,8 @@ fn parse_csv(bytes: &[u8], path: &Path, classes: &mut ClassReader<'_>) -> Result
         id: column_of("id"),
         class: column_of("class"),
         score: column_of("score"),
+        box_score: column_of("box_score"),
+        unlikely: column_of("unlikely"),
     };
     let mut boxes = Vec::new();
     for (row, record) in (1..).zip(reader.records()) {
@@ -168,6 +171,8 @@ struct BoxColumns {
     id: Option<usize>,
     class: Option<usize>,
     score: Option<usize>,
+    box_score: Option<usize>,
+    unlikely: Option<usize>,
 }
 
 impl BoxColumns {
@@ -194,7 +199,14 @@ impl BoxColumns {
             *value = number(*column)?;
         }
         let [x_m, y_m, z_m, length_m, width_m, height_m, yaw_rad] = numbers;
-        let score = self.score.filter(|it| !cell(*it).is_empty()).map(number).transpose()?;
+        let given = |column: Option<usize>| column.filter(|it| !cell(*it).is_empty());
+        let score = given(self.score).map(number).transpose()?;
+        let box_score = given(self.box_score).map(number).transpose()?;
+        let is_unlikely = match given(self.unlikely).map(cell) {
+            None | Some("false") => false,
+            Some("true") => true,
+            Some(other) => return Err(format!("has {other:?} in place of true or false in row {row}")),
+        };
         let class = match self.class.map(cell).filter(|it| !it.is_empty()) {
             None => None,
             Some(name) => {
@@ -209,7 +221,7 @@ impl BoxColumns {
             length_width_height_m: [length_m, width_m, height_m],
             yaw_rad,
         };
-        Ok(Some(ForeignBox { bounding_box, class, score }))
+        Ok(Some(ForeignBox { bounding_box, class, score, box_score, is_unlikely }))
     }
 }
 

@@ -150,6 +150,8 @@ impl RecordedDetections {
                 bounding_box: it,
                 class,
                 score: object.score,
+                box_score: None,
+                is_unlikely: false,
             }));
         }
         classes.unknown().refuse(&self.name)?;

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use detector::{DetectedClass, Detection, Detections};
+use detector::{DetectedClass, Detection, DetectorOutput};
 use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::{LabeledScan, points_inside};
 use scans::conversion::results::result_folder::{ResultFolder, ResultOutput};
@@ -87,16 +87,22 @@ fn check_round_trip(output: ResultOutput, dataset: &dyn Dataset, folder: &std::p
     let mut expected: Vec<Vec<ForeignBox>> = Vec::new();
     for scan_idx in 0..dataset.scan_ids().len().min(3) {
         let scan = dataset.read_scan(scan_idx).unwrap();
-        let mut detections = Detections::default();
+        let mut found = DetectorOutput::default();
         let mut boxes = Vec::new();
         for (number, annotation) in (0_u8..).zip(&scan.annotations) {
             let (bounding_box, score) = (annotation.bounding_box.unwrap(), Some(f32::from(number) / 8.0));
             let (class, point_indices) = (DetectedClass::Vehicle, &annotation.point_indices[..]);
-            detections.push(Detection::new(point_indices, bounding_box, class, score));
-            boxes.push(ForeignBox { bounding_box, class: Some(AnnotationClass::Car), score });
+            found.detections.push(Detection::new(point_indices, bounding_box, class, score));
+            boxes.push(ForeignBox {
+                bounding_box,
+                class: Some(AnnotationClass::Car),
+                score,
+                box_score: None,
+                is_unlikely: false,
+            });
         }
         let frame = dataset.foreign_frame(scan_idx).unwrap();
-        writer.add("echo", &scan, &frame, &detections).unwrap();
+        writer.add("echo", &scan, &frame, &found).unwrap();
         expected.push(boxes);
     }
     writer.end_dataset().unwrap();

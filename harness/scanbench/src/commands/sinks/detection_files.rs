@@ -26,7 +26,7 @@ impl RunSink<Failure> for DetectionFiles {
         let scan = judged.results.scan;
         let frame = judged.watched.dataset.foreign_frame(judged.scan_idx())?;
         for result in judged.results.results {
-            self.0.add(result.detector, scan, &frame, &result.output.detections)?;
+            self.0.add(result.detector, scan, &frame, &result.output)?;
         }
         Ok(())
     }

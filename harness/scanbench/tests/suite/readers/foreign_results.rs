@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use detector::{BoxDetails, DetectedClass, Detection, Detections};
+use detector::{BoxDetails, DetectedClass, Detection, DetectorOutput};
 use reports::vocabulary::class::AnnotationClass;
 use scans::conversion::results::result_folder::{ResultFolder, ResultOutput};
 use scans::dataset::class_table::ClassTable;
@@ -45,19 +45,36 @@ pub fn check_refused(path: &Path, dataset: &dyn Dataset, is_usage_error: bool, p
 /// By so much the score of a box is more than that of its class.
 const OF_BOX: f32 = 16.0;
 
-/// The annotations that have a box, as a detector would find them.
-fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (Detections, Vec<ForeignBox>) {
+/// The annotations that have a box, as a detector would find them; the first again, as an unlikely vehicle.
+fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (DetectorOutput, Vec<ForeignBox>) {
     let scan = dataset.read_scan(scan_idx).unwrap();
-    let (mut detections, mut boxes) = (Detections::default(), Vec::new());
+    let (mut output, mut boxes) = (DetectorOutput::default(), Vec::new());
     let boxed = scan.annotations.iter().filter_map(|it| Some((it, it.bounding_box?)));
     for (number, (annotation, bounding_box)) in (0_u8..).zip(boxed) {
         let (class, score) = (DetectedClass::Vehicle, Some(f32::from(number) / 8.0));
         let box_details = BoxDetails { score: score.map(|it| it + OF_BOX), ..BoxDetails::default() };
         let detection = Detection::new(&annotation.point_indices, bounding_box, class, score);
-        detections.push(Detection { box_details, ..detection });
-        boxes.push(ForeignBox { bounding_box, class: Some(AnnotationClass::Car), score });
+        output.detections.push(Detection { box_details, ..detection });
+        boxes.push(ForeignBox {
+            bounding_box,
+            class: Some(AnnotationClass::Car),
+            score,
+            box_score: box_details.score,
+            is_unlikely: false,
+        });
     }
-    (detections, boxes)
+    if let Some(&first) = boxes.first() {
+        let unlikely = Detection::new(&[], first.bounding_box, DetectedClass::Vehicle, Some(-2.0));
+        let box_details = BoxDetails { score: Some(OF_BOX - 2.0), ..BoxDetails::default() };
+        output.unlikely_vehicles.push(Detection { box_details, ..unlikely });
+        boxes.push(ForeignBox {
+            score: unlikely.score,
+            box_score: box_details.score,
+            is_unlikely: true,
+            ..first
+        });
+    }
+    (output, boxes)
 }
 
 /// Writes the annotations of all scans as results of `echo`.
@@ -79,6 +96,7 @@ pub fn check_same_boxes(found: &ForeignDetections, expected: &[ForeignBox]) {
     for (found, expected) in found.boxes.iter().zip(expected) {
         let (a, b) = (found.bounding_box, expected.bounding_box);
         assert_eq!((found.class, found.score), (expected.class, expected.score));
+        assert_eq!((found.box_score, found.is_unlikely), (expected.box_score, expected.is_unlikely));
         let lengths_m = a.center_m.iter().chain(&a.length_width_height_m);
         let pairs = lengths_m.zip(b.center_m.iter().chain(&b.length_width_height_m));
         assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 2e-4), "{a:?} {b:?}");
@@ -99,7 +117,7 @@ fn check_round_trip(dataset: &dyn Dataset, output: ResultOutput) {
             // For other people's evaluators, which rank boxes.
             let probability = |log_odds: f32| (1.0 / (1.0 + f64::from(-log_odds).exp())) as f32;
             for it in &mut expected {
-                it.score = it.score.map(|it| it + OF_BOX);
+                it.score = it.box_score.take();
                 if output == ResultOutput::NuScenes {
                     it.score = it.score.map(probability);
                 }

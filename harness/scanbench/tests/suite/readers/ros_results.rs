@@ -21,6 +21,8 @@ fn detections_of_ros_are_carried_into_the_frame_of_the_cloud() {
             bounding_box: annotation.bounding_box.unwrap(),
             class: Some(AnnotationClass::Car),
             score: Some(0.7),
+            box_score: None,
+            is_unlikely: false,
         };
         check_same_boxes(found, &[expected]);
     }

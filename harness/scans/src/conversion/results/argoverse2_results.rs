@@ -1,20 +1,22 @@
 //! A table of detections of Argoverse 2: `detections.feather`, boxes in the frame of the car.
 //!
 //! Vehicles are `REGULAR_VEHICLE`: detectors do not distinguish them from trucks. Other objects have no class there and are
-//! left out. The score is that of the box. A detection without one has 1.
+//! left out. The score is that of the box. A detection without one has 1. A column of ours is 1 for unlikely
+//! vehicles, else 0.
 
 use std::sync::Arc;
 
 use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_ipc::writer::FileWriter;
 use arrow_schema::ArrowError;
-use detector::{DetectedClass, Detections};
+use detector::{DetectedClass, DetectorOutput};
 
 use super::detection_rows::SCORE_OF_NONE;
-use super::{CompleteFiles, ResultFile, ResultWriter, unwritable};
+use super::{CompleteFiles, ResultFile, ResultWriter, ranked, unwritable};
 use crate::annotation::LabeledScan;
 use crate::conversion::ConversionError;
 use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::official::UNLIKELY;
 use crate::dataset::upright_box::pose_of_box;
 
 /// The name of the file.
@@ -32,15 +34,16 @@ const NUMBERS: [&str; 11] =
 pub struct Argoverse2Results {
     logs: Vec<String>,
     times_ns: Vec<i64>,
+    unlikely: Vec<i64>,
     numbers: [Vec<f64>; NUMBERS.len()],
 }
 
 impl ResultWriter for Argoverse2Results {
-    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, detections: &Detections) -> CompleteFiles {
+    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, output: &DetectorOutput) -> CompleteFiles {
         let ForeignFrame::Car { log_id, timestamp_ns, car_from_sensor } = frame else {
             return Err(unwritable(scan, "argoverse2", "its data set has no logs of Argoverse 2"));
         };
-        for detection in detections.iter().filter(|it| it.class == DetectedClass::Vehicle) {
+        for (detection, is_unlikely) in ranked(output).filter(|(it, _)| it.class == DetectedClass::Vehicle) {
             let car_from_box = car_from_sensor * pose_of_box(&detection.bounding_box);
             let (at, turn) = (car_from_box.translation.vector, car_from_box.rotation);
             let [length_m, width_m, height_m] = detection.bounding_box.length_width_height_m.map(f64::from);
@@ -48,6 +51,7 @@ impl ResultWriter for Argoverse2Results {
             let row = [at.x, at.y, at.z, length_m, width_m, height_m, turn.w, turn.i, turn.j, turn.k, score];
             self.logs.push(log_id.clone());
             self.times_ns.push(*timestamp_ns);
+            self.unlikely.push(is_unlikely.into());
             self.numbers.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
         }
         Ok(Vec::new())
@@ -77,6 +81,7 @@ impl Argoverse2Results {
         for (name, numbers) in NUMBERS.iter().zip(&self.numbers) {
             columns.push((name, Arc::new(Float64Array::from(numbers.clone()))));
         }
+        columns.push((UNLIKELY, Arc::new(Int64Array::from(self.unlikely.clone()))));
         RecordBatch::try_from_iter(columns)
     }
 }

@@ -23,12 +23,13 @@ pub fn detection_facts(index: usize, detection: &Detection<'_>) -> DetectionFact
     }
 }
 
-/// The rows of the boxes of a scan, in order.
-pub fn box_rows(detections: &Detections) -> Vec<BoxRow> {
-    let row = |(index, it): (usize, Detection<'_>)| {
-        BoxRow::new(&detection_facts(index, &it), &box_detail_facts(&it.box_details))
+/// The rows of the boxes of a scan, in order, each with whether it is that of an unlikely vehicle.
+pub fn box_rows<'a>(boxes: impl Iterator<Item = (Detection<'a>, bool)>) -> Vec<BoxRow> {
+    let row = |(index, (it, is_unlikely)): (usize, (Detection<'_>, bool))| {
+        let row = BoxRow::new(&detection_facts(index, &it), &box_detail_facts(&it.box_details));
+        if is_unlikely { row.unlikely() } else { row }
     };
-    detections.iter().enumerate().map(row).collect()
+    boxes.enumerate().map(row).collect()
 }
 
 fn box_detail_facts(details: &BoxDetails) -> BoxDetailFacts {

@@ -2,15 +2,15 @@
 //!
 //! Vehicles are `Car`, everything else is `Misc`, which the evaluators pass over. Boxes that the camera does not see have no
 //! rectangle in the image (-1), and the evaluators pass over these as well. The score is that of the box. A detection
-//! without one has 1.
+//! without one has 1. Unlikely vehicles have an occlusion of their own, which evaluators do not look at.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use detector::{DetectedClass, Detection, Detections};
+use detector::{DetectedClass, Detection, DetectorOutput};
 
 use super::detection_rows::SCORE_OF_NONE;
-use super::{CompleteFiles, ResultFile, ResultWriter, unwritable};
+use super::{CompleteFiles, ResultFile, ResultWriter, ranked, unwritable};
 use crate::annotation::LabeledScan;
 use crate::conversion::kitti_label_line::wrapped;
 use crate::conversion::kitti_writer::KittiLayout;
@@ -18,6 +18,7 @@ use crate::dataset::folder_name::folder_name;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::kitti::box_in_velodyne::box_in_camera;
 use crate::dataset::kitti::image_box::image_box;
+use crate::dataset::kitti::label::UNLIKELY_OCCLUSION;
 
 /// Results in one of KITTI's layouts.
 pub struct KittiResults {
@@ -34,12 +35,12 @@ impl KittiResults {
 }
 
 impl ResultWriter for KittiResults {
-    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, detections: &Detections) -> CompleteFiles {
+    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, output: &DetectorOutput) -> CompleteFiles {
         let ForeignFrame::Camera { velodyne_from_camera, image_from_velodyne, image_size_px } = frame else {
             return Err(unwritable(scan, "kitti", "its data set has no calibration of KITTI's cameras"));
         };
         let mut lines = String::new();
-        for detection in detections.iter() {
+        for (detection, is_unlikely) in ranked(output) {
             let camera_box = box_in_camera(&detection.bounding_box, velodyne_from_camera);
             let [left_px, top_px, right_px, bottom_px] =
                 image_box(&detection.bounding_box, image_from_velodyne, *image_size_px).unwrap_or([-1.0; 4]);
@@ -50,9 +51,10 @@ impl ResultWriter for KittiResults {
             if self.layout == KittiLayout::Tracking {
                 let _ = write!(lines, "{} -1 ", scan.id.index);
             }
+            let occlusion = if is_unlikely { UNLIKELY_OCCLUSION } else { -1 };
             let _ = writeln!(
                 lines,
-                "{} -1 -1 {alpha_rad:.6} {left_px:.2} {top_px:.2} {right_px:.2} {bottom_px:.2} {height_m} {width_m} {length_m} \
+                "{} -1 {occlusion} {alpha_rad:.6} {left_px:.2} {top_px:.2} {right_px:.2} {bottom_px:.2} {height_m} {width_m} {length_m} \
                  {x:.6} {y:.6} {z:.6} {rotation_y_rad:.7} {}",
                 class_of(&detection),
                 detection.box_score().unwrap_or(SCORE_OF_NONE)

@@ -1,6 +1,6 @@
 //! What detectors found, in the files that other people's evaluators read.
 
-use detector::Detections;
+use detector::{Detection, DetectorOutput};
 
 use super::ConversionError;
 use crate::annotation::LabeledScan;
@@ -25,7 +25,7 @@ pub struct ResultFile {
 /// Results in some format: of one detector in the scans of one data set.
 pub trait ResultWriter {
     /// Takes what was found in a scan, and returns the files that are complete with it.
-    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, detections: &Detections) -> CompleteFiles;
+    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, output: &DetectorOutput) -> CompleteFiles;
 
     /// The files that are complete after the last scan.
     fn finish(self: Box<Self>) -> CompleteFiles;
@@ -34,6 +34,12 @@ pub trait ResultWriter {
     fn has_objects(&self) -> bool {
         true
     }
+}
+
+/// All that evaluators may rank: the detections, then the unlikely vehicles, which is said of each.
+fn ranked(output: &DetectorOutput) -> impl Iterator<Item = (Detection<'_>, bool)> {
+    let detections = output.detections.iter().map(|it| (it, false));
+    detections.chain(output.unlikely_vehicles.iter().map(|it| (it, true)))
 }
 
 /// Files that are complete.

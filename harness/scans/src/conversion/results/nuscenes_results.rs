@@ -4,15 +4,16 @@
 //! Velocities are 0 and attributes empty.
 //!
 //! The score is that of the box; a detection without one has 1. The format wants it between 0 and 1: where any is outside,
-//! all are taken as log odds and written as probabilities, in the same order.
+//! all are taken as log odds and written as probabilities, in the same order. A key of ours says which vehicles are unlikely.
 
-use detector::{DetectedClass, Detections};
+use detector::{DetectedClass, DetectorOutput};
 use serde_json::{Map, Value, json};
 
 use super::detection_rows::SCORE_OF_NONE;
-use super::{CompleteFiles, ResultFile, ResultWriter, unwritable};
+use super::{CompleteFiles, ResultFile, ResultWriter, ranked, unwritable};
 use crate::annotation::LabeledScan;
 use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::official::UNLIKELY;
 use crate::dataset::upright_box::pose_of_box;
 
 /// The name of the file.
@@ -26,19 +27,19 @@ pub struct NuScenesResults {
 }
 
 impl ResultWriter for NuScenesResults {
-    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, detections: &Detections) -> CompleteFiles {
+    fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, output: &DetectorOutput) -> CompleteFiles {
         let ForeignFrame::World { sample_token, world_from_sensor } = frame else {
             return Err(unwritable(scan, "nuscenes", "its data set has no samples of nuScenes"));
         };
         let mut boxes = Vec::new();
-        for detection in detections.iter().filter(|it| it.class == DetectedClass::Vehicle) {
+        for (detection, is_unlikely) in ranked(output).filter(|(it, _)| it.class == DetectedClass::Vehicle) {
             let score = f64::from(detection.box_score().unwrap_or(SCORE_OF_NONE));
             self.has_log_odds |= !(0.0..=1.0).contains(&score);
             let world_from_box = world_from_sensor * pose_of_box(&detection.bounding_box);
             let at = world_from_box.translation.vector;
             let turn = world_from_box.rotation;
             let [length_m, width_m, height_m] = detection.bounding_box.length_width_height_m.map(f64::from);
-            boxes.push(json!({
+            let mut record = json!({
                 "sample_token": sample_token,
                 "translation": [at.x, at.y, at.z],
                 "size": [width_m, length_m, height_m],
@@ -47,7 +48,11 @@ impl ResultWriter for NuScenesResults {
                 "detection_name": "car",
                 "detection_score": score,
                 "attribute_name": "",
-            }));
+            });
+            if is_unlikely {
+                record[UNLIKELY] = Value::Bool(true);
+            }
+            boxes.push(record);
         }
         self.boxes_by_sample.insert(sample_token.clone(), Value::Array(boxes));
         Ok(Vec::new())
@@ -78,7 +83,7 @@ fn probability(log_odds: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use detector::{Detection, OrientedBox};
+    use detector::{Detection, Detections, OrientedBox};
     use nalgebra::Isometry3;
 
     use super::*;
@@ -99,7 +104,8 @@ mod tests {
             detections.push(Detection::new(&[], bounding_box, DetectedClass::Vehicle, *score));
         }
         let mut results = Box::<NuScenesResults>::default();
-        results.add(&scan, &frame, &detections).unwrap();
+        let output = DetectorOutput { detections, ..DetectorOutput::default() };
+        results.add(&scan, &frame, &output).unwrap();
         let files = results.finish().unwrap();
         let submission: Value = serde_json::from_slice(&files[0].content).unwrap();
         let boxes = submission["results"]["sample"].as_array().unwrap();

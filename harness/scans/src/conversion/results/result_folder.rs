@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use detector::{DetectedClass, Detections};
+use detector::{DetectedClass, DetectorOutput};
 
 use super::argoverse2_results::Argoverse2Results;
 use super::kitti_results::KittiResults;
@@ -42,7 +42,7 @@ impl ResultOutput {
     /// Makes sure that results of this scan can be written, before anything was found.
     pub fn check(self, id: &ScanId, frame: &ForeignFrame) -> Result<(), ConversionError> {
         let nothing = PositionedPoints::default().labeled_everywhere(id.clone(), Vec::new());
-        writer_of(self, KittiLayout::Tracking).add(&nothing, frame, &Detections::default()).map(drop)
+        writer_of(self, KittiLayout::Tracking).add(&nothing, frame, &DetectorOutput::default()).map(drop)
     }
 }
 
@@ -86,16 +86,16 @@ impl ResultFolder {
         detector: &str,
         scan: &LabeledScan,
         frame: &ForeignFrame,
-        detections: &Detections,
+        output: &DetectorOutput,
     ) -> Result<(), ConversionError> {
         let layout = self.dataset.as_ref().map_or(KittiLayout::Tracking, |(_, layout)| *layout);
-        let output = self.output;
-        let writer = self.writers.entry(detector.to_owned()).or_insert_with(|| writer_of(output, layout));
+        let format = self.output;
+        let writer = self.writers.entry(detector.to_owned()).or_insert_with(|| writer_of(format, layout));
         if !writer.has_objects() {
-            let left_out = detections.iter().filter(|it| it.class != DetectedClass::Vehicle);
+            let left_out = output.detections.iter().filter(|it| it.class != DetectedClass::Vehicle);
             self.n_left_out += left_out.count() as u64;
         }
-        let files = writer.add(scan, frame, detections)?;
+        let files = writer.add(scan, frame, output)?;
         self.write(detector, &files)
     }
 

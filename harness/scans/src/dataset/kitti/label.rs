@@ -37,6 +37,9 @@ pub const WRITTEN_CLASSES: [(&str, AnnotationClass); 8] = [
 /// Names that mean something else in KITTI than elsewhere: the tracking benchmark's *person* sits.
 pub const KITTI_VOCABULARY: &Vocabulary = &[("Person", AnnotationClass::SittingPerson)];
 
+/// The occlusion of unlikely vehicles in files of results that we write: evaluators of KITTI do not look at that of results.
+pub const UNLIKELY_OCCLUSION: i64 = -2;
+
 /// What stands instead of a class where objects were not labelled.
 const DONT_CARE: &str = "DontCare";
 
@@ -192,7 +195,7 @@ fn parse_label(
     Ok(Some(KittiLabel::Object(KittiObject {
         class,
         track,
-        occlusion: parse_occlusion(occluded)
+        occlusion: parse_occlusion(occluded, score.is_some())
             .ok_or_else(|| line.error(format!("occlusion {occluded} is not within -1 to 3")))?,
         truncation: truncation_of(truncated)
             .ok_or_else(|| line.error(format!("truncation {truncated} is not within the format")))?,
@@ -225,12 +228,13 @@ fn parse_class(line: &mut TextLine<'_>, classes: &mut ClassReader<'_>) -> Result
 
 /// The outer `None` is an error, the inner one *unknown*.
 #[expect(clippy::option_option, reason = "the caller turns the outer one into an error at once")]
-fn parse_occlusion(occluded: i64) -> Option<Option<Occlusion>> {
+fn parse_occlusion(occluded: i64, is_result: bool) -> Option<Option<Occlusion>> {
     match occluded {
         0 => Some(Some(Occlusion::None)),
         1 => Some(Some(Occlusion::Partly)),
         2 => Some(Some(Occlusion::Largely)),
         3 | -1 => Some(None),
+        UNLIKELY_OCCLUSION if is_result => Some(None),
         _ => None,
     }
 }
