@@ -55,20 +55,18 @@ impl PointCloud {
         (self.ring, self.time_offset_s) = (None, None);
     }
 
-    /// Replaces all points by those with these x, y, z and intensities, and keeps the memory. Nobody knows their rings and
-    /// times.
+    /// Replaces all points by those with these x, y, z and intensities, whose memory it takes and gives its own in return.
+    /// Nobody knows their rings and times.
     ///
     /// # Panics
     ///
     /// If the columns are not of one length.
-    pub fn set_columns(&mut self, columns: [&[f32]; 4]) {
-        let [x_m, y_m, z_m, intensity] = columns;
-        assert!(columns.iter().all(|it| it.len() == x_m.len()), "each point has all numbers");
-        self.clear();
-        self.x_m.extend_from_slice(x_m);
-        self.y_m.extend_from_slice(y_m);
-        self.z_m.extend_from_slice(z_m);
-        self.intensity.extend_from_slice(intensity);
+    pub fn swap_columns(&mut self, columns: &mut [Vec<f32>; 4]) {
+        let n_points = columns[0].len();
+        assert!(columns.iter().all(|it| it.len() == n_points), "each point has all numbers");
+        let own = [&mut self.x_m, &mut self.y_m, &mut self.z_m, &mut self.intensity];
+        own.into_iter().zip(columns).for_each(|(own, given)| std::mem::swap(own, given));
+        (self.ring, self.time_offset_s) = (None, None);
     }
 
     /// Says which laser saw each point.
