@@ -1,8 +1,8 @@
 //! What it costs to ask a detector that is a program of its own: the way there and back for scans of some 111,000 points.
 //!
 //! `cargo bench -p scanbench --bench overhead`. Asks a program that reads the points and finds nothing, and one of our
-//! detectors within this program and as a program of its own, in turns; fails if a program of its own, or the way there and
-//! back alone, takes more than a millisecond longer (median over scans of the shortest of twenty).
+//! detectors within this program and as a program of its own, in turns; fails if that takes more than a millisecond longer
+//! as a program of its own (median over scans of the shortest of twenty).
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};
@@ -44,9 +44,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for name in ["hierarchical", "hierarchical-served", "silent"] {
         let (ms, overhead_ms) = (of(name, least), of(name, overhead));
         writeln!(out, "{name:<20} {ms:6.3} ms, of it {overhead_ms:6.3} ms process overhead")?;
-        if overhead_ms > MOST_MS {
-            return Err(format!("the process overhead is more than {MOST_MS} ms").into());
-        }
     }
     let [within, served] = ["hierarchical", "hierarchical-served"].map(|it| of(it, least));
     writeln!(out, "served / within: {:.3}, {:.3} ms longer", served / within, served - within)?;

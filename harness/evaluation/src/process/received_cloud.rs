@@ -46,7 +46,9 @@ impl ReceivedCloud {
                     let read = self.memory.read_exact_at(bytes, column.offset as u64);
                     read.map_err(|error| format!("{name} cannot be read: {error}"))?;
                     // Nothing where processors are little-endian.
-                    values.iter_mut().for_each(|it| *it = f32::from_bits(u32::from_le(it.to_bits())));
+                    for value in values.iter_mut() {
+                        *value = f32::from_bits(u32::from_le(value.to_bits()));
+                    }
                 }
                 None if name == INTENSITY => values.fill(0.0),
                 None => return Err(format!("there is no column {name}")),
