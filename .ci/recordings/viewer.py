@@ -144,9 +144,14 @@ def problem_of(kind, is_judged, image, expected):
             return f"{len(colors)} colours, {n_drawn} of {n_pixels} pixels drawn", set()
         if expected == {}:
             return "its points have no colours", set()
-        for color, n_points in (expected or {}).items():
-            if (n_shown := n_near(color, 8)) < max(5, LEAST_PIXELS * n_points):
-                return f"{n_points} points have the colour {color}, and {n_shown} pixels", set()
+        # Those of one colour may lie behind others, or out of sight.
+        unseen = [
+            f"{n_points} points have the colour {color}, and {n_shown} pixels"
+            for color, n_points in (expected or {}).items()
+            if (n_shown := n_near(color, 8)) < max(5, LEAST_PIXELS * n_points)
+        ]
+        if len(unseen) > len(expected or {}) / 3:
+            return f"{len(unseen)} of {len(expected)} colours are not seen: {'; '.join(unseen)}", set()
         shown = {name for name, color in OUTCOMES.items() if is_judged and n_near(color, 12) >= 40}
         return "nothing matched" if is_judged and "matched" not in shown else None, shown
     if kind == "TextLog":
