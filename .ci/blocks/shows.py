@@ -220,14 +220,20 @@ def file_head(results: list[Result], name: str, n_rows: str) -> str:
     return "\n".join([*lines[first : min(end, first + 2 + int(n_rows))], *lines[end:]])
 
 
+# What a reading of a paper rests on, most of the text first.
+BASES = ["text", "open", "ours", "rival_denied"]
+
+
 def claims(results: list[Result], paper: str) -> str:
-    """A row for each claim of a paper: numbers of the first reading, the verdict, other readings under which it holds."""
+    """A row for each claim of a paper: numbers of the first reading, the verdict, and the reading that it rests on."""
     lines, verdicts = {}, Counter()
     for it in json.loads(left(results[0], "reproduction.json").read_text())["claims"]:
         if it["claim"]["paper"] != paper:
             continue
         first, *others = it["readings"]
-        under = "; ".join(other["reading"] for other in others if other["holds"] and it["verdict"] != "holds")
+        # The first of those with most of the text; bases are written in that order.
+        held = [other for other in others if other["holds"] and it["verdict"] != "holds"]
+        under = min(held, key=lambda other: BASES.index(other["basis"]))["reading"] if held else ""
         verdict = it["verdict"].replace("_", " ")
         verdicts[verdict] += 1
         verdict += f" ({under})" * bool(under)

@@ -222,10 +222,11 @@ class Made(unittest.TestCase):
 
 
 READINGS = [
-    {"difference": difference, "holds": numbers == "2", "numbers": numbers, "reading": name}
-    for name, numbers, difference in [("good faith", "1", "-1"), ("by centre", "2", ""), ("by bev-iou", "3", "")]
+    {"basis": basis, "difference": difference, "holds": numbers != "1", "numbers": numbers, "reading": name}
+    for name, basis, numbers, difference in [
+        ("good faith", "text", "1", "-1"), ("with walls", "ours", "2", ""), ("by centre", "open", "3", "")]
 ]
-CLAIM = {"readings": READINGS, "settings": [1, 9], "verdict": "holds_under_some_readings"}
+CLAIM = {"readings": READINGS, "settings": [1, 9], "verdict": "holds_with_readings"}
 CLAIMS = [CLAIM | {"claim": {"paper": paper, "printed": "83", "says": "It leads."}} for paper in ("HG", "VM")]
 RATES = """source,dataset,detector,no,precision,recall,f_rate,f_rate_low,f_rate_high,fps_mean,few_blocks
 measured,overall,grid,9,0.5,0.5,0.5,0.4,0.6,12.3,true
@@ -280,8 +281,8 @@ SHOWN = {
         "**V.**\n\n| a | c |\n| :-- | --: |\n| 1 | 3 |\n\n- a: all"),
     "a claim has its first reading and others under which it holds": (
         "claims HG", {"reproduction.json": json.dumps({"claims": CLAIMS})},
-        "1 claims (holds under some readings: 1).\n\n| claim | printed | here | verdict |\n| :-- | :-- | :-- | :-- |\n"
-        "| It leads. | 83 | 1; -1 | holds under some readings (by centre); 1 of 9 settings |"),
+        "1 claims (holds with readings: 1).\n\n| claim | printed | here | verdict |\n| :-- | :-- | :-- | :-- |\n"
+        "| It leads. | 83 | 1; -1 | holds with readings (by centre); 1 of 9 settings |"),
     "changes are against the first condition": (
         "condition-changes grid", {"robustness.csv": CONDITIONS},
         "| --: |\n| weather | rain | −10.0 |\n| weather | hail | – |"),

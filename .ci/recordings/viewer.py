@@ -150,7 +150,7 @@ def problem_of(kind, is_judged, image, expected):
             for color, n_points in (expected or {}).items()
             if (n_shown := n_near(color, 8)) < max(5, LEAST_PIXELS * n_points)
         ]
-        if len(unseen) > len(expected or {}) / 3:
+        if 2 * len(unseen) > len(expected or {}):
             return f"{len(unseen)} of {len(expected)} colours are not seen: {'; '.join(unseen)}", set()
         shown = {name for name, color in OUTCOMES.items() if is_judged and n_near(color, 12) >= 40}
         return "nothing matched" if is_judged and "matched" not in shown else None, shown
