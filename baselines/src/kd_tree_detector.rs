@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use detector::detector::{DetectorOutput, DropReason};
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
-use detector::pipeline::foreground_stages::foreground_stages;
+use detector::pipeline::foreground_stages::{fill_grid, foreground_stages, ground};
 use detector::pipeline::frame::Frame;
 use detector::pipeline::object_stages::{ObjectModels, least_points, object_stages};
 use detector::pipeline::stage_list::{Pipeline, Stage, Stages};
@@ -39,6 +39,10 @@ pub fn kd_tree(
     let n_points = least_points(&shared.cluster, models.vehicles.as_ref())..=params.max_points;
     let foreground = match params.foreground {
         ForegroundChoice::Short | ForegroundChoice::Refined => foreground_stages(&shared),
+        ForegroundChoice::Standing => Stages::default()
+            .then(stage::GRID, fill_grid)
+            .then(stage::GROUND, ground(&shared))
+            .then(stage::FOREGROUND, StandingPoints::default()),
         ForegroundChoice::All => Stages::default().then(stage::FOREGROUND, FinitePoints),
     };
     let stages = foreground
@@ -58,6 +62,33 @@ pub fn kd_tree_same_walls(
 ) -> Pipeline {
     let params = KdTreeParams { foreground: ForegroundChoice::Refined, ..params.clone() };
     Pipeline { name: "kd-tree-same-walls", ..kd_tree(&params, shared, models, sensor_height_m) }
+}
+
+/// Takes the points of short and tall cells that stand clear of the ground.
+#[derive(Default)]
+struct StandingPoints {
+    point_indices: Vec<u32>,
+}
+
+impl Stage for StandingPoints {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+        let Frame { grid, terrain, classes, foreground, .. } = frame;
+        let stands = |&(cell_idx, z_m): &(u32, f32)| {
+            let class = classes.get(cell_idx as usize);
+            matches!(class, Some(SurfaceClass::Short | SurfaceClass::Tall))
+                && z_m > foreground.params().ground_top_m(grid, terrain, cell_idx)
+        };
+        let points = grid.cell_of_point().iter().copied().zip(cloud.z_m().iter().copied());
+        let standing = (0..).zip(points).filter(|(_, point)| stands(point)).map(|(point_idx, _)| point_idx);
+        self.point_indices.clear();
+        self.point_indices.extend(standing);
+        foreground.set_points(self.point_indices.iter().copied());
+    }
+
+    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+        let shape = Shape::LabeledPoints(frame.point_classes());
+        vec![StageProduct { stage: stage::FOREGROUND, name: "points", shape }]
+    }
 }
 
 /// Takes all points that are somewhere.

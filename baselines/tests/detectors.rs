@@ -44,9 +44,10 @@ fn simple_grid_by(model: Option<VehicleModel>) -> Pipeline {
     simple_grid(&shared(), ObjectModels { vehicles: model, boxes: None }, SENSOR_HEIGHT_M)
 }
 
-fn every_detector() -> [Pipeline; 4] {
+fn every_detector() -> [Pipeline; 5] {
     [
         kd_tree_over(ForegroundChoice::Short, None),
+        kd_tree_over(ForegroundChoice::Standing, None),
         kd_tree_over(ForegroundChoice::All, None),
         pca_by(None),
         simple_grid_by(None),
@@ -237,6 +238,19 @@ fn a_facade_is_too_large_for_the_occupancy_grid_and_the_car_before_it_is_found()
     check_found(&found, &[([8.0, 3.0], 0.3)]);
     let reasons: Vec<DropReason> = found.dropped_clusters.iter().map(|dropped| dropped.reason).collect();
     assert_eq!(reasons, [DropReason::TooLarge]);
+}
+
+#[test]
+fn over_all_that_stands_a_car_is_no_cluster_of_its_own_beside_a_facade() {
+    let facade = sides([8.0, 5.3], 0.0, [30.0, 0.1], [0.0, 6.0]);
+    let cloud: PointCloud = [road(), car([8.0, 4.0], 0.0), facade].concat().into_iter().collect();
+    check_found(&detected(&mut kd_tree_over(ForegroundChoice::Short, None), &cloud), &[([8.0, 4.0], 0.0)]);
+    let standing = detected(&mut kd_tree_over(ForegroundChoice::Standing, None), &cloud);
+    let lengths_m: Vec<f32> =
+        standing.detections.iter().map(|it| it.bounding_box.length_width_height_m[0]).collect();
+    // The facade is drawn as rows of points, farther from each other than the tolerance.
+    assert!(!lengths_m.is_empty());
+    assert!(lengths_m.iter().all(|it| (29.0..31.0).contains(it)), "{lengths_m:?}");
 }
 
 #[test]

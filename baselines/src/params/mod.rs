@@ -46,6 +46,8 @@ pub enum ForegroundChoice {
     Short,
     /// Those of short objects that are not on walls, the foreground of the hierarchical detector.
     Refined,
+    /// Those of all that is no ground, façades, poles and trees included.
+    Standing,
     /// All of them, road and façades included.
     All,
 }
@@ -145,7 +147,7 @@ mod tests {
         check_refused(
             "\"short\"",
             "\"tall\"",
-            "unknown variant `tall`, expected one of `short`, `refined`, `all`",
+            "unknown variant `tall`, expected one of `short`, `refined`, `standing`, `all`",
         );
     }
 

@@ -46,7 +46,7 @@ impl ReproductionPage<'_> {
             div.verdict {
                 p { (lead(self.claims)) }
                 @for it in self.claims {
-                    p { strong { (it.verdict.name()) } ": " (it.claim.says) " (" (it.claim.place) ")" }
+                    p { strong { (it.conclusion()) } ": " (it.claim.says) " (" (it.claim.place) ")" }
                 }
             }
         };
@@ -87,11 +87,11 @@ impl ReproductionPage<'_> {
 
 /// A claim with all that was seen of it.
 fn claim(judged: &JudgedClaim) -> Markup {
-    let JudgedClaim { claim, readings, settings, verdict } = judged;
+    let JudgedClaim { claim, readings, settings, .. } = judged;
     html! {
         h3 { (claim.says) }
         p {
-            strong { (verdict.name()) }
+            strong { (judged.conclusion()) }
             @if let Some([n_holding, n]) = settings { " · under " (n_holding) " of " (n) " settings" }
             " · " (claim.paper.short_name()) " " (claim.place) " · printed: " (claim.printed)
         }

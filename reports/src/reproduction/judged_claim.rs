@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::claim::Claim;
+use super::steps::Basis;
 use crate::vocabulary::claim_verdict::ClaimVerdict;
 
 /// A claim, and what was seen.
@@ -10,7 +11,8 @@ use crate::vocabulary::claim_verdict::ClaimVerdict;
 pub struct JudgedClaim {
     /// The claim.
     pub claim: Claim,
-    /// What was seen under each reading of the paper, that in good faith first; none where nothing could be.
+    /// What was seen under each reading of the paper, that in good faith first, and of each basis the one that needs least
+    /// first; none where nothing could be.
     pub readings: Vec<Seen>,
     /// Under how many of the joint settings of open values it holds, and of how many; `None` where it does not depend on
     /// them.
@@ -24,6 +26,8 @@ pub struct JudgedClaim {
 pub struct Seen {
     /// The reading.
     pub reading: String,
+    /// What it rests on.
+    pub basis: Basis,
     /// The numbers, in words.
     pub numbers: String,
     /// The difference between method and rival, with its 95 % interval, in words; empty where there is none.
@@ -38,42 +42,77 @@ impl JudgedClaim {
         let verdict = verdict(&readings, settings);
         Self { claim, readings, settings, verdict }
     }
+
+    /// The verdict, with what it needs: the first reading of the best basis under which the claim holds.
+    pub fn conclusion(&self) -> String {
+        let name = self.verdict.name();
+        match needed(&self.readings) {
+            Some(needed) if needed.basis > Basis::Text => format!("{name}: {}", needed.reading),
+            _ => name.to_owned(),
+        }
+    }
+}
+
+/// The reading under which the claim holds that has most of the text.
+fn needed(readings: &[Seen]) -> Option<&Seen> {
+    readings.iter().filter(|it| it.holds == Some(true)).min_by_key(|it| it.basis)
 }
 
 fn verdict(readings: &[Seen], settings: Option<[usize; 2]>) -> ClaimVerdict {
     let Some(good_faith) = readings.first() else { return ClaimVerdict::CannotBeTestedHere };
-    if good_faith.holds == Some(true) {
-        return ClaimVerdict::Holds;
-    }
-    let some = readings.iter().any(|it| it.holds == Some(true)) || settings.is_some_and(|it| it[0] > 0);
-    match good_faith.holds {
-        _ if some => ClaimVerdict::HoldsUnderSomeReadings,
+    let by_basis = needed(readings).map(|it| match it.basis {
+        Basis::Text => ClaimVerdict::Holds,
+        Basis::Open => ClaimVerdict::HoldsWithReadings,
+        Basis::Ours => ClaimVerdict::HoldsWithSteps,
+        Basis::RivalDenied => ClaimVerdict::HoldsIfRivalDenied,
+    });
+    let by_settings = settings.is_some_and(|it| it[0] > 0).then_some(ClaimVerdict::HoldsWithReadings);
+    let otherwise = match good_faith.holds {
         Some(_) => ClaimVerdict::DoesNotHold,
         None => ClaimVerdict::CannotBeTestedHere,
-    }
+    };
+    by_basis.into_iter().chain(by_settings).min().unwrap_or(otherwise)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn seen(holds: Option<bool>) -> Seen {
-        Seen { reading: String::new(), numbers: String::new(), difference: String::new(), holds }
+    fn seen((basis, holds): (Basis, Option<bool>)) -> Seen {
+        let reading = format!("{basis:?}");
+        Seen { reading, basis, numbers: String::new(), difference: String::new(), holds }
     }
 
     #[track_caller]
-    fn check(readings: &[Option<bool>], settings: Option<[usize; 2]>, expected: ClaimVerdict) {
-        let readings: Vec<Seen> = readings.iter().map(|it| seen(*it)).collect();
+    fn check(readings: &[(Basis, Option<bool>)], settings: Option<[usize; 2]>, expected: ClaimVerdict) {
+        let readings: Vec<Seen> = readings.iter().copied().map(seen).collect();
         assert_eq!(verdict(&readings, settings), expected);
     }
 
     #[test]
-    fn good_faith_decides_and_what_else_holds_is_said() {
-        check(&[Some(true), Some(false)], Some([0, 200]), ClaimVerdict::Holds);
-        check(&[Some(false), Some(true)], None, ClaimVerdict::HoldsUnderSomeReadings);
-        check(&[Some(false), Some(false)], Some([3, 200]), ClaimVerdict::HoldsUnderSomeReadings);
-        check(&[Some(false), None], Some([0, 200]), ClaimVerdict::DoesNotHold);
-        check(&[None], None, ClaimVerdict::CannotBeTestedHere);
-        check(&[], None, ClaimVerdict::CannotBeTestedHere);
+    fn the_reading_that_has_most_of_the_text_decides() {
+        use Basis::{Open, Ours, RivalDenied, Text};
+        use ClaimVerdict::{
+            CannotBeTestedHere, DoesNotHold, Holds, HoldsIfRivalDenied, HoldsWithReadings, HoldsWithSteps,
+        };
+        let (yes, no) = (Some(true), Some(false));
+        check(&[(Text, yes), (Open, no)], Some([0, 200]), Holds);
+        check(&[(Text, no), (Open, yes), (Ours, yes)], None, HoldsWithReadings);
+        check(&[(Text, no), (Open, no), (Ours, yes), (RivalDenied, yes)], Some([0, 200]), HoldsWithSteps);
+        check(&[(Text, no), (Open, no), (Ours, no), (RivalDenied, yes)], None, HoldsIfRivalDenied);
+        // Settings have values that the text leaves open.
+        check(&[(Text, no), (Ours, yes)], Some([3, 200]), HoldsWithReadings);
+        check(&[(Text, no), (Open, None)], Some([0, 200]), DoesNotHold);
+        check(&[(Text, None)], None, CannotBeTestedHere);
+        check(&[], None, CannotBeTestedHere);
+    }
+
+    #[test]
+    fn a_conclusion_says_what_the_verdict_needs() {
+        let claim = crate::reproduction::claim::claims().remove(0);
+        let readings =
+            [(Basis::Text, Some(false)), (Basis::Ours, Some(true)), (Basis::RivalDenied, Some(true))];
+        let judged = JudgedClaim::new(claim, readings.map(seen).to_vec(), None);
+        assert_eq!(judged.conclusion(), "holds only with steps that are not in the text: Ours");
     }
 }

@@ -1,6 +1,7 @@
 //! Whether one detector of a run leads another, and on which scenes.
 
 use super::judged_claim::Seen;
+use super::steps::Basis;
 use crate::files::fixed_decimals::{percent, signed_percent};
 use crate::numbers::tally::Tally;
 use crate::uncertainty::sample::{Draw, Question, Sample};
@@ -73,7 +74,7 @@ impl SceneLead {
 }
 
 /// What is seen of a lead that is to be there on each of `leads`.
-pub fn seen(reading: &str, leads: &[SceneLead]) -> Seen {
+pub fn seen(reading: &str, basis: Basis, leads: &[SceneLead]) -> Seen {
     let name = |it: &SceneLead| if leads.len() > 1 { format!("{}: ", it.scene) } else { String::new() };
     let numbers = leads.iter().map(|it| {
         format!("{}{} against {}", name(it), percent(it.difference.after), percent(it.difference.before))
@@ -87,6 +88,7 @@ pub fn seen(reading: &str, leads: &[SceneLead]) -> Seen {
     });
     Seen {
         reading: reading.to_owned(),
+        basis,
         numbers: numbers.collect::<Vec<_>>().join("; "),
         difference: differences.collect::<Vec<_>>().join("; "),
         holds: holds_on_all(leads, PairedDifference::is_surely_larger),
@@ -117,7 +119,7 @@ mod tests {
 
     #[test]
     fn a_lead_holds_if_it_is_sure_on_every_scene_and_few_blocks_say_nothing() {
-        let holds = |leads: &[SceneLead]| seen("good faith", leads).holds;
+        let holds = |leads: &[SceneLead]| seen("good faith", Basis::Text, leads).holds;
         assert_eq!(holds(&[lead("a", 0.75, 0.1, 30), lead("b", 0.6, 0.01, 30)]), Some(true));
         assert_eq!(holds(&[lead("a", 0.75, 0.1, 30), lead("b", 0.6, -0.01, 30)]), Some(false));
         assert_eq!(holds(&[lead("a", 0.75, 0.1, 2)]), None);
@@ -125,7 +127,7 @@ mod tests {
         // Where it is known it is refuted.
         assert_eq!(holds(&[lead("a", 0.75, -0.1, 30), lead("b", 0.75, 0.1, 2)]), Some(false));
         assert_eq!(holds(&[]), None);
-        let both = seen("good faith", &[lead("a", 0.75, 0.125, 30), lead("b", 0.25, -0.5, 30)]);
+        let both = seen("good faith", Basis::Text, &[lead("a", 0.75, 0.125, 30), lead("b", 0.25, -0.5, 30)]);
         assert_eq!(both.numbers, "a: 75.0 against 50.0; b: 25.0 against 50.0");
         assert_eq!(both.difference, "+25.0 (12.5 to 50.0); -25.0 (-50.0 to 50.0)");
     }

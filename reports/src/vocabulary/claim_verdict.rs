@@ -9,8 +9,14 @@ use serde::{Deserialize, Serialize};
 pub enum ClaimVerdict {
     /// It holds in good faith.
     Holds,
-    /// It holds to the letter, by another criterion, or under some of the settings; not in good faith.
-    HoldsUnderSomeReadings,
+    /// It holds under a reading that the text leaves open: to the letter, by another criterion, or under some of the
+    /// settings; not in good faith.
+    #[serde(alias = "holds_under_some_readings")]
+    HoldsWithReadings,
+    /// It holds only with steps that are not in the text.
+    HoldsWithSteps,
+    /// It holds if the rival gets less than the method.
+    HoldsIfRivalDenied,
     /// It holds under none.
     DoesNotHold,
     /// These scans say nothing about it.
@@ -22,7 +28,9 @@ impl ClaimVerdict {
     pub fn name(self) -> &'static str {
         match self {
             Self::Holds => "holds",
-            Self::HoldsUnderSomeReadings => "holds under some readings",
+            Self::HoldsWithReadings => "holds with readings that the text leaves open",
+            Self::HoldsWithSteps => "holds only with steps that are not in the text",
+            Self::HoldsIfRivalDenied => "holds if the rival is denied something",
             Self::DoesNotHold => "does not hold",
             Self::CannotBeTestedHere => "cannot be tested here",
         }

@@ -2,4 +2,5 @@
 
 pub mod open_values;
 pub mod settings;
+pub mod coordinate_search;
 pub mod observed_scans;

@@ -20,28 +20,34 @@ use crate::scan_pass::ScanPassError;
 use crate::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
 use crate::sweep::sweep_plan::{SweepPlan, SweepPoint};
 
-/// A Latin hypercube of `n` joint settings of `values` over the parameters of `base`: each value takes every `n`th of its
-/// range once, in an order of its own. `McKay`, Beckman, Conover 1979.
+/// A Latin hypercube of `n` joint settings of `n_values` values, each a share of its range: each value takes every `n`th of
+/// its range once, in an order of its own. `McKay`, Beckman, Conover 1979.
+pub fn latin_hypercube(n_values: usize, n: usize, seed: u64) -> Vec<Shares> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for _ in 0..n_values {
+        let mut strata: Vec<usize> = (0..n).collect();
+        strata.shuffle(&mut rng);
+        let shares = strata.into_iter().map(|stratum| (stratum as f64 + rng.random::<f64>()) / n as f64);
+        columns.push(shares.collect());
+    }
+    (0..n).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
+}
+
+/// The parameters of `base` with `values` at these shares of their ranges: a point for each setting.
 ///
 /// # Errors
 ///
 /// [`ConfigError`] if a value cannot be worked with.
-pub fn latin_hypercube(
+pub fn points_at(
     base: &RunConfig,
     values: &[OpenValue],
-    n: usize,
-    seed: u64,
+    settings: &[Shares],
 ) -> Result<Vec<SweepPoint>, ConfigError> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut columns = Vec::new();
-    for it in values {
-        let mut strata: Vec<usize> = (0..n).collect();
-        strata.shuffle(&mut rng);
-        let shares = strata.into_iter().map(|stratum| (stratum as f64 + rng.random::<f64>()) / n as f64);
-        columns.push(shares.map(|share| it.range.at(share)).collect::<Vec<_>>());
-    }
-    let names: Vec<&str> = values.iter().map(|it| it.parameter).collect();
-    (0..n).map(|row| point(base, &names, columns.iter().map(|it| it[row].clone()).collect())).collect()
+    let names: Vec<&str> = values.iter().map(|value| value.parameter).collect();
+    let written =
+        |shares: &Shares| values.iter().zip(shares).map(|(value, share)| value.range.at(*share)).collect();
+    settings.iter().map(|shares| point(base, &names, written(shares))).collect()
 }
 
 /// The parameters of `base` with these values of the parameters `names`.
@@ -69,6 +75,9 @@ pub fn plan(
     let swept = names.iter().enumerate().map(of_name).collect();
     SweepPlan { detectors, swept, tied: Vec::new(), points, base: base.clone() }
 }
+
+/// A joint setting: of each value the share of its range, 0 to below 1.
+pub type Shares = Vec<f64>;
 
 /// What a detector found in each of [`Task::ALL`].
 pub type TaskCounts = [Counts; Task::ALL.len()];
@@ -125,7 +134,9 @@ mod tests {
     #[test]
     fn every_part_of_every_range_is_there_once() {
         let base = RunConfig::load(None).unwrap();
-        let points = latin_hypercube(&base, &OPEN_VALUES, 20, 1).unwrap();
+        let drawn =
+            |seed| points_at(&base, &OPEN_VALUES, &latin_hypercube(OPEN_VALUES.len(), 20, seed)).unwrap();
+        let points = drawn(1);
         assert_eq!(points.len(), 20);
         for (idx, open) in OPEN_VALUES.iter().enumerate() {
             let OpenRange::Numbers { low, high, is_whole: false, is_log } = open.range else { continue };
@@ -141,8 +152,7 @@ mod tests {
             // Values are rounded as they are written, over the border of a part now and then.
             assert!(strata.collect::<BTreeSet<_>>().len() >= 17, "{}", open.parameter);
         }
-        let again = latin_hypercube(&base, &OPEN_VALUES, 20, 1).unwrap();
-        assert!(points.iter().zip(&again).all(|(a, b)| a.values == b.values));
-        assert_ne!(points[0].values, latin_hypercube(&base, &OPEN_VALUES, 20, 2).unwrap()[0].values);
+        assert!(points.iter().zip(&drawn(1)).all(|(a, b)| a.values == b.values));
+        assert_ne!(points[0].values, drawn(2)[0].values);
     }
 }

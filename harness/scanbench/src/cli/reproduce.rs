@@ -37,7 +37,8 @@ pub struct ReproduceArgs {
     pub per_class: u32,
     /// Choose the open values of paper or of a rival on these scans, instead of judging claims
     ///
-    /// The setting with the greatest mean rate wins: of paper over both tasks, of a rival in its own.
+    /// The setting with the greatest mean rate wins: of paper over both tasks, of a rival in its own. Half of the settings
+    /// are drawn, the others come of a search from the best of these, one value after another.
     #[arg(long, value_enum, value_name = "DETECTOR", num_args = 0..=1, require_equals = true, default_missing_value = "paper")]
     #[arg(help_heading = DETECTORS, conflicts_with_all = IDLE_OF_CHOICE)]
     pub choose: Option<ChosenFor>,

@@ -18,10 +18,14 @@ fn claims_of_all_papers_are_judged_and_gated() {
     assert_eq!(claims[0]["settings"][1], 2);
     let readings: Vec<&str> =
         claims[0]["readings"].as_array().unwrap().iter().map(|it| it["reading"].as_str().unwrap()).collect();
-    assert_eq!(readings, ["good faith", "to the letter", "by centre", "by bev-iou"]);
+    assert_eq!(readings[..4], ["good faith", "to the letter", "by centre", "by bev-iou"]);
+    // Four steps, then none to four against each of two rivals that get less.
+    assert_eq!((readings.len(), readings[4]), (4 + 4 + 2 * 5, "step 1, fewer points are enough far away"));
+    assert_eq!(readings[13], "against kd-tree over all that is no ground");
+    workplace.check_file("first/steps_vehicles.md", &["walls stand and hide what is behind them", "pca"]);
     // It is a run, too.
     let rows = workplace.read("first/scans.csv");
-    for detector in ["paper,", "\"paper, to the letter\",", "kd-tree,", "pca,"] {
+    for detector in ["paper,", "\"paper, to the letter\",", "\"paper, step 4\",", "kd-tree,", "pca,"] {
         assert!(rows.contains(detector), "{detector}");
     }
     // A claim that holds no longer closes the gate.

@@ -33,7 +33,9 @@ impl Tabular for ClaimsTable<'_> {
 pub fn lead(claims: &[JudgedClaim]) -> String {
     let counted = [
         (ClaimVerdict::Holds, "hold"),
-        (ClaimVerdict::HoldsUnderSomeReadings, "hold under some readings"),
+        (ClaimVerdict::HoldsWithReadings, "hold with readings that the text leaves open"),
+        (ClaimVerdict::HoldsWithSteps, "hold only with steps that are not in the text"),
+        (ClaimVerdict::HoldsIfRivalDenied, "hold if the rival is denied something"),
         (ClaimVerdict::DoesNotHold, "do not hold"),
         (ClaimVerdict::CannotBeTestedHere, "cannot be tested here"),
     ]
@@ -50,9 +52,9 @@ fn grid(claims: &[&JudgedClaim]) -> Grid {
     for it in claims {
         let verdict = match it.settings {
             Some([n_holding, n]) => {
-                format!("{} ({n_holding} of {n} settings)", it.verdict.name())
+                format!("{} ({n_holding} of {n} settings)", it.conclusion())
             }
-            None => it.verdict.name().to_owned(),
+            None => it.conclusion(),
         };
         let claim = [it.claim.says.clone(), it.claim.place.clone(), it.claim.printed.clone()];
         let first = it.readings.first();
@@ -84,6 +86,7 @@ mod tests {
     use super::*;
     use crate::reproduction::claim::{Claim, ClaimTest};
     use crate::reproduction::judged_claim::Seen;
+    use crate::reproduction::steps::Basis;
     use crate::tables::formats::format::Format as _;
     use crate::tables::formats::markdown::Markdown;
 
@@ -96,23 +99,24 @@ mod tests {
             printed: "23 against 13.5".to_owned(),
             test: ClaimTest::FrontSpheres,
         };
-        let seen = |reading: &str, holds| Seen {
+        let seen = |reading: &str, basis, holds| Seen {
             reading: reading.to_owned(),
+            basis,
             numbers: "3 against 4".to_owned(),
             difference: "-1 (-2 to 0)".to_owned(),
             holds: Some(holds),
         };
-        let readings = vec![seen("good faith", false), seen("to the letter", true)];
+        let readings = vec![seen("good faith", Basis::Text, false), seen("to the letter", Basis::Open, true)];
         let claims = [JudgedClaim::new(claim, readings, Some([3, 20]))];
         let table = ClaimsTable { claims: &claims, notes: &["A note.".to_owned()] };
         insta::assert_snapshot!(Markdown.text(&table), @r"
-        **Of the claims (1) 1 hold under some readings.**
+        **Of the claims (1) 1 hold with readings that the text leaves open.**
 
         **Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in Continuously Streamed Urban LIDAR Point Clouds, 2014 (VM)**
 
         | claim | place | printed | reading | here | difference (95 % interval) | verdict |
         | :-- | :-- | :-- | :-- | :-- | :-- | :-- |
-        | It is fast. | 6 | 23 against 13.5 | good faith | 3 against 4 | -1 (-2 to 0) | holds under some readings (3 of 20 settings) |
+        | It is fast. | 6 | 23 against 13.5 | good faith | 3 against 4 | -1 (-2 to 0) | holds with readings that the text leaves open: to the letter (3 of 20 settings) |
         |  |  |  | to the letter | 3 against 4 | -1 (-2 to 0) | holds so |
 
         - A note.

@@ -17,4 +17,5 @@ pub mod partial_table;
 pub mod claims_table;
 pub mod open_values_table;
 pub mod rate_table;
+pub mod step_table;
 pub mod background_table;

@@ -280,7 +280,7 @@ mod tests {
             &["foreground=blue"],
             &ALL,
             "-P foreground=blue: kd_tree.foreground: unknown variant `blue`, expected one of \
-             `short`, `refined`, `all`",
+             `short`, `refined`, `standing`, `all`",
         );
         check_refused(
             &["tolerance_m=1", "kd_tree.min_points=30000"],

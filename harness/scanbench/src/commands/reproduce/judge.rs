@@ -10,6 +10,7 @@ use reports::numbers::tally::Tally;
 use reports::reproduction::claim::{Claim, ClaimTest, Paper, claims};
 use reports::reproduction::judged_claim::{JudgedClaim, Seen};
 use reports::reproduction::lead::{LeadsOf, Pair, SceneLead, holds_on_all, seen};
+use reports::reproduction::steps::{Basis, RIVAL_READINGS, STEPS, basis, reading};
 use reports::tables::paper_figures::VEHICLE_STEPS;
 use reports::uncertainty::sample::Question;
 use reports::verdicts::paired_difference::PairedDifference;
@@ -109,7 +110,9 @@ impl<'a> Judge<'a> {
             }
             ClaimTest::None { because } => {
                 let numbers = because.clone();
-                let seen = Seen { reading: String::new(), numbers, difference: String::new(), holds: None };
+                let reading = String::new();
+                let seen =
+                    Seen { reading, basis: Basis::Text, numbers, difference: String::new(), holds: None };
                 (vec![seen], None)
             }
         };
@@ -124,16 +127,17 @@ impl<'a> Judge<'a> {
                 part => self.leads.on_scenes(pair, metric, part),
             }
         };
-        let mut readings = vec![seen(GOOD_FAITH, &leads(pair))];
+        let mut readings = vec![seen(GOOD_FAITH, Basis::Text, &leads(pair))];
         let is_of_tables = RIVALS.contains(&(pair.rival, pair.task)) && *metric == Metric::FRate;
         if pair.method != METHOD || !is_of_tables {
             return (readings, None);
         }
         let letter = Pair { method: LETTER_DETECTOR, ..pair };
-        readings.push(seen(LETTER, &leads(letter)));
+        readings.push(seen(LETTER, Basis::Open, &leads(letter)));
         let on_each = scenes == "every";
         let of_points = criteria().iter().skip(1).enumerate();
         readings.extend(of_points.map(|(idx, criterion)| self.by_criterion(pair, idx, criterion, on_each)));
+        readings.extend(step_readings(pair, leads));
         (readings, self.settings.and_then(|it| it.n_leading(pair.task, on_each)))
     }
 
@@ -152,6 +156,7 @@ impl<'a> Judge<'a> {
         }
         Seen {
             reading: format!("by {criterion}"),
+            basis: Basis::Open,
             numbers: numbers.join("; "),
             difference: differences.join("; "),
             holds: (!numbers.is_empty()).then_some(holds),
@@ -178,6 +183,7 @@ impl<'a> Judge<'a> {
             leads.iter().map(|it| format!("{}: {}", it.scene, signed_percent(it.difference.difference())));
         Seen {
             reading: GOOD_FAITH.to_owned(),
+            basis: Basis::Text,
             numbers: numbers.collect::<Vec<_>>().join("; "),
             difference: String::new(),
             // Who is behind leads nowhere the most.
@@ -203,6 +209,7 @@ impl<'a> Judge<'a> {
         let [ours_ms, theirs_ms] = [self.median_ms(method, &metric)?, self.median_ms(rival, &metric)?];
         Some(Seen {
             reading: GOOD_FAITH.to_owned(),
+            basis: Basis::Text,
             numbers: format!(
                 "{} ms against {} ms in the median",
                 fixed_decimals(ours_ms, 2),
@@ -218,7 +225,7 @@ impl<'a> Judge<'a> {
         let leads = self.leads.overall(pair, &Metric::UnderSegmentation);
         let is_less = |it: &PairedDifference| it.interval.is_some_and(|it| it.ends[1] < 0.0);
         let holds = holds_on_all(&leads, is_less);
-        Seen { holds, ..seen(GOOD_FAITH, &leads) }
+        Seen { holds, ..seen(GOOD_FAITH, Basis::Text, &leads) }
     }
 
     fn longest_step(&self, step: &str) -> Option<Seen> {
@@ -234,6 +241,7 @@ impl<'a> Judge<'a> {
         let numbers = times_ms.iter().map(|(name, ms)| format!("{name} {} ms", fixed_decimals(*ms, 2)));
         Some(Seen {
             reading: GOOD_FAITH.to_owned(),
+            basis: Basis::Text,
             numbers: numbers.collect::<Vec<_>>().join(", "),
             difference: format!("{} takes the longest", longest.0),
             holds: (longest.1 > 0.0).then_some(longest.0 == step),
@@ -254,6 +262,7 @@ impl<'a> Judge<'a> {
         let share = hidden[0] / all[0].max(1.0);
         Some(Seen {
             reading: GOOD_FAITH.to_owned(),
+            basis: Basis::Text,
             numbers: format!(
                 "of {} missed vehicles {} are hidden by more than a half; of {} that nothing hides {} are missed",
                 all[0], hidden[0], seen_well[1], seen_well[0]
@@ -262,6 +271,22 @@ impl<'a> Judge<'a> {
             holds: Some(share >= 0.9),
         })
     }
+}
+
+/// What is seen of `pair` after each of [`STEPS`], against the rival and, of objects, against each of [`RIVAL_READINGS`]: by
+/// basis, fewest steps first.
+fn step_readings<'p>(pair: Pair<'p>, leads: impl Fn(Pair<'p>) -> Vec<SceneLead>) -> Vec<Seen> {
+    let denied = if pair.task == Task::Objects { &RIVAL_READINGS[..] } else { &[] };
+    let mut readings = Vec::new();
+    for rival in std::iter::once(None).chain(denied.iter().map(Some)) {
+        // Without a step, against the rival itself, is good faith.
+        for n_steps in usize::from(rival.is_none())..=STEPS.len() {
+            let method = n_steps.checked_sub(1).map_or(pair.method, |last| STEPS[last].detector);
+            let pair = Pair { method, rival: rival.map_or(pair.rival, |it| it.detector), ..pair };
+            readings.push(seen(&reading(n_steps, rival), basis(n_steps, rival), &leads(pair)));
+        }
+    }
+    readings
 }
 
 fn is_simulated(opened: &OpenedDataset) -> bool {

@@ -13,6 +13,7 @@ use evaluation::run::detector_list::built_in_named;
 use reports::files::fixed_decimals::{fixed_decimals, percent, signed_percent};
 use reports::numbers::rank_correlation::rank_correlation;
 use reports::reproduction::judged_claim::Seen;
+use reports::reproduction::steps::Basis;
 use reports::vocabulary::task::Task;
 
 use super::METHOD;
@@ -89,6 +90,7 @@ impl Observations {
         let per_m2 = if is_weighted { "weighted points" } else { "points" };
         Seen {
             reading: GOOD_FAITH.to_owned(),
+            basis: Basis::Text,
             numbers: format!(
                 "{} to {} {per_m2} per m² and scan from {} to {} m",
                 fixed_decimals(low, 2),
@@ -133,6 +135,7 @@ impl Observations {
         let is_peak = |(size_m, _): (f64, f64)| (within_m[0]..=within_m[1]).contains(&size_m);
         Seen {
             reading: GOOD_FAITH.to_owned(),
+            basis: Basis::Text,
             numbers,
             difference,
             holds: Some(inside.len() == values.len() && best.is_some_and(is_peak)),
@@ -150,6 +153,7 @@ impl Observations {
         let all = rates.iter().map(|(size_m, rate)| format!("{size_m} m {}", percent(*rate)));
         Some(Seen {
             reading: GOOD_FAITH.to_owned(),
+            basis: Basis::Text,
             numbers: all.collect::<Vec<_>>().join("; "),
             difference: format!("greatest at {} m", best.0),
             holds: Some((within_m[0]..=within_m[1]).contains(&best.0)),
@@ -173,6 +177,7 @@ impl Observations {
             let [low, high] = [-1.96, 1.96].map(|it| difference + it * spread);
             Seen {
                 reading: GOOD_FAITH.to_owned(),
+                basis: Basis::Text,
                 numbers: format!(
                     "within {within_deg}° of {} matched vehicles: {} of the hull's boxes, {} of those of principal axes",
                     self.pairs.len(),
@@ -194,6 +199,7 @@ impl Observations {
             let half = 1.96 * (share * (1.0 - share) / n).sqrt();
             Seen {
                 reading: GOOD_FAITH.to_owned(),
+                basis: Basis::Text,
                 numbers: format!(
                     "front larger in {} % of {} annotated cars that are seen from end to end with 200 points and more",
                     percent(share),

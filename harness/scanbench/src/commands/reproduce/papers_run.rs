@@ -6,7 +6,7 @@ use clap::Parser as _;
 use detector::stage;
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::built_in_named;
+use evaluation::run::detector_list::{ListedDetector, built_in_named};
 use evaluation::run::scan_recorder::FigureView;
 use reports::files::archive::{ArchiveError, SCHEMA};
 use reports::files::csv_rows::csv_of_cells;
@@ -16,6 +16,7 @@ use reports::reproduction::claim::Paper;
 use reports::reproduction::judged_claim::JudgedClaim;
 use reports::reproduction::lead::LeadsOf;
 use reports::reproduction::sensitivity::Sensitivity;
+use reports::reproduction::steps::{RIVAL_READINGS, STEPS};
 use reports::run_folder::run_directory::{REPRODUCTION_JSON, RunDirectory};
 use reports::tables::formats::format::Format as _;
 use reports::tables::sheet::Tabular;
@@ -185,25 +186,35 @@ fn papers(name: PaperName) -> &'static [Paper] {
 
 fn compared_detectors(config: &RunConfig) -> Result<Vec<ComparedDetector>, Failure> {
     let method = built_in_named(&[METHOD.to_owned()], config)?[0];
+    let rivals = built_in_named(&RIVALS.map(str::to_owned), config)?;
+    let variant = |name, chosen: ListedDetector, values: &[&str]| -> Result<ComparedDetector, Failure> {
+        let options: Vec<_> = values.iter().map(|it| it.parse().expect("the lists are tested")).collect();
+        Ok(ComparedDetector { name, chosen: chosen.into(), config: config.overridden(&options, &[])? })
+    };
     let mut compared_detectors = vec![ComparedDetector::of(method, config)];
-    for (name, switches) in VARIANTS {
-        let options: Vec<_> =
-            switches.split_whitespace().map(|it| it.parse().expect("the list is tested")).collect();
-        compared_detectors.push(ComparedDetector {
-            name,
-            chosen: method.into(),
-            config: config.overridden(&options, &[])?,
-        });
+    for (name, switch) in VARIANTS {
+        compared_detectors.push(variant(name, method, &[switch])?);
     }
-    for rival in built_in_named(&RIVALS.map(str::to_owned), config)? {
-        compared_detectors.push(ComparedDetector::of(rival, config));
+    let mut values = Vec::new();
+    for step in STEPS {
+        values.extend_from_slice(step.parameters);
+        compared_detectors.push(variant(step.detector, method, &values)?);
+    }
+    compared_detectors.extend(rivals.iter().map(|rival| ComparedDetector::of(*rival, config)));
+    for rival in RIVAL_READINGS {
+        let foreground = format!("kd_tree.foreground={}", rival.foreground);
+        compared_detectors.push(variant(rival.detector, rivals[0], &[&foreground])?);
     }
     Ok(compared_detectors)
 }
 
 /// The titles of the tables, task by task.
 const TABLES_1: [&str; 2] = ["Table 1 of HG: objects", "Table 1 of VM: vehicles"];
+const STEP_TABLES: [&str; 2] = ["Step by step: objects", "Step by step: vehicles"];
 const PARTS: [&str; 2] = ["What the data do: objects", "What the data do: vehicles"];
+
+/// Their files.
+const STEP_FILES: [&str; 2] = ["steps_objects", "steps_vehicles"];
 
 /// What is written.
 struct Written<'a> {
@@ -224,11 +235,16 @@ impl Written<'_> {
         let json = serde_json::json!({ "schema": SCHEMA, "claims": claims, "settings": settings });
         directory.write_file(REPRODUCTION_JSON, format!("{json:#}\n").as_bytes())?;
         let by_scene = rates.by_scene();
+        let by_step = rates.by_step();
         let by_part = rates.by_part();
         let mut tables: Vec<(&str, &dyn Tabular)> = Vec::new();
         tables.extend(TABLES_1.into_iter().zip(&by_scene).map(|(title, it)| (title, it as &dyn Tabular)));
+        tables.extend(STEP_TABLES.into_iter().zip(&by_step).map(|(title, it)| (title, it as &dyn Tabular)));
         tables.extend(PARTS.into_iter().zip(&by_part).map(|(title, it)| (title, it as &dyn Tabular)));
         tables.push(("What the data do: the background of vehicles", *backgrounds));
+        for (name, table) in STEP_FILES.into_iter().zip(&by_step) {
+            write_table(directory, name, table)?;
+        }
         let open_values = settings.map(|sensitivity| OpenValuesTable { sensitivity });
         let svg = settings.map(settings_plot);
         if let (Some(table), Some(svg), Some(sensitivity)) = (&open_values, &svg, settings) {

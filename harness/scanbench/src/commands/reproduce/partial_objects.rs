@@ -8,6 +8,7 @@ use evaluation::partial::object_parts::PartsSeen;
 use reports::partial_study::partial_claims::{MeasuredClaim, PartialClaim};
 use reports::partial_study::partial_curves::PartialCurve;
 use reports::reproduction::judged_claim::Seen;
+use reports::reproduction::steps::Basis;
 use reports::rows::partial_row::PartialRow;
 use reports::vocabulary::partial_class::PartialClass;
 use simulator::object_clouds::simulated_objects::{ObjectPart, SimulatedObjects, open_simulated_objects};
@@ -66,12 +67,14 @@ impl PartialObjects {
 
     /// What is seen of `claim`: learned from whole objects first, as in the paper.
     pub fn seen(&self, claim: PartialClaim) -> Vec<Seen> {
-        let seen = |curve: &PartialCurve| {
+        let seen = |(idx, curve): (usize, &PartialCurve)| {
             let MeasuredClaim { holds, number } = claim.measured(curve);
             let reading = format!("learned from {}, seen from {}", curve.trained_on, curve.direction);
-            Seen { reading, numbers: number, difference: String::new(), holds }
+            // The paper learns from whole objects; that comes first.
+            let basis = if idx == 0 { Basis::Text } else { Basis::Open };
+            Seen { reading, basis, numbers: number, difference: String::new(), holds }
         };
-        self.curves.iter().map(seen).collect()
+        self.curves.iter().enumerate().map(seen).collect()
     }
 
     /// What has to be said of it.

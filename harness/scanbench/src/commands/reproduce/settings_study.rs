@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use evaluation::reproduction::open_values::{OPEN_VALUES, OpenRange};
-use evaluation::reproduction::settings::{TaskCounts, count, latin_hypercube, plan, point};
+use evaluation::reproduction::settings::{TaskCounts, count, latin_hypercube, plan, point, points_at};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ChosenDetector, built_in_named};
 use evaluation::sweep::sweep_plan::SweepPoint;
@@ -147,7 +147,8 @@ impl SettingsStudy {
             &mut config,
         );
         let names: Vec<&str> = OPEN_VALUES.iter().map(|it| it.parameter).collect();
-        let points = latin_hypercube(&config, &OPEN_VALUES, n, arguments.settings_seed)?;
+        let drawn = latin_hypercube(OPEN_VALUES.len(), n, arguments.settings_seed);
+        let points = points_at(&config, &OPEN_VALUES, &drawn)?;
         let settings: Vec<Vec<String>> = points.iter().map(|it| it.values.clone()).collect();
         let methods = CountedPoints::of(&config, &[METHOD], &names, points, &datasets, interrupted)?;
         let rivals = RIVALS.map(|it| it.0);
