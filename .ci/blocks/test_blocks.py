@@ -281,7 +281,7 @@ SHOWN = {
     "columns are left out of a file": (
         "file values.md b", {"values.md": "**V.**\n\n| a | b | c |\n| :-- | --: | --: |\n| 1 | 2 | 3 |\n\n- a: all"},
         "**V.**\n\n| a | c |\n| :-- | --: |\n| 1 | 3 |\n\n- a: all"),
-    "a claim has its first reading and others under which it holds": (
+    "a claim has its first reading, and the one that it rests on": (
         "claims HG", {"reproduction.json": json.dumps({"claims": CLAIMS})},
         "1 claims (holds with readings: 1).\n\n| claim | printed | here | verdict |\n| :-- | :-- | :-- | :-- |\n"
         "| It leads. | 83 | 1; -1 | holds with readings (by centre); 1 of 9 settings |"),

@@ -110,7 +110,8 @@ pub const OPEN_VALUES: [OpenValue; 13] = [
     },
 ];
 
-/// What sentences of HG and VM leave open of the structure of `paper`: tried with [`OPEN_VALUES`] where values are chosen.
+/// Readings of the structure of `paper`, by words or by figures of HG and VM: tried with [`OPEN_VALUES`] where values are
+/// chosen.
 const OPEN_READINGS: [OpenValue; 3] = [
     OpenValue {
         parameter: "paper.ground.fewer_far_away",

@@ -91,9 +91,9 @@ impl ForeignBox {
         if !yaw_rad.is_finite() {
             return Err(format!("has the yaw {yaw_rad}"));
         }
-        match self.score.or(self.box_score) {
-            Some(score) if !score.is_finite() => Err(format!("has the score {score}")),
-            _ => Ok(()),
+        match [self.score, self.box_score].into_iter().flatten().find(|it| !it.is_finite()) {
+            Some(score) => Err(format!("has the score {score}")),
+            None => Ok(()),
         }
     }
 }
@@ -146,6 +146,7 @@ pub(crate) mod tests {
         );
         check_refused(|it| it.bounding_box.yaw_rad = f32::INFINITY, "box 2 has the yaw inf");
         check_refused(|it| it.score = Some(f32::NAN), "box 2 has the score NaN");
+        check_refused(|it| it.box_score = Some(f32::INFINITY), "box 2 has the score inf");
     }
 
     #[test]
