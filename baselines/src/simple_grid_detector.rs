@@ -1,6 +1,7 @@
 //! The ablation of the hierarchical grid: the same detector without its dense level.
 
 use detector::detector::DetectorOutput;
+use detector::fit::outline::Outline;
 use detector::params::HierarchicalParams;
 use detector::pipeline::blob_stages::{OutlineBoxes, fill_dense_level, linked_blocks, object_clusters};
 use detector::pipeline::foreground_stages::foreground_stages;
@@ -26,7 +27,7 @@ pub fn simple_grid(shared: &HierarchicalParams, models: ObjectModels, sensor_hei
     let least_points = least_points(&shared.cluster, models.vehicles.as_ref());
     let stages = foreground_stages(&shared)
         .then(stage::MERGE, Blobs { params, blobs: DisjointSets::default() })
-        .then(stage::BOXES, OutlineBoxes::new(shared.grid.xi, least_points))
+        .then(stage::BOXES, OutlineBoxes::new(Outline::new(shared.grid.xi, 1), least_points))
         .and(object_stages(&shared, models));
     Pipeline { name: "simple-grid", frame: Frame::new(&shared, sensor_height_m), stages }
 }

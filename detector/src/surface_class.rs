@@ -16,11 +16,14 @@ pub enum SurfaceClass {
     Tall,
     /// Vehicles, people, street furniture: the foreground.
     Short,
+    /// Of what stages leave behind: short by itself, and tall because it is on a wall. To the stages it is [`Self::Tall`].
+    Wall,
 }
 
 impl SurfaceClass {
     /// All classes, in the order of their discriminants.
-    pub const ALL: [Self; 5] = [Self::Unseen, Self::Clutter, Self::Ground, Self::Tall, Self::Short];
+    pub const ALL: [Self; 6] =
+        [Self::Unseen, Self::Clutter, Self::Ground, Self::Tall, Self::Short, Self::Wall];
 
     /// The name used in files and on screens.
     pub fn name(self) -> &'static str {
@@ -30,6 +33,7 @@ impl SurfaceClass {
             Self::Ground => "ground",
             Self::Tall => "tall",
             Self::Short => "short object",
+            Self::Wall => "wall",
         }
     }
 }

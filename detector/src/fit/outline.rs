@@ -7,13 +7,14 @@ use crate::segment::object_points::ObjectPoint;
 
 /// The outlines of the objects of one scan after another.
 ///
-/// A dense cell is on the outline of its object if it holds points, and not all of its eight neighbours belong to the
+/// A dense cell is on the outline of its object if it holds enough points, and not all of its eight neighbours belong to the
 /// same object. The corners of an object's convex hull lie in such cells.
 ///
 /// Paper: VM section 4, boundary cells.
 #[derive(Debug, Clone)]
 pub struct Outline {
     xi: usize,
+    min_points: u32,
     // For each of the nine blocks around a block: its dense cells that touch that block, and their indices in `around`.
     touching: [Vec<[usize; 2]>; 9],
     // Objects of the dense cells of a block and of those that touch it, row by row.
@@ -25,8 +26,9 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// No outlines yet; `xi` are the dense cells along the side of a block.
-    pub fn new(xi: u32) -> Self {
+    /// No outlines yet; `xi` are the dense cells along the side of a block, of which those with fewer than `min_points`
+    /// count as empty.
+    pub fn new(xi: u32, min_points: u32) -> Self {
         let side = xi as i32 + 2;
         let mut touching = [const { Vec::new() }; 9];
         for index in 0..side * side {
@@ -37,6 +39,7 @@ impl Outline {
         }
         Self {
             xi: xi as usize,
+            min_points,
             touching,
             around: vec![NO_OBJECT; (side * side) as usize],
             is_edge: Vec::new(),
@@ -56,8 +59,10 @@ impl Outline {
                 let block_idx = dense.block_of_cell(neighbor_idx);
                 if block_idx != NO_BLOCK {
                     let objects = &object_of_dense[block_idx as usize * n_dense..][..n_dense];
+                    let n_points = dense.n_points_of_block(block_idx);
                     for &[within, index] in touching {
-                        self.around[index] = objects[within];
+                        let is_empty = n_points[within] < self.min_points;
+                        self.around[index] = if is_empty { NO_OBJECT } else { objects[within] };
                     }
                 }
             }
@@ -74,7 +79,7 @@ impl Outline {
     }
 
     /// Gathers the points of an object that lie on its outline, see [`Self::points_m`], and returns the elevations of
-    /// its lowest and highest point in metres. `object` are all its points.
+    /// its lowest and highest point in metres. `object` are all its points; they are its outline if no cell has enough.
     pub fn gather(&mut self, object: &[ObjectPoint]) -> [f32; 2] {
         self.points_m.resize(self.points_m.len().max(object.len()), [0.0; 2]);
         let (is_edge, points_m) = (&self.is_edge[..], &mut self.points_m[..]);
@@ -85,6 +90,12 @@ impl Outline {
             high_m = if z_m > high_m { z_m } else { high_m };
             points_m[n_points] = [x_m, y_m];
             n_points += usize::from(is_edge[dense_idx as usize]);
+        }
+        if n_points == 0 {
+            for (at, &ObjectPoint { position_m: [x_m, y_m, _], .. }) in points_m.iter_mut().zip(object) {
+                *at = [x_m, y_m];
+            }
+            n_points = object.len();
         }
         self.n_points = n_points;
         [low_m, high_m]

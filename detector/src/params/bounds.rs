@@ -133,6 +133,8 @@ pub const HIERARCHICAL_BOUNDS: &[Bounds] = &[
     Bounds::new("separation.low_density_share", 0.0, 1.0),
     Bounds::new("separation.object_density_ratio", 0.0, 1e6),
     Bounds::new("separation.single_gap_points", 0.0, 1e6),
+    Bounds::new("separation.min_contacts", 1.0, 64.0),
+    Bounds::new("outline.min_points", 1.0, f64::INFINITY),
     Bounds::new("cluster.min_points", 1.0, f64::INFINITY),
     Bounds::new("cluster.min_vehicle_points", 1.0, f64::INFINITY),
     Bounds::new("vehicle_size.min_points", 0.0, f64::INFINITY),

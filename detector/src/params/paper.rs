@@ -42,6 +42,8 @@ pub struct PaperParams {
     pub merge: ConnectedComponentsParams,
     /// Separation by dense cells.
     pub separation: DenseSeparationParams,
+    /// Outlines of objects.
+    pub outline: PaperOutlineParams,
     /// Which clusters are objects.
     pub cluster: PaperClusterParams,
 }
@@ -54,6 +56,8 @@ pub struct PaperWallParams {
     pub enabled: bool,
     /// Whether they are found as the paper prints it.
     pub as_printed: bool,
+    /// Where they are, the cells beside a line become tall, too.
+    pub beside: bool,
     /// Least share of a segment's length along which cells are tall.
     pub min_support: f32,
     /// How the segments are found.
@@ -74,6 +78,14 @@ pub struct PaperForegroundParams {
 pub struct PaperWeightingParams {
     /// Otherwise all ranges count as equally dense.
     pub enabled: bool,
+}
+
+/// Outlines of objects.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaperOutlineParams {
+    /// Fewest points of a dense cell on the outline.
+    pub min_points: u32,
 }
 
 /// Which clusters are objects.
@@ -117,8 +129,9 @@ impl PaperParams {
         params.grid = self.grid.clone();
         params.terrain = self.terrain.clone();
         params.ground = self.ground.clone();
-        let PaperWallParams { enabled, as_printed, min_support, hough } = self.walls.clone();
-        params.walls = WallRefinementParams { enabled, as_printed, min_support, hough, ..params.walls };
+        let PaperWallParams { enabled, as_printed, beside, min_support, hough } = self.walls.clone();
+        params.walls =
+            WallRefinementParams { enabled, as_printed, beside, min_support, hough, ..params.walls };
         params.foreground.clearance_m = self.foreground.clearance_m;
         params.density_weighting.enabled = self.density_weighting.enabled;
         params.cluster.min_points = self.cluster.min_points;
@@ -150,8 +163,8 @@ mod tests {
         }
         let params = PaperParams::shipped();
         assert!(params.walls.as_printed && params.foreground.clearance_m == f32::NEG_INFINITY);
-        assert!(!params.ground.fewer_far_away && !params.ground.low_itself);
-        assert_eq!(params.ground.tall_over, HeightOver::LevelRoad);
+        assert!(params.ground.fewer_far_away && !params.ground.low_itself);
+        assert_eq!(params.ground.tall_over, HeightOver::Terrain);
         let stages = params.stages(&HierarchicalParams::shipped());
         assert!(!stages.vehicle_bounds.enabled && !stages.completion.enabled);
         assert_eq!(stages.cluster.min_vehicle_points, stages.cluster.min_points);

@@ -78,9 +78,9 @@ pub struct OutlineBoxes {
 }
 
 impl OutlineBoxes {
-    /// Boxes of objects of at least `least_points`; `xi` are the dense cells along the side of a coarse one.
-    pub fn new(xi: u32, least_points: usize) -> Self {
-        Self { least_points, outline: Outline::new(xi), box_fit: ConvexHullBox::default() }
+    /// Boxes of objects of at least `least_points` to the outlines that `outline` finds.
+    pub fn new(outline: Outline, least_points: usize) -> Self {
+        Self { least_points, outline, box_fit: ConvexHullBox::default() }
     }
 }
 

@@ -70,7 +70,8 @@ impl Stage for Walls {
 
 /// The cells with their classes, and the walls.
 pub fn cells_and_walls(frame: &Frame) -> Vec<StageProduct> {
-    let Frame { grid, terrain, classes, walls, .. } = frame;
+    let Frame { grid, terrain, walls, .. } = frame;
+    let classes = frame.cell_classes();
     let cells = surface_cells(grid, |cell_idx| classes[cell_idx as usize]);
     let segments = wall_segments(grid, terrain, walls.walls(), walls.params().min_height_m);
     vec![

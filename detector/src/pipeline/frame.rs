@@ -122,10 +122,20 @@ impl Frame {
         self.terrain.elevation_m(self.grid.nearest_column_and_row([x_m, y_m]))
     }
 
+    /// The class of every cell, and which of the tall ones a wall has taken.
+    pub fn cell_classes(&self) -> Vec<SurfaceClass> {
+        let mut classes = self.classes.clone();
+        for &cell_idx in self.walls.taken() {
+            classes[cell_idx as usize] = SurfaceClass::Wall;
+        }
+        classes
+    }
+
     /// The class of every point: that of its cell, except that points of short cells that lie below the foreground are
     /// ground.
     pub fn point_classes(&self) -> Vec<SurfaceClass> {
-        let mut classes = class_by_cell(&self.grid, |cell_idx| match self.classes[cell_idx as usize] {
+        let of_cells = self.cell_classes();
+        let mut classes = class_by_cell(&self.grid, |cell_idx| match of_cells[cell_idx as usize] {
             SurfaceClass::Short => SurfaceClass::Ground,
             class => class,
         });

@@ -4,6 +4,7 @@ use crate::classify::paper_model::PaperModel;
 use crate::detector::DetectorOutput;
 use crate::drawn::vehicle_shapes::vehicle_shapes;
 use crate::fit::fitted_objects::FittedObjects;
+use crate::fit::outline::Outline;
 use crate::grid::density_weighting::DensityWeighting;
 use crate::params::HierarchicalParams;
 use crate::params::paper::PaperParams;
@@ -43,15 +44,16 @@ pub fn paper(
     model: Option<PaperModel>,
     sensor_height_m: f32,
 ) -> Pipeline {
-    let PaperParams { merge: merging, separation, .. } = params.clone();
+    let PaperParams { merge: merging, separation, outline, .. } = params.clone();
     let params = params.stages(of_sensor);
     let weighting = DensityWeighting::new(&params.density_weighting);
     let least_points = params.cluster.min_points;
+    let outline = Outline::new(params.grid.xi, outline.min_points);
     let mut stages = foreground_stages(&params)
         .then(stage::DENSE_LEVEL, fill_dense_level)
         .then(stage::MERGE, merge(merging))
         .then(stage::SEPARATION, DenseSeparation::new(separation, &params.grid, &weighting))
-        .then(stage::BOXES, OutlineBoxes::new(params.grid.xi, least_points));
+        .then(stage::BOXES, OutlineBoxes::new(outline, least_points));
     if let Some(model) = model.clone() {
         stages = stages.then(stage::FEATURES, model);
     }

@@ -26,10 +26,12 @@ impl DenseReach {
         Self { n_cells: (xi * xi) as usize, most_steps, within: within.collect() }
     }
 
-    /// Whether a dense cell of the set `from` is within `max_steps` of one of the set `to`, whose block is `steps`
-    /// columns and rows away, each -1, 0 or 1.
-    pub fn touches(&self, [from, to]: [u64; 2], steps: [i32; 2], max_steps: u32) -> bool {
-        self.neighborhood(from, steps, max_steps) & to != 0
+    /// Dense cells of the sets `from` and `to` that are within `max_steps` of one of the other: of the set that has fewer.
+    /// The block of `to` is `steps` columns and rows away, each -1, 0 or 1.
+    pub fn n_contacts(&self, [from, to]: [u64; 2], steps: [i32; 2], max_steps: u32) -> u32 {
+        let there = self.neighborhood(from, steps, max_steps) & to;
+        let here = self.neighborhood(to, steps.map(i32::wrapping_neg), max_steps) & from;
+        there.count_ones().min(here.count_ones())
     }
 
     /// The dense cells within `max_steps` of a set, in the block `steps` columns and rows away.
@@ -109,7 +111,15 @@ mod tests {
             let sets = [from & mask, to & mask];
             let steps = [steps.0, steps.1];
             let expected = fewest_steps(xi as i32, sets, steps).is_some_and(|it| it <= max_steps as i32);
-            prop_assert_eq!(DenseReach::new(xi).touches(sets, steps, max_steps), expected);
+            prop_assert_eq!(DenseReach::new(xi).n_contacts(sets, steps, max_steps) > 0, expected);
+        }
+
+        #[test]
+        fn contacts_are_the_same_from_either_side(sets: [u64; 2], steps in (-1_i32..=1, -1_i32..=1), max_steps in 1_u32..3) {
+            let ([from, to], reach) = (sets.map(|it| it & 0x1ff), DenseReach::new(3));
+            let there = reach.n_contacts([from, to], [steps.0, steps.1], max_steps);
+            prop_assert_eq!(there, reach.n_contacts([to, from], [-steps.0, -steps.1], max_steps));
+            prop_assert!(there <= from.count_ones().min(to.count_ones()));
         }
 
         #[test]

@@ -21,13 +21,15 @@ pub struct DenseSeparationParams {
     pub object_density_ratio: f32,
     /// Where all points together put this many into a dense cell, a single empty dense cell separates.
     pub single_gap_points: f32,
+    /// Fewest dense cells on either side of a border that have to touch the other side; all, where there are no more.
+    pub min_contacts: u32,
 }
 
 /// Decides for every dense cell which object it belongs to.
 ///
 /// *Parts* are the groups of occupied dense cells of a coarse cell that touch: one, unless a line of near-empty dense
-/// cells runs through it (Fig. 4 c). Parts of linked coarse cells stay together if an occupied dense cell of the one
-/// touches one of the other; near-empty dense cells along their border, straight (Fig. 4 a) or stepped (Fig. 4 b),
+/// cells runs through it (Fig. 4 c). Parts of linked coarse cells stay together if occupied dense cells of the one
+/// touch those of the other, on either side as many as the parameters say; near-empty dense cells along their border, straight (Fig. 4 a) or stepped (Fig. 4 b),
 /// keep them apart.
 ///
 /// Both what is near-empty and how many empty dense cells in a row are a gap follow from the weight of the range. A
@@ -169,7 +171,8 @@ impl DenseSeparation {
         for part in self.parts_of_block(blocks[0]) {
             for neighbor in self.parts_of_block(blocks[1]) {
                 let cells = [part, neighbor].map(|idx| self.cells_of_part[idx as usize]);
-                if self.reach.touches(cells, steps, max_steps) {
+                let least = cells.map(u64::count_ones).into_iter().fold(self.params.min_contacts, u32::min);
+                if self.reach.n_contacts(cells, steps, max_steps) >= least {
                     self.parts.join(part, neighbor);
                     any = true;
                 }
@@ -201,6 +204,7 @@ mod tests {
         low_density_share: 0.1,
         object_density_ratio: 3.0,
         single_gap_points: 2.0,
+        min_contacts: 1,
     };
 
     /// The weighting of the paper's sensor.
@@ -297,6 +301,19 @@ mod tests {
     fn cells_that_touch_at_a_corner_stay_together() {
         check("##.\n##.\n..#", "aa.\naa.\n..a");
         check("##....\n##....\n..#...\n...##.", "aa....\naa....\n..a...\n...aa.");
+    }
+
+    #[test]
+    fn a_bridge_of_one_cell_joins_unless_more_contacts_are_asked_for() {
+        let drawing = "######\n##.###\n##.###";
+        check(drawing, "aaaaaa\naa.aaa\naa.aaa");
+        let two = DenseSeparationParams { min_contacts: 2, ..PARAMS };
+        assert_eq!(separated(drawing, 6.0, &two, &weighting(true)), "aaabbb\naa.bbb\naa.bbb");
+        // There is no more of it that could touch.
+        assert_eq!(
+            separated("..####\n...###\n...###", 6.0, &two, &weighting(true)),
+            "..aaaa\n...aaa\n...aaa"
+        );
     }
 
     #[test]

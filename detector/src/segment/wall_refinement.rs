@@ -20,6 +20,8 @@ pub struct WallRefinementParams {
     /// Whether walls are found as the paper prints it. `min_height_m`, `ceiling_margin_deg`, `min_standing` and
     /// `max_ground_behind` are not used then.
     pub as_printed: bool,
+    /// Where they are found as printed, the cells beside a segment become tall, too.
+    pub beside: bool,
     /// Least height above the terrain of a cell that may support a wall, in metres: above the roofs of cars.
     pub min_height_m: f32,
     /// How far below the top of the field of view, in degrees, a cell still counts as cut off by it.
@@ -66,6 +68,7 @@ pub struct WallRefinement {
     // For every cell the length of the longest wall that it lies on, in metres; those of an earlier scan are in the list.
     wall_length_m: Vec<f32>,
     on_walls: Vec<u32>,
+    taken: Vec<u32>,
 }
 
 /// Cells nearer than this, in metres, say little about the top of the field of view: their size is too large an angle.
@@ -96,6 +99,7 @@ impl WallRefinement {
             front: Vec::new(),
             wall_length_m: vec![0.0; grid.cells().len()],
             on_walls: Vec::new(),
+            taken: Vec::new(),
         }
     }
 
@@ -122,6 +126,7 @@ impl WallRefinement {
         self.walls.clear();
         self.shadows.clear();
         self.borne.clear();
+        self.taken.clear();
         for cell_idx in self.on_walls.drain(..) {
             self.wall_length_m[cell_idx as usize] = 0.0;
         }
@@ -146,16 +151,17 @@ impl WallRefinement {
             }
         }
         self.front.clear();
-        for &segment in &self.walls {
+        for segment in self.walls.clone() {
             for cells in corridor(segment) {
                 let [on, sides @ ..] = cells.map(|it| cell_at(grid, it));
                 let Some(on) = on else { continue };
-                turn_tall(classes, on);
+                self.turn_tall(classes, on);
                 self.front.push(on);
                 for beside in sides.into_iter().flatten() {
                     // What is right behind a wall is seen through its windows.
                     if self.is_support[beside as usize] || range_m(grid, beside) > range_m(grid, on) {
-                        self.front.extend(turn_tall(classes, beside));
+                        let turned = self.turn_tall(classes, beside);
+                        self.front.extend(turned);
                     }
                 }
             }
@@ -183,9 +189,11 @@ impl WallRefinement {
             }
         }
         // After all were judged, so that the order of the segments does not matter.
-        for &segment in &self.walls {
-            for cell_idx in corridor(segment).flatten().filter_map(|it| cell_at(grid, it)) {
-                turn_tall(classes, cell_idx);
+        for segment in self.walls.clone() {
+            let n_across = if self.params.beside { 3 } else { 1 };
+            let cells = corridor(segment).flat_map(|across| across.into_iter().take(n_across));
+            for cell_idx in cells.filter_map(|it| cell_at(grid, it)) {
+                self.turn_tall(classes, cell_idx);
             }
         }
         self.measure(grid);
@@ -205,11 +213,11 @@ impl WallRefinement {
     }
 
     /// What lies behind a wall is seen through its windows and doors, and stands in no street.
-    fn clear_behind(&self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
+    fn clear_behind(&mut self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
         for &cell_idx in grid.occupied() {
             let is_short = classes[cell_idx as usize] == SurfaceClass::Short;
             if is_short && self.is_behind_wall(grid.center_m(cell_idx)) {
-                classes[cell_idx as usize] = SurfaceClass::Tall;
+                self.turn_tall(classes, cell_idx);
             }
         }
     }
@@ -231,7 +239,8 @@ impl WallRefinement {
         while let Some(cell_idx) = self.front.pop() {
             for neighbor_idx in grid.neighborhood(cell_idx) {
                 if self.is_support[neighbor_idx as usize] {
-                    self.front.extend(turn_tall(classes, neighbor_idx));
+                    let turned = self.turn_tall(classes, neighbor_idx);
+                    self.front.extend(turned);
                 }
             }
         }
@@ -241,6 +250,21 @@ impl WallRefinement {
     /// none.
     pub fn length_of_wall_m(&self, cell_idx: u32) -> f32 {
         self.wall_length_m[cell_idx as usize]
+    }
+
+    /// Turns a short cell into a tall one; `None` if it is none.
+    fn turn_tall(&mut self, classes: &mut [SurfaceClass], cell_idx: u32) -> Option<u32> {
+        let class = &mut classes[cell_idx as usize];
+        (*class == SurfaceClass::Short).then(|| {
+            *class = SurfaceClass::Tall;
+            self.taken.push(cell_idx);
+            cell_idx
+        })
+    }
+
+    /// The cells of the latest scan that were short and became tall.
+    pub fn taken(&self) -> &[u32] {
+        &self.taken
     }
 
     /// The walls of the latest scan.
@@ -292,15 +316,6 @@ impl WallRefinement {
 fn range_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
     let [x, y] = grid.center_m(cell_idx);
     single::hypot(x, y)
-}
-
-/// Turns a short cell into a tall one; `None` if it is none.
-fn turn_tall(classes: &mut [SurfaceClass], cell_idx: u32) -> Option<u32> {
-    let class = &mut classes[cell_idx as usize];
-    (*class == SurfaceClass::Short).then(|| {
-        *class = SurfaceClass::Tall;
-        cell_idx
-    })
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ pub fn surface_color(class: SurfaceClass) -> Rgb {
         SurfaceClass::Unseen => [52, 52, 58],
         SurfaceClass::Clutter => [112, 92, 72],
         SurfaceClass::Ground => [84, 84, 92],
-        SurfaceClass::Tall => [72, 104, 158],
+        SurfaceClass::Tall | SurfaceClass::Wall => [72, 104, 158],
         SurfaceClass::Short => [226, 226, 230],
     }
 }

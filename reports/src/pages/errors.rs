@@ -3,15 +3,17 @@
 use maud::{Markup, html};
 
 use super::document::Section;
-use super::markup::{sentences, table};
+use super::markup::{Figure, FigureMarkup, sentences, table};
 use super::run_facts::RunFacts;
+use crate::plots::loss_plot::loss_plot;
+use crate::plots::themed_panel::ThemedPanel;
 use crate::rows::error_row::ErrorRow;
 use crate::tables::error_table::ErrorTable;
 use crate::tables::sheet::Tabular as _;
 use crate::vocabulary::task::Task;
 
 /// A table for each task and origin; nothing of runs without a mistake.
-pub(super) fn errors(facts: &RunFacts) -> Option<Section> {
+pub(super) fn errors(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Section> {
     let tasks: Vec<Task> =
         Task::ALL.into_iter().filter(|task| facts.errors.iter().any(|it| it.task == *task)).collect();
     let content = html! {
@@ -20,7 +22,9 @@ pub(super) fn errors(facts: &RunFacts) -> Option<Section> {
                 @let is_here = |it: &&ErrorRow| it.task == *task && it.dataset == pool.pool.extent.name();
                 @let rows: Vec<&ErrorRow> = facts.errors.iter().filter(is_here).collect();
                 @if !rows.is_empty() {
-                    (of_task(&format!("Task {task}{}", facts.of_pool(&pool.pool)[1]), &ErrorTable { detectors: facts.detectors(), rows }))
+                    @let [file_end, on] = facts.of_pool(&pool.pool);
+                    @let table = ErrorTable { detectors: facts.detectors(), rows };
+                    (of_task(&format!("Task {task}{on}"), &table, &losses(facts, &table, &format!("{task}{file_end}"), files)))
                 }
             }
         }
@@ -28,11 +32,32 @@ pub(super) fn errors(facts: &RunFacts) -> Option<Section> {
     (!tasks.is_empty()).then(|| Section::new("Errors", "Errors by reason", content))
 }
 
-fn of_task(title: &str, errors: &ErrorTable<'_>) -> Markup {
+/// What becomes of the objects, stage by stage.
+fn losses(facts: &RunFacts, errors: &ErrorTable<'_>, stem_end: &str, files: &mut Vec<Figure>) -> Markup {
+    let losses = errors.losses(|it| facts.detector_idx(it));
+    let panels: Vec<ThemedPanel> = losses.iter().map(loss_plot).collect();
+    if panels.is_empty() {
+        return html! {};
+    }
+    FigureMarkup {
+        file_stem: &format!("losses_{stem_end}"),
+        title: "Where objects are lost, from annotated to found",
+        panels: &panels,
+        key: &[],
+        caption: html! {
+            "Where objects are lost: each bar begins where those before it leave off. An object is lost at a stage if half of its points              or more are in no detection, and most of these were lost there; only detectors that leave their stages behind say so."
+        },
+        class: "",
+    }
+    .render(files)
+}
+
+fn of_task(title: &str, errors: &ErrorTable<'_>, losses: &Markup) -> Markup {
     let sheet = errors.sheet();
     html! {
         h3 { (title) }
         @for sentence in errors.largest_gains() { p.about { (sentence) } }
+        (losses)
         @for (idx, part) in sheet.parts.iter().enumerate() {
             @let label = part.title.as_deref().unwrap_or("Errors");
             @if idx == 0 {

@@ -23,10 +23,21 @@ pub struct ReproductionPage<'a> {
     pub notes: &'a [String],
     /// Tables below the claims, each with the title of its section.
     pub tables: &'a [(&'a str, &'a dyn Tabular)],
-    /// The figure of the settings; `None` if there were none.
-    pub settings_svg: Option<&'a str>,
+    /// Figures below the tables.
+    pub figures: &'a [PageFigure<'a>],
     /// The command that made it.
     pub command: &'a str,
+}
+
+/// A figure with a section of its own.
+#[derive(Debug, Clone, Copy)]
+pub struct PageFigure<'a> {
+    /// Title of the section.
+    pub title: &'a str,
+    /// The document.
+    pub svg: &'a str,
+    /// What is to be said of it.
+    pub about: &'a str,
 }
 
 /// Name of the file.
@@ -59,14 +70,9 @@ impl ReproductionPage<'_> {
             Section::new("Claims", "Claim by claim", of_claims),
         ];
         sections.extend(self.tables.iter().map(|(title, it)| section(title, &it.sheet())));
-        if let Some(svg) = self.settings_svg {
-            let about = html! {
-                "The median over all joint settings, with the range of nine in ten of them; of rivals the rate under each \
-                 criterion."
-            };
-            let picture = wide_picture("Rates over all settings", svg, &about);
-            sections.push(Section::new("Settings", "Under every setting", picture));
-        }
+        sections.extend(self.figures.iter().map(|it| {
+            Section::new(it.title, it.title, wide_picture(it.title, it.svg, &html! { (it.about) }))
+        }));
         let content = html! {
             (commands(self.command, "The command that made this page"))
             p { "The files of the run lie beside this page: report.html, scans.csv, matches.csv, settings.csv." }
@@ -131,11 +137,11 @@ mod tests {
             claims: &[],
             notes: &[],
             tables: &[],
-            settings_svg: Some(&svg),
+            figures: &[PageFigure { title: "Settings", svg: &svg, about: "All of them." }],
             command,
         };
         // Each panel has its position.
         assert!(page.html().contains(&svg) && svg.matches("<svg x=").count() == 2, "{svg}");
-        assert!(!ReproductionPage { settings_svg: None, ..page }.html().contains("#settings"));
+        assert!(!ReproductionPage { figures: &[], ..page }.html().contains("#settings"));
     }
 }

@@ -73,7 +73,7 @@ impl RunPage {
         sections.extend(agreement(&facts));
         sections.push(times(&facts, &mut figures));
         if facts.is_scored() {
-            sections.extend(errors(&facts));
+            sections.extend(errors(&facts, &mut figures));
             sections.extend(worst(&facts));
         }
         sections.extend(labels(&facts, &mut figures));

@@ -19,6 +19,7 @@ pub mod ranking_plot;
 pub(crate) mod range_plot;
 pub mod recall_plot;
 pub mod stage_plot;
+pub mod loss_plot;
 pub mod latency_plot;
 pub mod scene_plot;
 mod curve_panels;

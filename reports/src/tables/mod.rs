@@ -10,7 +10,7 @@ pub mod sheet;
 pub(crate) mod task_grids;
 pub mod times_table;
 pub mod stage_table;
-pub(crate) mod error_table;
+pub mod error_table;
 pub mod protocol_in_short;
 pub mod protocol_table;
 pub mod agreement_table;

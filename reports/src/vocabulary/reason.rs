@@ -29,12 +29,26 @@ named! {
 
     /// Why an annotation was missed.
     pub enum MissReason {
-        /// No detection shares a point with it, or comes near it.
+        /// Half of its points or more are in no detection, and most of these are outside of the grid.
+        OutsideGrid = "outside of the grid",
+        /// The same, in cells with too few points.
+        Clutter = "taken for clutter",
+        /// The same, taken for ground.
+        Ground = "taken for ground",
+        /// The same, in cells that are tall.
+        Tall = "taken for tall",
+        /// The same, in cells that are short and lie on a wall, or behind one.
+        Wall = "taken for a wall",
+        /// The same, in clusters that are no objects because of their size.
+        ClusterSize = "cluster of a wrong size",
+        /// No detection shares a point with it, or comes near it, and no stage says why.
         NothingThere = "nothing there",
         /// A detection has it, but is not of the class asked for.
         WrongClass = "wrong class",
-        /// Most of it lies in a detection that holds at least as much of other things.
+        /// Most of it lies in a detection that holds at least as much else, and more of other objects than of what is none.
         MergedWithOthers = "merged with others",
+        /// The same, and more of what is no object, or not labelled: the road, walls.
+        MergedWithBackground = "merged with background",
         /// It is spread over several detections, none of which is good enough.
         Split = "split",
         /// One detection has part of it, but too little.

@@ -1,15 +1,12 @@
 //! Every mistake in words: what was missed or is false, and why.
 
-use std::collections::BTreeMap;
-
-use detector::stage_product::Shape;
-use detector::surface_class::SurfaceClass;
 use detector::{Detections, StageProduct};
 use reports::vocabulary::reason::{FalseReason, MissReason};
 use scans::annotation::{LabeledScan, range_m};
 
 use crate::matching::box_overlap::{bev_iou, iou_3d};
 use crate::matching::criterion::Criterion;
+use crate::matching::lost_points::LostPoints;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::matching::point_overlap::PointOverlap;
 
@@ -39,10 +36,7 @@ pub struct Evidence<'a> {
     detections: &'a Detections,
     criterion: Criterion,
     overlap: PointOverlap,
-    is_detected: Vec<bool>,
-    surfaces: Option<&'a [SurfaceClass]>,
-    // For every point the size of its cluster, 0 for points of none.
-    cluster_size: Vec<u32>,
+    lost: LostPoints<'a>,
 }
 
 /// No more other objects than this are named.
@@ -56,23 +50,9 @@ impl<'a> Evidence<'a> {
         products: &'a [StageProduct],
         criterion: Criterion,
     ) -> Self {
-        let mut is_detected = vec![false; scan.cloud.len()];
-        for detection in detections.iter() {
-            for &point_idx in detection.point_indices {
-                is_detected[point_idx as usize] = true;
-            }
-        }
-        let mut surfaces = None;
-        let mut cluster_size = vec![0; scan.cloud.len()];
-        for product in products {
-            match &product.shape {
-                Shape::LabeledPoints(classes) => surfaces = Some(&classes[..]),
-                Shape::Clusters(cluster_of_point) => add_sizes(cluster_of_point, &mut cluster_size),
-                _ => {}
-            }
-        }
+        let lost = LostPoints::gather(scan, detections, products);
         let overlap = PointOverlap::count(scan, detections);
-        Self { scan, detections, criterion, overlap, is_detected, surfaces, cluster_size }
+        Self { scan, detections, criterion, overlap, lost }
     }
 
     /// The mistakes of `assignment`: what was missed, then what is false, most points first.
@@ -107,12 +87,14 @@ impl<'a> Evidence<'a> {
         let parts = self.overlap.of_annotation(annotation_idx);
         let Some(&(detection_idx, n_shared)) = parts.iter().max_by_key(|(_, n_shared)| *n_shared) else {
             return match reason {
-                MissReason::NothingThere => format!("not detected: {}", self.losses(annotation_idx)),
                 MissReason::DetectorFailed => {
                     "the detector failed, and gave no answer to this scan".to_owned()
                 }
                 // By boxes or centres, which need no common point.
-                _ => format!("{}; no detection has any of its points", reason.name()),
+                MissReason::TakenByAnother | MissReason::WrongClass => {
+                    format!("{}; no detection has any of its points", reason.name())
+                }
+                _ => format!("not detected: {}", self.losses(annotation_idx)),
             };
         };
         let agreement = self.agreement(annotation_idx, detection_idx);
@@ -123,7 +105,7 @@ impl<'a> Evidence<'a> {
                     detection.score.map_or("because of its size".to_owned(), |it| format!("score {it:.2}"));
                 format!("detection {detection_idx} is classified as background, {score}")
             }
-            MissReason::MergedWithOthers => {
+            MissReason::MergedWithOthers | MissReason::MergedWithBackground => {
                 let others = self.others(detection_idx, annotation_idx);
                 format!("merged with {others} in detection {detection_idx}; {agreement}")
             }
@@ -134,7 +116,15 @@ impl<'a> Evidence<'a> {
                 let etc = if parts.len() > MAX_NAMED { ", …" } else { "" };
                 format!("split into {} of {}{etc} points; best {agreement}", parts.len(), sizes.join(", "))
             }
-            MissReason::NothingThere | MissReason::PartlyFound | MissReason::DetectorFailed => {
+            MissReason::OutsideGrid
+            | MissReason::Clutter
+            | MissReason::Ground
+            | MissReason::Tall
+            | MissReason::Wall
+            | MissReason::ClusterSize
+            | MissReason::NothingThere
+            | MissReason::PartlyFound
+            | MissReason::DetectorFailed => {
                 let losses = self.losses(annotation_idx);
                 format!("detection {detection_idx} has {n_shared} of its points; {agreement}; {losses}")
             }
@@ -184,30 +174,16 @@ impl<'a> Evidence<'a> {
 
     /// Where the points of an annotation that are in no detection were lost.
     fn losses(&self, annotation_idx: usize) -> String {
-        let mut n_lost: BTreeMap<&'static str, usize> = BTreeMap::new();
-        let mut largest = 0;
-        for &point_idx in &self.scan.annotations[annotation_idx].point_indices {
-            let point_idx = point_idx as usize;
-            if self.is_detected[point_idx] {
-                continue;
-            }
-            let surface = self.surfaces.map_or(SurfaceClass::Short, |it| it[point_idx]);
-            let size = self.cluster_size[point_idx];
-            let cause = match surface {
-                _ if size > 0 => "in clusters of the wrong size",
-                SurfaceClass::Unseen => "outside of the grid",
-                SurfaceClass::Clutter => "clutter (too sparse)",
-                SurfaceClass::Ground => "classified as ground",
-                SurfaceClass::Tall => "classified as tall",
-                SurfaceClass::Short => "in no object",
-            };
-            largest = largest.max(size);
-            *n_lost.entry(cause).or_default() += 1;
-        }
-        let mut causes: Vec<(&str, usize)> = n_lost.into_iter().collect();
-        causes.sort_by_key(|&(_, n_points)| std::cmp::Reverse(n_points));
-        let mut said: Vec<String> =
-            causes.iter().map(|(cause, n_points)| format!("{n_points} {cause}")).collect();
+        let point_indices = &self.scan.annotations[annotation_idx].point_indices;
+        let reasons = self.lost.reasons(point_indices).into_iter();
+        let mut said: Vec<String> = reasons
+            .map(|(reason, n_points)| match reason {
+                MissReason::NothingThere => format!("{n_points} in no object"),
+                MissReason::ClusterSize => format!("{n_points} in clusters of a wrong size"),
+                _ => format!("{n_points} {}", reason.name()),
+            })
+            .collect();
+        let largest = self.lost.largest_cluster(point_indices);
         if largest > 0 {
             said.push(format!("the largest such cluster has {largest}"));
         }
@@ -281,20 +257,6 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// Writes the size of each point's cluster, where there is one.
-fn add_sizes(cluster_of_point: &[Option<u32>], cluster_size: &mut [u32]) {
-    let n_clusters = cluster_of_point.iter().flatten().max().map_or(0, |last| *last as usize + 1);
-    let mut sizes = vec![0; n_clusters];
-    for cluster in cluster_of_point.iter().flatten() {
-        sizes[*cluster as usize] += 1;
-    }
-    for (cluster, size) in cluster_of_point.iter().zip(cluster_size) {
-        if let Some(cluster) = cluster {
-            *size = sizes[*cluster as usize];
-        }
-    }
-}
-
 /// The first few of `names`, and how many more there are.
 fn listed(names: &[String]) -> String {
     let first = names.iter().take(MAX_NAMED).cloned().collect::<Vec<_>>().join(", ");
@@ -309,6 +271,8 @@ mod tests {
     use std::ops::Range;
 
     use detector::DetectedClass;
+    use detector::stage_product::Shape;
+    use detector::surface_class::SurfaceClass;
 
     use super::*;
     use crate::matching::assign::assign;
@@ -370,12 +334,12 @@ mod tests {
     fn where_points_were_lost_is_said() {
         use SurfaceClass::{Clutter, Ground, Short, Tall, Unseen};
         let lost = [(Ground, 0..20), (Tall, 20..32), (Short, 32..41), (Clutter, 41..45), (Unseen, 45..47)];
-        let expected = "car 0: not detected: 20 classified as ground, \
-            12 classified as tall, 9 in clusters of the wrong size, 4 clutter (too sparse), 3 in no object, \
+        let expected = "car 0: not detected: 20 taken for ground, \
+            12 taken for tall, 9 in clusters of a wrong size, 4 taken for clutter, 3 in no object, \
             2 outside of the grid, the largest such cluster has 9 (50 points, 2 m)";
         check(&[(Car, 0..50)], &[], &lost, &[expected]);
         let partly = "car 0: detection 0 has 20 of its points; IoU 0.40 < 0.50; \
-            30 classified as ground (50 points, 2 m)";
+            30 taken for ground (50 points, 2 m)";
         let fragment = "detection 0: only a part of car 0, 20 of 50 points; IoU 0.40 < 0.50 \
             (vehicle -0.25, 20 points, 1 m)";
         check(&[(Car, 0..50)], &[(Vehicle, 0..20)], &[(Ground, 20..50)], &[partly, fragment]);

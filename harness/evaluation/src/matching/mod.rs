@@ -13,6 +13,7 @@ pub mod eligibility;
 mod ignored_detections;
 pub mod detection_order;
 pub mod assign;
+pub mod lost_points;
 pub mod mistake;
 
 #[cfg(test)]

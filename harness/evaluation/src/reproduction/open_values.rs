@@ -112,7 +112,7 @@ pub const OPEN_VALUES: [OpenValue; 13] = [
 
 /// Readings of the structure of `paper`, by words or by figures of HG and VM: tried with [`OPEN_VALUES`] where values are
 /// chosen.
-const OPEN_READINGS: [OpenValue; 3] = [
+const OPEN_READINGS: [OpenValue; 6] = [
     OpenValue {
         parameter: "paper.ground.fewer_far_away",
         said: "HG 4: weights of coarse and dense cells; HG 3.1 does not say whether clutter is weighted, too",
@@ -127,6 +127,21 @@ const OPEN_READINGS: [OpenValue; 3] = [
         parameter: "paper.foreground.clearance_m",
         said: "HG 3.1: all points of a cell have one class; HG figs. 1, 3, 8: the road around an object is not the object",
         range: OpenRange::Words(&["-inf", "0.1", "0.15", "0.2"]),
+    },
+    OpenValue {
+        parameter: "paper.walls.beside",
+        said: "HG 3.1: cells that fit a line; whether those beside it do is not stated",
+        range: OpenRange::Words(&["false", "true"]),
+    },
+    OpenValue {
+        parameter: "paper.separation.min_contacts",
+        said: "HG Fig. 4: several near-empty cells divide; how many that touch hold together is not stated",
+        range: OpenRange::Words(&["1", "2", "3"]),
+    },
+    OpenValue {
+        parameter: "paper.outline.min_points",
+        said: "VM 4: boundary cells hold several points",
+        range: OpenRange::Words(&["1", "2", "3"]),
     },
 ];
 

@@ -14,6 +14,7 @@ use scans::dataset::scan_times::{ScanTime, scan_times};
 use scans::dataset::{Dataset, DatasetError};
 
 use crate::matching::assign::{MatchingParams, assign};
+use crate::matching::lost_points::LostPoints;
 use crate::matching::outcome::Assignment;
 use crate::process::problem::DetectorFailure;
 use crate::run::grid_write::GridWrite;
@@ -280,11 +281,15 @@ impl SideBySide<'_> {
         turns: Vec<Turns>,
     ) -> Vec<DetectorScan> {
         let annotated = &self.dataset.description().annotated;
-        let judge = |output: &DetectorOutput, failure: Option<&DetectorFailure>| {
+        let judge = |detector: &dyn RunningDetector, output: &DetectorOutput, has_failed: bool| {
+            let products = if has_failed { Vec::new() } else { detector.stage_products(&scan.cloud) };
+            let lost = LostPoints::gather(scan, &output.detections, &products);
             let of_task = |&task| {
                 let mut assignment = assign(scan, &output.detections, task, annotated, &self.matching);
-                if failure.is_some() {
+                if has_failed {
                     assignment.say_that_detector_failed();
+                } else {
+                    assignment.say_where_points_were_lost(scan, &lost);
                 }
                 assignment
             };
@@ -296,7 +301,7 @@ impl SideBySide<'_> {
                 detector: detector.name(),
                 output: output.clone(),
                 times: turns.times,
-                assignments: judge(output, turns.failure.as_ref()),
+                assignments: judge(&**detector, output, turns.failure.is_some()),
                 failure: turns.failure,
             })
             .collect()

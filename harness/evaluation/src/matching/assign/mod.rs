@@ -127,10 +127,19 @@ impl Scene<'_> {
         }
         let n_points = self.n_annotation_points(annotation_idx);
         let shared = self.overlap.of_annotation(annotation_idx);
-        let most = shared.iter().map(|&(_, n_shared)| n_shared).max();
+        let most = shared.iter().copied().max_by_key(|&(_, n_shared)| n_shared);
         match most {
             None => MissReason::NothingThere,
-            Some(most) if 2 * most > n_points => MissReason::MergedWithOthers,
+            Some((detection_idx, most)) if 2 * most > n_points => {
+                let of_objects = self.overlap.of_detection(detection_idx).iter();
+                let n_of_objects: usize = of_objects.map(|&(_, n_shared)| n_shared).sum();
+                let n_else = self.detections.get(detection_idx).point_indices.len() - most;
+                if 2 * (n_of_objects - most) > n_else {
+                    MissReason::MergedWithOthers
+                } else {
+                    MissReason::MergedWithBackground
+                }
+            }
             Some(_) if shared.len() > 1 && 2 * self.overlap.n_detected(annotation_idx) > n_points => {
                 MissReason::Split
             }

@@ -7,6 +7,7 @@ mod observations;
 mod backgrounds;
 mod judge;
 mod rate_tables;
+mod step_losses;
 pub mod papers_run;
 
 use crate::cli::ReproduceArgs;

@@ -10,13 +10,13 @@ use evaluation::run::detector_list::{ListedDetector, built_in_named};
 use evaluation::run::scan_recorder::FigureView;
 use reports::files::archive::{ArchiveError, SCHEMA};
 use reports::files::csv_rows::csv_of_cells;
-use reports::pages::reproduction_page::ReproductionPage;
+use reports::pages::reproduction_page::{PageFigure, ReproductionPage};
 use reports::plots::study_plots::settings_plot;
 use reports::reproduction::claim::Paper;
 use reports::reproduction::judged_claim::JudgedClaim;
 use reports::reproduction::lead::LeadsOf;
 use reports::reproduction::sensitivity::Sensitivity;
-use reports::reproduction::steps::{RIVAL_READINGS, STEPS};
+use reports::reproduction::steps::{DENIED_RIVALS, STEPS, STRONGER_RIVAL};
 use reports::run_folder::run_directory::{REPRODUCTION_JSON, RunDirectory};
 use reports::tables::formats::format::Format as _;
 use reports::tables::sheet::Tabular;
@@ -31,6 +31,7 @@ use super::judge::{Judge, of_first_origin};
 use super::partial_objects::PartialObjects;
 use super::rate_tables::RateTables;
 use super::settings_study::SettingsStudy;
+use super::step_losses::StepLosses;
 use crate::cli::{PaperName, ReproduceArgs};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
@@ -49,7 +50,7 @@ use crate::commands::{Cli, Command};
 
 /// The method with a part switched off, by what the claims call it.
 const VARIANTS: [(&str, &str); 3] = [
-    ("paper, to the letter", super::settings_study::LETTER),
+    ("paper, ν and γ as printed", super::settings_study::LETTER),
     ("paper, coarse level alone", "paper.separation.enabled=false"),
     ("paper, no Hough transform", "paper.walls.enabled=false"),
 ];
@@ -156,7 +157,9 @@ fn judge(
     let beside = (settings.as_ref(), objects);
     let judge = Judge::new(of_run, config, datasets, beside, interruption_flag())?;
     let claims = judge.claims(papers);
+    let losses = StepLosses::read(directory, tally)?;
     let written = Written {
+        losses: &losses,
         arguments,
         claims: &claims,
         notes: &notes,
@@ -198,12 +201,13 @@ fn compared_detectors(config: &RunConfig) -> Result<Vec<ComparedDetector>, Failu
     let mut values = Vec::new();
     for step in STEPS {
         values.extend_from_slice(step.parameters);
-        compared_detectors.push(variant(step.detector, method, &values)?);
+        if step.detector != METHOD {
+            compared_detectors.push(variant(step.detector, method, &values)?);
+        }
     }
     compared_detectors.extend(rivals.iter().map(|rival| ComparedDetector::of(*rival, config)));
-    for rival in RIVAL_READINGS {
-        let foreground = format!("kd_tree.foreground={}", rival.foreground);
-        compared_detectors.push(variant(rival.detector, rivals[0], &[&foreground])?);
+    for rival in DENIED_RIVALS.iter().chain([&STRONGER_RIVAL]) {
+        compared_detectors.push(variant(rival.detector, rivals[0], &[rival.parameter])?);
     }
     Ok(compared_detectors)
 }
@@ -216,6 +220,9 @@ const PARTS: [&str; 2] = ["What the data do: objects", "What the data do: vehicl
 /// Their files.
 const STEP_FILES: [&str; 2] = ["steps_objects", "steps_vehicles"];
 
+const LOSSES: [&str; 2] = ["Where objects are lost", "Where vehicles are lost"];
+const LOSS_FILES: [&str; 2] = ["losses_objects", "losses_vehicles"];
+
 /// What is written.
 struct Written<'a> {
     arguments: &'a ReproduceArgs,
@@ -225,11 +232,12 @@ struct Written<'a> {
     rates: &'a RateTables<'a>,
     backgrounds: &'a BackgroundTable,
     settings: Option<&'a Sensitivity>,
+    losses: &'a StepLosses,
 }
 
 impl Written<'_> {
     fn write(&self, directory: &RunDirectory) -> Result<(), ArchiveError> {
-        let Self { arguments, claims, notes, judge, rates, backgrounds, settings } = self;
+        let Self { arguments, claims, notes, judge, rates, backgrounds, settings, losses } = self;
         let claims_table = ClaimsTable { claims, notes };
         write_table(directory, "reproduction", &claims_table)?;
         let json = serde_json::json!({ "schema": SCHEMA, "claims": claims, "settings": settings });
@@ -245,9 +253,24 @@ impl Written<'_> {
         for (name, table) in STEP_FILES.into_iter().zip(&by_step) {
             write_table(directory, name, table)?;
         }
+        let of_losses = losses.tables();
+        tables.extend(LOSSES.into_iter().zip(&of_losses).map(|(title, it)| (title, it as &dyn Tabular)));
+        let losses = losses.figures();
+        let mut figures: Vec<PageFigure<'_>> = Vec::new();
+        for ((stem, title), svg) in LOSS_FILES.into_iter().zip(LOSSES).zip(&losses) {
+            write_figure(directory, stem, svg)?;
+            figures.push(PageFigure {
+                title,
+                svg,
+                about: "Each bar begins where those before it leave off.",
+            });
+        }
         let open_values = settings.map(|sensitivity| OpenValuesTable { sensitivity });
         let svg = settings.map(settings_plot);
         if let (Some(table), Some(svg), Some(sensitivity)) = (&open_values, &svg, settings) {
+            let about = "The median over all joint settings, with the range of nine in ten of them; of rivals the rate under each \
+                         criterion.";
+            figures.push(PageFigure { title: "Under every setting", svg, about });
             tables.push(("What the papers leave open", table));
             write_table(directory, "open_values", table)?;
             write_figure(directory, "settings", svg)?;
@@ -265,7 +288,7 @@ impl Written<'_> {
             claims,
             notes,
             tables: &tables,
-            settings_svg: svg.as_deref(),
+            figures: &figures,
             command: &reproducible_command(&verb, &arguments.data, &options),
         };
         page.write(directory.folder())
@@ -274,12 +297,14 @@ impl Written<'_> {
 
 fn notes(settings: Option<&Sensitivity>) -> Vec<String> {
     let mut notes = vec![
-        "good faith: the detector paper, with every value that the papers leave open chosen on training scans. to the letter: the same with \
-         every printed constant. by centre, by bev-iou: the assignment by centres within 2 m, or by boxes from above with an \
+        "good faith: the detector paper, with every value that the papers leave open chosen on training scans. ν and γ as printed: the same \
+         with the printed constants of the classifier. to the letter: the first of the steps below. by centre, by bev-iou: the assignment by centres within 2 m, or by boxes from above with an \
          intersection over union of 0.5, where good faith compares points with one of 0.5."
             .to_owned(),
         "A lead holds if the 95 % interval of the difference is above 0: cluster bootstrap over drives, both detectors on the same draws. \
          Without an interval it holds if the number is ahead."
+            .to_owned(),
+        "kd-tree leads or follows as itself or with clusters of 15 points and more, whichever is nearer to the method."
             .to_owned(),
         "kd-tree and pca have values that were chosen on training scans, too, as those of paper; elsewhere they have those that come with the \
          program."

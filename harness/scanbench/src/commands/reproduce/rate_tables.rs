@@ -2,7 +2,7 @@
 
 use reports::numbers::tally::Tally;
 use reports::reproduction::lead::LeadsOf;
-use reports::reproduction::steps::{Basis, RIVAL_READINGS, STEPS};
+use reports::reproduction::steps::{Basis, DENIED_RIVALS, GOOD_FAITH, STEPS, STRONGER_RIVAL};
 use reports::tables::studies::rate_table::{RateRow, RateTable, printed_rows};
 use reports::tables::studies::step_table::{StepRow, StepTable};
 use reports::uncertainty::sample::{Question, Sample};
@@ -65,14 +65,16 @@ impl RateTables<'_> {
 
     /// The F-rate of the method after each step, and of its rivals, scene by scene: a table for each task.
     pub fn by_step(&self) -> Vec<StepTable> {
-        let letter = (METHOD, "as shipped", "", Some(Basis::Text));
         let steps = STEPS.iter().map(|step| (step.detector, step.name, step.place, Some(step.basis)));
         let rivals = RIVALS.iter().map(|(rival, task)| (*task, (*rival, *rival, "", None)));
-        let denied = RIVAL_READINGS.iter().map(|it| (Task::Objects, (it.detector, it.name, "", None)));
+        let denied = [&STRONGER_RIVAL]
+            .into_iter()
+            .chain(&DENIED_RIVALS)
+            .map(|it| (Task::Objects, (it.detector, it.name, "", None)));
         let rivals: Vec<_> = rivals.chain(denied).collect();
         let table = |task: Task| {
             let of_task = rivals.iter().filter(|it| it.0 == task).map(|it| it.1);
-            let rows: Vec<_> = std::iter::once(letter).chain(steps.clone()).chain(of_task).collect();
+            let rows: Vec<_> = steps.clone().chain(of_task).collect();
             let detectors: Vec<String> = rows.iter().map(|it| it.0.to_owned()).collect();
             let row_of = |scene: &String| self.rates_of(&detectors, scene, task, Slice::All);
             let known = self.scenes().into_iter().filter_map(|scene| Some((row_of(&scene)?, scene)));
@@ -96,8 +98,9 @@ impl RateTables<'_> {
 
     /// All detectors but the steps, which have a table of their own.
     fn detectors(&self) -> Vec<String> {
-        let steps = STEPS.iter().map(|step| step.detector);
-        let apart: Vec<&str> = steps.chain(RIVAL_READINGS.iter().map(|it| it.detector)).collect();
+        let steps = STEPS.iter().map(|step| step.detector).filter(|it| *it != GOOD_FAITH);
+        let rivals = DENIED_RIVALS.iter().chain([&STRONGER_RIVAL]).map(|it| it.detector);
+        let apart: Vec<&str> = steps.chain(rivals).collect();
         self.tally.detectors().iter().filter(|it| !apart.contains(&it.as_str())).cloned().collect()
     }
 
