@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum ClaimVerdict {
     /// It holds in good faith.
     Holds,
-    /// It holds under a reading that the text leaves open: to the letter, by another criterion, or under some of the
+    /// It holds under a reading that the text leaves open: to the letter, with printed ν and γ, by another criterion, or under some of the
     /// settings; not in good faith.
     #[serde(alias = "holds_under_some_readings")]
     HoldsWithReadings,
