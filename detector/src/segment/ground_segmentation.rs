@@ -130,8 +130,12 @@ mod tests {
     use crate::segment::drawn_ground::{class_around, road, segmented};
 
     /// The same as the paper prints it.
+    /// The papers to the letter.
     fn printed() -> HierarchicalParams {
-        PaperParams::shipped().stages(&HierarchicalParams::shipped())
+        let mut params = PaperParams::shipped();
+        params.ground.fewer_far_away = false;
+        params.ground.tall_over = HeightOver::LevelRoad;
+        params.stages(&HierarchicalParams::shipped())
     }
 
     /// Level road with `extra` points over the cell around (9.0, 3.0); returns that cell's class.

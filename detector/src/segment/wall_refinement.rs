@@ -151,7 +151,8 @@ impl WallRefinement {
             }
         }
         self.front.clear();
-        for segment in self.walls.clone() {
+        let walls = std::mem::take(&mut self.walls);
+        for &segment in &walls {
             for cells in corridor(segment) {
                 let [on, sides @ ..] = cells.map(|it| cell_at(grid, it));
                 let Some(on) = on else { continue };
@@ -166,6 +167,7 @@ impl WallRefinement {
                 }
             }
         }
+        self.walls = walls;
         self.spread(grid, classes);
         self.measure(grid);
     }
@@ -189,13 +191,15 @@ impl WallRefinement {
             }
         }
         // After all were judged, so that the order of the segments does not matter.
-        for segment in self.walls.clone() {
+        let walls = std::mem::take(&mut self.walls);
+        for &segment in &walls {
             let n_across = if self.params.beside { 3 } else { 1 };
             let cells = corridor(segment).flat_map(|across| across.into_iter().take(n_across));
             for cell_idx in cells.filter_map(|it| cell_at(grid, it)) {
                 self.turn_tall(classes, cell_idx);
             }
         }
+        self.walls = walls;
         self.measure(grid);
     }
 

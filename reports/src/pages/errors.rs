@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::document::Section;
 use super::markup::{Figure, FigureMarkup, sentences, table};
 use super::run_facts::RunFacts;
-use crate::plots::loss_plot::loss_plot;
+use crate::plots::loss_plot::{Losses, loss_plot};
 use crate::plots::themed_panel::ThemedPanel;
 use crate::rows::error_row::ErrorRow;
 use crate::tables::error_table::ErrorTable;
@@ -34,7 +34,7 @@ pub(super) fn errors(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
 
 /// What becomes of the objects, stage by stage.
 fn losses(facts: &RunFacts, errors: &ErrorTable<'_>, stem_end: &str, files: &mut Vec<Figure>) -> Markup {
-    let losses = errors.losses(|it| facts.detector_idx(it));
+    let losses = Losses::of(errors, |it| facts.detector_idx(it));
     let panels: Vec<ThemedPanel> = losses.iter().map(loss_plot).collect();
     if panels.is_empty() {
         return html! {};
@@ -45,7 +45,8 @@ fn losses(facts: &RunFacts, errors: &ErrorTable<'_>, stem_end: &str, files: &mut
         panels: &panels,
         key: &[],
         caption: html! {
-            "Where objects are lost: each bar begins where those before it leave off. An object is lost at a stage if half of its points              or more are in no detection, and most of these were lost there; only detectors that leave their stages behind say so."
+            "Where objects are lost: each bar begins where those before it leave off. An object is lost at a stage if more than half of its points \
+             are in no detection, and most of these were lost there; only detectors that leave their stages behind say so."
         },
         class: "",
     }

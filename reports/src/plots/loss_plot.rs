@@ -7,6 +7,10 @@ use super::marks::{Mark, QUIET, SeriesMark, bold_style, text_style};
 use super::small_panel::SMALL_TEXT_PX;
 use super::themed_panel::ThemedPanel;
 use crate::files::fixed_decimals::percent;
+use crate::rows::error_row::ErrorRow;
+use crate::tables::error_table::ErrorTable;
+use crate::vocabulary::reason::MistakeKind;
+use crate::vocabulary::slice::Slice;
 
 const WIDTH_PX: u32 = 400;
 const HEADING_PX: u32 = 24;
@@ -26,6 +30,25 @@ pub struct Losses {
     pub n_annotations: u64,
     /// For each reason how many were missed.
     pub missed: Vec<(String, u64)>,
+}
+
+impl Losses {
+    /// Those of each detector of `errors` that missed anything; all have the same reasons. `detector_idx` says which colour a
+    /// detector has.
+    pub fn of(errors: &ErrorTable<'_>, detector_idx: impl Fn(&str) -> usize) -> Vec<Self> {
+        let is_missed = |it: &ErrorRow| it.slice == Slice::All && it.mistake == MistakeKind::Missed;
+        let reasons = errors.reasons(is_missed);
+        let of_detector = |detector: &&str| {
+            let is_its = |it: &&ErrorRow| is_missed(it) && it.detector == **detector;
+            let rows: Vec<&ErrorRow> = errors.rows.iter().copied().filter(is_its).collect();
+            let n_missed = |reason: &str| rows.iter().find(|it| it.reason == reason).map_or(0, |it| it.n);
+            let n_annotations = rows.first()?.of;
+            let missed = reasons.iter().map(|(_, reason)| ((*reason).to_owned(), n_missed(reason))).collect();
+            let title = (*detector).to_owned();
+            Some(Self { title, detector_idx: detector_idx(detector), n_annotations, missed })
+        };
+        errors.detectors.iter().filter_map(of_detector).collect()
+    }
 }
 
 /// A panel with a bar for all objects, one for those that each reason takes away, where what it leaves ends, and one for

@@ -1,7 +1,6 @@
 //! Why detectors are wrong, and what repairing each reason alone would gain.
 
 use crate::files::fixed_decimals::{fixed_decimals, percent_or_dash};
-use crate::plots::loss_plot::Losses;
 use crate::rows::error_row::ErrorRow;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
@@ -18,23 +17,6 @@ pub struct ErrorTable<'a> {
 }
 
 impl ErrorTable<'_> {
-    /// What became of the objects that each detector had to find; nothing of those that missed none. All have the same
-    /// reasons. `detector_idx` says which colour a detector has.
-    pub fn losses(&self, detector_idx: impl Fn(&str) -> usize) -> Vec<Losses> {
-        let is_missed = |it: &ErrorRow| it.slice == Slice::All && it.mistake == MistakeKind::Missed;
-        let reasons = self.reasons(is_missed);
-        let of_detector = |detector: &&str| {
-            let rows: Vec<&ErrorRow> =
-                self.rows.iter().copied().filter(|it| is_missed(it) && it.detector == **detector).collect();
-            let n_missed = |reason: &str| rows.iter().find(|it| it.reason == reason).map_or(0, |it| it.n);
-            let n_annotations = rows.first()?.of;
-            let missed = reasons.iter().map(|(_, reason)| ((*reason).to_owned(), n_missed(reason))).collect();
-            let title = (*detector).to_owned();
-            Some(Losses { title, detector_idx: detector_idx(detector), n_annotations, missed })
-        };
-        self.detectors.iter().filter_map(of_detector).collect()
-    }
-
     /// The repair that would gain a detector most, in a sentence for each; nothing of those without an F-rate.
     pub(crate) fn largest_gains(&self) -> Vec<String> {
         let sentence = |detector: &&str| {
@@ -56,7 +38,7 @@ impl ErrorTable<'_> {
     }
 
     /// Every kind of mistake with a reason, in the order in which the rows have them.
-    fn reasons(&self, is_asked: impl Fn(&ErrorRow) -> bool) -> Vec<(MistakeKind, &str)> {
+    pub(crate) fn reasons(&self, is_asked: impl Fn(&ErrorRow) -> bool) -> Vec<(MistakeKind, &str)> {
         let mut reasons: Vec<(MistakeKind, &str)> =
             self.rows.iter().filter(|it| is_asked(it)).map(|it| (it.mistake, it.reason.as_str())).collect();
         reasons.sort_by_key(|it| (it.0, index(*it)));

@@ -29,7 +29,7 @@ named! {
 
     /// Why an annotation was missed.
     pub enum MissReason {
-        /// Half of its points or more are in no detection, and most of these are outside of the grid.
+        /// More than half of its points are in no detection, and most of these are outside of the grid.
         OutsideGrid = "outside of the grid",
         /// The same, in cells with too few points.
         Clutter = "taken for clutter",

@@ -110,7 +110,9 @@ fn shape<'a>(products: &'a [StageProduct], name: &str) -> &'a Shape {
 
 fn labels(products: &[StageProduct], name: &str) -> Vec<SurfaceClass> {
     let Shape::LabeledPoints(classes) = shape(products, name) else { panic!("{name} are no labels") };
-    classes.clone()
+    // A wall is tall, wherever its class comes from.
+    let tall_walls = |&class: &_| if class == SurfaceClass::Wall { SurfaceClass::Tall } else { class };
+    classes.iter().map(tall_walls).collect()
 }
 
 fn n_segments(products: &[StageProduct], name: &str) -> usize {

@@ -72,7 +72,7 @@ impl<'a> LostPoints<'a> {
 }
 
 impl Assignment {
-    /// Says of annotations of which half of the points or more are in no detection at which stage most of these were lost,
+    /// Says of annotations of which more than half of the points are in no detection at which stage most of these were lost,
     /// where a stage says so. By points such an annotation cannot be found, whatever becomes of the rest.
     pub fn say_where_points_were_lost(&mut self, scan: &LabeledScan, lost: &LostPoints<'_>) {
         use MissReason::{NothingThere, PartlyFound, Split};
@@ -83,7 +83,7 @@ impl Assignment {
             let reasons = lost.reasons(&annotation.point_indices);
             let n_lost: usize = reasons.iter().map(|(_, n_points)| n_points).sum();
             if let Some(&(stage, _)) = reasons.first()
-                && 2 * n_lost >= annotation.point_indices.len()
+                && 2 * n_lost > annotation.point_indices.len()
                 && stage != NothingThere
             {
                 *reason = stage;
@@ -161,8 +161,8 @@ mod tests {
 
     #[test]
     fn what_the_rest_became_counts_only_where_half_is_in_a_detection() {
-        check(&[0..25], &[(Ground, 25..50)], MissReason::Ground);
-        check(&[0..25], &[(Ground, 25..49)], MissReason::Ground);
+        check(&[0..24], &[(Ground, 24..50)], MissReason::Ground);
+        check(&[0..24], &[(Ground, 24..40)], MissReason::Ground);
         check(&[0..10, 20..36], &[(Ground, 36..50)], MissReason::Split);
         // Neither a stage nor a detection has them.
         check(&[0..20], &[], MissReason::PartlyFound);

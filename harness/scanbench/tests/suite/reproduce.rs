@@ -28,7 +28,14 @@ fn claims_of_all_papers_are_judged_and_gated() {
     workplace.check_file("first/losses_objects.svg", &["annotated", "found", "paper, to the letter"]);
     // It is a run, too.
     let rows = workplace.read("first/scans.csv");
-    for detector in ["paper,", "\"paper, to the letter\",", "\"paper, ν and γ as printed\",", "\"paper, step 4\",", "kd-tree,", "pca,"] {
+    for detector in [
+        "paper,",
+        "\"paper, to the letter\",",
+        "\"paper, ν and γ as printed\",",
+        "\"paper, step 4\",",
+        "kd-tree,",
+        "pca,",
+    ] {
         assert!(rows.contains(detector), "{detector}");
     }
     // A claim that holds no longer closes the gate.
@@ -45,7 +52,12 @@ fn claims_of_all_papers_are_judged_and_gated() {
     let (exit_code, said) = gate("second");
     assert!(exit_code == Some(100) && said.contains(" holds → does not hold."), "{said}");
     workplace.check_file("verdict/junit.xml", &["scanbench.claims"]);
-    let parts = ["Claim by claim", "Where objects are lost", "Under every setting", "The background that the classifier is judged by"];
+    let parts = [
+        "Claim by claim",
+        "Where objects are lost",
+        "Under every setting",
+        "The background that the classifier is judged by",
+    ];
     workplace.check_file("first/reproduction.html", &parts);
     assert!(workplace.path("first/run.rrd").exists());
     // The method of BG learns from whole objects, as in the paper, or from parts, and sees them from either end.

@@ -26,9 +26,11 @@ fn a_run_leaves_its_files_and_nothing_else() {
     // Without a vehicle that is found there is no curve.
     workplace.succeed("run street-narrow --scans 0..2 --sensor vlp-16 -o runs/first");
     let figures =
-        ["precision_recall", "range_objects", "range_vehicles", "stages", "ranking", "times"].into_iter();
-    let mut expected: Vec<String> =
-        figures.flat_map(|it| ["pdf", "svg"].map(|ending| format!("figures/{it}.{ending}"))).collect();
+        "precision_recall range_objects range_vehicles stages ranking times losses_objects losses_vehicles";
+    let mut expected: Vec<String> = figures
+        .split(' ')
+        .flat_map(|it| ["pdf", "svg"].map(|ending| format!("figures/{it}.{ending}")))
+        .collect();
     let others = "errors.csv figures manifest.json matches.csv precision_recall.csv report.html report.json scans.csv stages.csv \
                   table_objects.csv table_objects.md table_objects.tex table_stages.md table_times.md \
                   table_vehicles.csv table_vehicles.md table_vehicles.tex worst_points.json";

@@ -127,24 +127,27 @@ impl Scene<'_> {
         }
         let n_points = self.n_annotation_points(annotation_idx);
         let shared = self.overlap.of_annotation(annotation_idx);
-        let most = shared.iter().copied().max_by_key(|&(_, n_shared)| n_shared);
+        // Of equal shares, one with more of other objects, so that the order of detections changes nothing.
+        let most =
+            shared.iter().map(|&(idx, n_shared)| (n_shared, self.has_mostly_others(idx, n_shared))).max();
         match most {
             None => MissReason::NothingThere,
-            Some((detection_idx, most)) if 2 * most > n_points => {
-                let of_objects = self.overlap.of_detection(detection_idx).iter();
-                let n_of_objects: usize = of_objects.map(|&(_, n_shared)| n_shared).sum();
-                let n_else = self.detections.get(detection_idx).point_indices.len() - most;
-                if 2 * (n_of_objects - most) > n_else {
-                    MissReason::MergedWithOthers
-                } else {
-                    MissReason::MergedWithBackground
-                }
-            }
+            Some((most, true)) if 2 * most > n_points => MissReason::MergedWithOthers,
+            Some((most, false)) if 2 * most > n_points => MissReason::MergedWithBackground,
             Some(_) if shared.len() > 1 && 2 * self.overlap.n_detected(annotation_idx) > n_points => {
                 MissReason::Split
             }
             Some(_) => MissReason::PartlyFound,
         }
+    }
+
+    /// Whether more of a detection, but for the `n_shared` points of an annotation, is of other annotations than not.
+    fn has_mostly_others(&self, detection_idx: usize, n_shared: usize) -> bool {
+        let of_annotations = self.overlap.of_detection(detection_idx).iter();
+        let n_annotated: usize = of_annotations.map(|&(_, n_shared)| n_shared).sum();
+        let n_points = self.detections.get(detection_idx).point_indices.len();
+        // An annotation may share points with another.
+        2 * n_annotated.saturating_sub(n_shared) > n_points.saturating_sub(n_shared)
     }
 
     fn detection_outcomes(
@@ -483,6 +486,18 @@ mod tests {
         assert_eq!(it.detections[1], DetectionOutcome::False(FalseReason::NothingThere));
     }
 
+    #[test]
+    fn what_holds_an_object_and_as_much_else_merges_it_with_what_it_holds_more_of() {
+        let missed = |annotations: &[(AnnotationClass, Range<u32>)], detection: Range<u32>| {
+            street(annotations, &[(Vehicle, detection)]).judge(Task::Vehicles, &EVERYTHING).0[0].clone()
+        };
+        let two = [(Car, 0..40), (Car, 40..80)];
+        assert_eq!(missed(&two, 0..90), "missed: merged with others");
+        assert_eq!(missed(&two[..1], 0..90), "missed: merged with background");
+        // 40 of another, 41 of none.
+        assert_eq!(missed(&two, 0..121), "missed: merged with background");
+    }
+
     /// Unit boxes in a row, 0.1 m from one point to the next.
     #[test]
     fn boxes_match_by_how_far_they_overlap() {
@@ -494,7 +509,7 @@ mod tests {
         for criterion in [Criterion::BEV_IOU, Criterion::IOU_3D] {
             let params = standard(criterion);
             let (annotations, detections) = two.judge_by(Task::Vehicles, &EVERYTHING, params);
-            assert_eq!(annotations, ["0 at 0.46", "missed: merged with others"]);
+            assert_eq!(annotations, ["0 at 0.46", "missed: merged with background"]);
             assert_eq!(detections, ["0 at 0.46", "false: fragment", "false: nothing there"]);
         }
         two.scan.annotations[0].bounding_box = None;

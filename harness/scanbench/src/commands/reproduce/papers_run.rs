@@ -198,9 +198,13 @@ fn compared_detectors(config: &RunConfig) -> Result<Vec<ComparedDetector>, Failu
     for (name, switch) in VARIANTS {
         compared_detectors.push(variant(name, method, &[switch])?);
     }
-    let mut values = Vec::new();
+    let mut values: Vec<&str> = Vec::new();
     for step in STEPS {
-        values.extend_from_slice(step.parameters);
+        for &value in step.parameters {
+            let name = |it: &str| it.split('=').next().map(str::to_owned);
+            values.retain(|it| name(it) != name(value));
+            values.push(value);
+        }
         if step.detector != METHOD {
             compared_detectors.push(variant(step.detector, method, &values)?);
         }

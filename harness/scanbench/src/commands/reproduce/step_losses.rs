@@ -3,7 +3,7 @@
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::each_row;
 use reports::numbers::tally::Tally;
-use reports::plots::loss_plot::loss_plot;
+use reports::plots::loss_plot::{Losses, loss_plot};
 use reports::plots::themed_panel::{Arrangement, sheet};
 use reports::reproduction::steps::{GOOD_FAITH, STEPS};
 use reports::rows::error_row::ErrorRow;
@@ -40,7 +40,7 @@ impl StepLosses {
         let detectors: Vec<&str> =
             STEPS.map(|it| it.detector).into_iter().enumerate().filter(is_shown).map(|it| it.1).collect();
         let figure = |task: Task| {
-            let losses = self.table(task, detectors.clone()).losses(|_| 0);
+            let losses = Losses::of(&self.table(task, detectors.clone()), |_| 0);
             let panels: Vec<_> = losses.iter().map(loss_plot).collect();
             sheet(&panels, Arrangement::Row, &[], &format!("Where objects are lost, task {task}"))
         };
