@@ -82,9 +82,9 @@ fn rounded(value: f32) -> String {
 #[test]
 fn a_main_road_comes_apart_into_cars_person_pole_and_facade() {
     insta::assert_snapshot!(described(&main_road()), @r"
-    walls/cells: 84 clutter, 1406 ground, 117 short object, 127 tall
+    walls/cells: 84 clutter, 1406 ground, 117 short object, 83 tall, 44 wall
     walls/segments: 1 segments
-    foreground/points: 249 clutter, 13608 ground, 5135 short object, 41301 tall
+    foreground/points: 249 clutter, 13608 ground, 5135 short object, 40905 tall, 396 wall
     merge/links: 11 link cut, 205 link kept
     separation/dense_cells: 463 of 0.20 m and 3 objects
     separation/cuts: 11 segments
