@@ -121,11 +121,13 @@ mod tests {
     use crate::matching::criterion::Criterion;
     use crate::matching::drawn_labels::{annotations_in_row, detections_in_row, labeled, row, standard};
 
-    /// A car of 50 points; detections, and what is taken for something, are ranges of them. What is short is a cluster.
+    /// A car of 50 points; detections, and what is taken for something, are from and to so many of them. What is short is a
+    /// cluster.
     #[track_caller]
-    fn check(detections: &[Range<u32>], taken_for: &[(SurfaceClass, Range<u32>)], expected: MissReason) {
+    fn check(detections: &[[u32; 2]], taken_for: &[(SurfaceClass, Range<u32>)], expected: MissReason) {
         let scan = labeled(row(50), annotations_in_row(&[(Car, 0..50)]));
-        let detections: Vec<_> = detections.iter().map(|it| (DetectedClass::Object, it.clone())).collect();
+        let detections: Vec<_> =
+            detections.iter().map(|&[from, to]| (DetectedClass::Object, from..to)).collect();
         let found = detections_in_row(&detections, None);
         let mut surfaces = vec![Short; 50];
         let mut clusters = vec![None; 50];
@@ -161,11 +163,11 @@ mod tests {
 
     #[test]
     fn what_the_rest_became_counts_only_where_half_is_in_a_detection() {
-        check(&[0..24], &[(Ground, 24..50)], MissReason::Ground);
-        check(&[0..24], &[(Ground, 24..40)], MissReason::Ground);
-        check(&[0..10, 20..36], &[(Ground, 36..50)], MissReason::Split);
+        check(&[[0, 24]], &[(Ground, 24..50)], MissReason::Ground);
+        check(&[[0, 24]], &[(Ground, 24..40)], MissReason::Ground);
+        check(&[[0, 10], [20, 36]], &[(Ground, 36..50)], MissReason::Split);
         // Neither a stage nor a detection has them.
-        check(&[0..20], &[], MissReason::PartlyFound);
+        check(&[[0, 20]], &[], MissReason::PartlyFound);
         check(&[], &[], MissReason::NothingThere);
     }
 }
