@@ -140,7 +140,7 @@ fn with_bed(
 }
 
 /// The part of a convex profile between two positions along the length, in metres.
-fn part_between(profile_m: &[[f32; 2]], [from_m, to_m]: [f32; 2]) -> Vec<[f32; 2]> {
+pub(super) fn part_between(profile_m: &[[f32; 2]], [from_m, to_m]: [f32; 2]) -> Vec<[f32; 2]> {
     let cut = |corners: &[[f32; 2]], at_m: f32, keep: fn(f32, f32) -> bool| {
         let mut kept = Vec::new();
         for (&[ax, az], &[bx, bz]) in corners.iter().zip(corners.iter().cycle().skip(1)) {

@@ -21,6 +21,13 @@ pub struct HouseRowParams {
     pub gap_m: [f32; 2],
     /// Chance that a house stands back behind a front garden.
     pub set_back: f64,
+    /// Least and greatest depth of a front garden, in metres.
+    pub garden_m: [f32; 2],
+}
+
+impl HouseRowParams {
+    /// Depths of the front gardens of a town, in metres.
+    pub const TOWN_GARDENS_M: [f32; 2] = [2.0, 6.0];
 }
 
 /// How far gardens reach back from the building line, in metres.
@@ -34,7 +41,11 @@ pub fn house_row(world: &mut World, roadside: &Roadside, params: &HouseRowParams
         if length_m < 3.0 {
             break;
         }
-        let set_back_m = if rng.random_bool(params.set_back) { rng.random_range(2.0_f32..6.0) } else { 0.0 };
+        let set_back_m = if rng.random_bool(params.set_back) {
+            rng.random_range(params.garden_m[0]..params.garden_m[1])
+        } else {
+            0.0
+        };
         house(world, roadside, [along_m, along_m + length_m], set_back_m, rng);
         if set_back_m > 0.0 {
             garden_border(world, roadside, [along_m, along_m + length_m], rng);

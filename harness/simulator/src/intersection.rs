@@ -42,9 +42,9 @@ pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Worl
     for side in [Side::Left, Side::Right] {
         let [main, crossing] = [&plans.main, &plans.crossing].map(|plan| plan.roadside(side));
         let along_main = [plans.crossed_at_m, crossing.kerb_m, crossing.building_line_m];
-        furnish(&mut world, &plans.main, side, conditions.avenue, along_main, rng);
+        furnish(&mut world, &plans.main, side, conditions, along_main, rng);
         let along_crossing = [0.0, main.kerb_m, main.building_line_m + CORNER_HOUSE_M];
-        furnish(&mut world, &plans.crossing, side, conditions.avenue, along_crossing, rng);
+        furnish(&mut world, &plans.crossing, side, conditions, along_crossing, rng);
     }
     corner_posts(&mut world, &plans, rng);
     traffic(&mut world, &plans, rng);
@@ -103,7 +103,7 @@ fn furnish(
     world: &mut World,
     plan: &RoadPlan,
     side: Side,
-    avenue: bool,
+    conditions: &StreetConditions,
     [middle_m, kerb_m, houses_m]: [f32; 3],
     rng: &mut ChaCha8Rng,
 ) {
@@ -121,13 +121,14 @@ fn furnish(
         spacing_m: rng.random_range(3.5..7.5),
         from_kerb_m: 0.6,
         tree_share: rng.random_range(0.1..0.4),
-        avenue,
+        avenue: conditions.avenue,
     };
-    let houses = HouseRowParams {
+    let houses = conditions.houses(HouseRowParams {
         gap: rng.random_range(0.2..0.7),
         gap_m: [4.0, 16.0],
         set_back: rng.random_range(0.1..0.6),
-    };
+        garden_m: HouseRowParams::TOWN_GARDENS_M,
+    });
     let corner_m = kerb_m + CORNER_CLEARANCE_M;
     for (clear, built) in [(before(corner_m), before(houses_m)), (after(corner_m), after(houses_m))] {
         parked_row(world, &clear, &parked, rng);

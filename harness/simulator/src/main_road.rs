@@ -41,7 +41,7 @@ pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
             person_beside: 0.12,
         };
         parked_row(&mut world, &roadside, &parked, rng);
-        furnish(&mut world, &roadside, conditions.avenue, rng);
+        furnish(&mut world, &roadside, conditions, rng);
     }
     traffic(&mut world, &lanes, rng);
     world
@@ -66,21 +66,22 @@ fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) 
     plan.ground(shape, conditions, rng)
 }
 
-fn furnish(world: &mut World, roadside: &Roadside, avenue: bool, rng: &mut ChaCha8Rng) {
+fn furnish(world: &mut World, roadside: &Roadside, conditions: &StreetConditions, rng: &mut ChaCha8Rng) {
     let furniture = PavementFurnitureParams {
         spacing_m: rng.random_range(3.5..7.5),
         from_kerb_m: 0.65,
         tree_share: rng.random_range(0.1..0.5),
-        avenue,
+        avenue: conditions.avenue,
     };
     pavement_furniture(world, roadside, &furniture, rng);
     let people = PavementPeopleParams { spacing_m: rng.random_range(8.0..25.0), from_kerb_m: 1.3 };
     pavement_people(world, roadside, &people, rng);
-    let houses = HouseRowParams {
+    let houses = conditions.houses(HouseRowParams {
         gap: rng.random_range(0.3..0.8),
         gap_m: [4.0, 16.0],
         set_back: rng.random_range(0.1..0.7),
-    };
+        garden_m: HouseRowParams::TOWN_GARDENS_M,
+    });
     house_row(world, roadside, &houses, rng);
 }
 

@@ -30,7 +30,7 @@ pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Wor
     let (ground, ego) = (ground(&plan, conditions, rng), plan.drive(0.0, speed_m_per_s));
     let mut world = World::new(ground, ego, DRIVE_DURATION_S, conditions.vehicle_mix());
     for side in [Side::Left, Side::Right] {
-        furnish(&mut world, &plan, side, conditions.avenue, rng);
+        furnish(&mut world, &plan, side, conditions, rng);
     }
     traffic(&mut world, &plan, rng);
     world
@@ -56,7 +56,13 @@ fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) 
     plan.ground(shape, conditions, rng)
 }
 
-fn furnish(world: &mut World, plan: &RoadPlan, side: Side, avenue: bool, rng: &mut ChaCha8Rng) {
+fn furnish(
+    world: &mut World,
+    plan: &RoadPlan,
+    side: Side,
+    conditions: &StreetConditions,
+    rng: &mut ChaCha8Rng,
+) {
     let roadside = plan.roadside(side);
     let parked = ParkedRowParams {
         parking: plan.parking(side),
@@ -68,16 +74,17 @@ fn furnish(world: &mut World, plan: &RoadPlan, side: Side, avenue: bool, rng: &m
         spacing_m: rng.random_range(7.0..14.0),
         from_kerb_m: 0.42,
         tree_share: rng.random_range(0.0..0.15),
-        avenue,
+        avenue: conditions.avenue,
     };
     pavement_furniture(world, &roadside, &furniture, rng);
     let people = PavementPeopleParams { spacing_m: rng.random_range(10.0..30.0), from_kerb_m: 0.85 };
     pavement_people(world, &roadside, &people, rng);
-    let houses = HouseRowParams {
+    let houses = conditions.houses(HouseRowParams {
         gap: rng.random_range(0.0..0.3),
         gap_m: [3.0, 9.0],
         set_back: rng.random_range(0.0..0.3),
-    };
+        garden_m: HouseRowParams::TOWN_GARDENS_M,
+    });
     house_row(world, &roadside, &houses, rng);
 }
 

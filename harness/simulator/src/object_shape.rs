@@ -23,19 +23,22 @@ pub struct Part {
     pub solid: Solid,
     /// What it is made of.
     pub material: Material,
+    /// Whether labels leave it out of the box, as they do mirrors.
+    pub is_outside_box: bool,
 }
 
 impl ObjectShape {
     /// An object of `class` made of these solids.
     pub fn new(class: AnnotationClass, parts: impl IntoIterator<Item = (Solid, Material)>) -> Self {
-        let parts = parts.into_iter().map(|(solid, material)| Part { solid, material }).collect();
+        let part = |(solid, material)| Part { solid, material, is_outside_box: false };
+        let parts = parts.into_iter().map(part).collect();
         Self { class, parts }
     }
 
-    /// The box around all parts, in the object's frame.
+    /// The box of labels, in the object's frame.
     pub fn bounds(&self) -> Aabb {
         let mut bounds = Aabb::new_invalid();
-        for part in &self.parts {
+        for part in self.parts.iter().filter(|it| !it.is_outside_box) {
             bounds.merge(&part.solid.placed(&Pose::IDENTITY).bounds());
         }
         bounds

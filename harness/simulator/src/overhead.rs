@@ -8,7 +8,6 @@ use rand_chacha::ChaCha8Rng;
 
 use super::material::Material;
 use super::road_axis::RoadPosition;
-use super::scene::{Leaf, LeafForm};
 use super::solid::Solid;
 use super::world::{Placement, Stance, World, world_from_placement};
 
@@ -42,7 +41,7 @@ pub fn bridges(world: &mut World, rng: &mut ChaCha8Rng) {
         let deck = block([-right_m, left_m], [clearance_m, clearance_m + 1.1]);
         let piers =
             [[-right_m, 0.8 - right_m], [left_m - 0.8, left_m]].map(|it| block(it, [-1.0, clearance_m]));
-        put_up(world, &section.frame, [deck].into_iter().chain(piers), Material::MASONRY);
+        world.build(&section.frame, [deck].into_iter().chain(piers), Material::MASONRY);
     }
 }
 
@@ -54,11 +53,11 @@ pub fn wires(world: &mut World, rng: &mut ChaCha8Rng) {
         let height_m = rng.random_range(4.8_f32..6.0);
         let across = wire([0.0, -right_m, height_m + 0.4], [0.0, left_m, height_m + 0.4]);
         let lamp = Solid::cuboid([-0.35, -0.15, height_m + 0.1], [0.35, 0.15, height_m + 0.4]);
-        put_up(world, &section.frame, [across, lamp].into_iter(), Material::METAL);
+        world.build(&section.frame, [across, lamp].into_iter(), Material::METAL);
         let ends = [-0.5, 0.5].map(|left_m| section.frame * Vector::new(0.0, left_m, height_m));
         if let Some(last) = last_ends.replace(ends) {
             let along = last.into_iter().zip(ends).map(|(from, to)| wire(from.into(), to.into()));
-            put_up(world, &Pose::IDENTITY, along, Material::METAL);
+            world.build(&Pose::IDENTITY, along, Material::METAL);
         }
     }
 }
@@ -96,7 +95,7 @@ pub fn garages(world: &mut World, rng: &mut ChaCha8Rng) {
                 _ => block(inner_m, [0.35, 0.4], [-0.5, height_m]),
             }
         }
-        put_up(world, &section.frame, solids.into_iter(), Material::METAL);
+        world.build(&section.frame, solids.into_iter(), Material::METAL);
     }
 }
 
@@ -131,11 +130,6 @@ const CLEAR_OF_ROADS_M: f32 = 20.0;
 
 fn wire(from_m: [f32; 3], to_m: [f32; 3]) -> Solid {
     Solid::cylinder(from_m, to_m, WIRE_RADIUS_M)
-}
-
-fn put_up(world: &mut World, frame: &Pose, solids: impl Iterator<Item = Solid>, material: Material) {
-    let leaf = |it: Solid| Leaf { form: LeafForm::Solid(it.placed(frame)), material, object_idx: None };
-    world.walls.extend(solids.map(leaf));
 }
 
 #[cfg(test)]

@@ -36,6 +36,40 @@ pub fn any_build(rng: &mut ChaCha8Rng) -> Build {
     }
 }
 
+/// Draws a child.
+pub fn any_child(rng: &mut ChaCha8Rng) -> Build {
+    let grown = any_build(rng);
+    let height_m = rng.random_range(0.85..1.45);
+    Build { height_m, half_width_m: 0.13 * height_m, ..grown }
+}
+
+/// A person who sits on something 0.45 m high and looks along x.
+pub fn sitting_person(build: &Build) -> ObjectShape {
+    ObjectShape::new(AnnotationClass::SittingPerson, seated_parts(build, [0.0, 0.45]))
+}
+
+/// A person whose hip is at x and z in metres, and whose feet are in front of it on the ground or on a footboard.
+pub fn seated_parts(build: &Build, [hip_x_m, hip_m]: [f32; 2]) -> Vec<(Solid, Material)> {
+    let Build { height_m, half_width_m, clothes, .. } = *build;
+    let shoulder_m = hip_m + 0.32 * height_m;
+    let head_m = height_m * 0.13;
+    let limb = |side: f32| {
+        let hip = [hip_x_m, side * 0.09, hip_m + 0.05];
+        let knee = [hip_x_m + 0.24 * height_m, side * 0.11, hip_m + 0.04];
+        let foot = [hip_x_m + 0.22 * height_m, side * 0.11, (hip_m - 0.25 * height_m).max(0.02)];
+        let shoulder = [hip_x_m, side * half_width_m, shoulder_m - 0.05];
+        let hand = [hip_x_m + 0.2 * height_m, side * half_width_m, hip_m + 0.2];
+        [(hip, knee, 0.075), (knee, foot, 0.06), (shoulder, hand, 0.05)]
+    };
+    let limbs = [-1.0, 1.0].into_iter().flat_map(limb);
+    let limbs = limbs.map(|(from_m, to_m, radius_m)| (Solid::cylinder(from_m, to_m, radius_m), clothes));
+    let half_m = half_width_m - 0.03;
+    let torso = Solid::cuboid([hip_x_m - 0.11, -half_m, hip_m], [hip_x_m + 0.11, half_m, shoulder_m]);
+    let neck = Solid::cylinder([hip_x_m, 0.0, shoulder_m], [hip_x_m, 0.0, shoulder_m + head_m], 0.055);
+    let head = Solid::spheroid([hip_x_m, 0.0, shoulder_m + head_m], 0.085, head_m * 0.9);
+    limbs.chain([(torso, clothes), (neck, SKIN), (head, SKIN)]).collect()
+}
+
 /// A person who has walked `walked_m`, or stands when that is 0.
 pub fn pedestrian(build: &Build, walked_m: f32) -> ObjectShape {
     let stride_m = if walked_m == 0.0 { 0.12 } else { 0.36 };

@@ -10,6 +10,8 @@ use rand_chacha::ChaCha8Rng;
 use reports::vocabulary::named::named;
 use scans::annotation::{Annotation, LabeledScan, ScanId};
 
+use super::crowd::crowd;
+use super::gardens::gardens;
 use super::intersection::intersection;
 use super::labeling::{VisibleObject, annotation};
 use super::main_road::main_road;
@@ -18,11 +20,13 @@ use super::object_shape::ObjectShape;
 use super::overhead::{bridges, garages, wires};
 use super::pulse_path::Surroundings;
 use super::rain::Rain;
+use super::rounded_bodies::rounded_bodies;
 use super::scan::{Turn, beam_errors, turn};
 use super::scene::{Leaf, Scene};
 use super::sensor::SensorModel;
 use super::street_conditions::StreetConditions;
 use super::traffic::leading_truck;
+use super::works::works;
 use super::world::{Motion, World, world_from_placement};
 
 /// Bumped whenever the same street, seed and sensor give other scans.
@@ -79,6 +83,10 @@ enum StreamUse {
     Bridges = 4,
     Wires = 5,
     Garages = 6,
+    Gardens = 7,
+    Works = 8,
+    Crowd = 9,
+    RoundedBodies = 10,
 }
 
 impl Street {
@@ -102,6 +110,11 @@ impl Street {
             (conditions.bridges, bridges as fn(&mut World, &mut ChaCha8Rng), StreamUse::Bridges),
             (conditions.wires, wires, StreamUse::Wires),
             (conditions.garages, garages, StreamUse::Garages),
+            (conditions.gardens, gardens, StreamUse::Gardens),
+            (conditions.works, works, StreamUse::Works),
+            (conditions.crowd, crowd, StreamUse::Crowd),
+            // Last: of all cars that the others put there.
+            (conditions.rounded_bodies, rounded_bodies, StreamUse::RoundedBodies),
         ] {
             if is_built {
                 build(&mut world, &mut random_stream(kind, seed, purpose));

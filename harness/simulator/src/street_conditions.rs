@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::ground::CrossSection;
+use super::house_row::HouseRowParams;
 use super::road_axis::{RoadAxisShape, Wave};
 use super::vehicle_shape::VehicleMix;
 
@@ -39,6 +40,18 @@ pub struct StreetConditions {
     /// Whether garages stand at the pavement, some of them with doors that stand out over it.
     #[serde(default)]
     pub garages: bool,
+    /// Whether houses stand back behind front gardens with walls, banks, bushes, sheds and cars in driveways.
+    #[serde(default)]
+    pub gardens: bool,
+    /// Whether works go on along the roads: barriers, heaps, containers and what else is as large as a vehicle and is none.
+    #[serde(default)]
+    pub works: bool,
+    /// Whether pavements are crowded: cycles and scooters in racks, children, groups, people who sit.
+    #[serde(default)]
+    pub crowd: bool,
+    /// Whether the sides of cars and vans curve toward both ends, and have mirrors.
+    #[serde(default)]
+    pub rounded_bodies: bool,
     /// A truck of this height in metres drives ahead of the sensor.
     pub truck_ahead_height_m: Option<f32>,
 }
@@ -109,6 +122,15 @@ impl StreetConditions {
             VehicleMix::Town => 0.0,
             VehicleMix::Haulage => ROOM_FOR_TRUCKS_M,
             VehicleMix::NorthAmerican => ROOM_FOR_LARGE_CARS_M,
+        }
+    }
+
+    /// A row of houses like this under the conditions.
+    pub(super) fn houses(&self, drawn: HouseRowParams) -> HouseRowParams {
+        if self.gardens {
+            HouseRowParams { gap: 0.9, gap_m: [6.0, 45.0], set_back: 1.0, garden_m: [4.0, 14.0] }
+        } else {
+            drawn
         }
     }
 

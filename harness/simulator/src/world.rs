@@ -5,11 +5,13 @@ use std::borrow::Cow;
 use parry3d::math::{Pose, Rotation, Vector};
 
 use super::ground::Ground;
+use super::material::Material;
 use super::object_shape::ObjectShape;
 use super::person_shape::{self, Build};
 use super::portable_math;
 use super::road_axis::RoadPosition;
-use super::scene::Leaf;
+use super::scene::{Leaf, LeafForm};
+use super::solid::Solid;
 use super::vehicle_shape::VehicleMix;
 
 /// A street with all that is in it.
@@ -116,6 +118,12 @@ impl World {
     pub fn stand(&mut self, shape: ObjectShape, placement: &Placement) {
         let pose = world_from_placement(&self.ground, placement);
         self.objects.push(StreetObject { body: Body::Rigid(shape), motion: Motion::Standing(pose) });
+    }
+
+    /// Builds what is no object: solids in `frame`.
+    pub fn build(&mut self, frame: &Pose, solids: impl Iterator<Item = Solid>, material: Material) {
+        let leaf = |it: Solid| Leaf { form: LeafForm::Solid(it.placed(frame)), material, object_idx: None };
+        self.walls.extend(solids.map(leaf));
     }
 
     /// Puts a moving object into the street.

@@ -24,7 +24,7 @@ pub fn any_person(rng: &mut ChaCha8Rng) -> ObjectShape {
     for (wear, share) in worn.into_iter().zip(shares) {
         if rng.random_bool(share) {
             let (solid, material) = wear(&build, rng);
-            shape.parts.push(Part { solid, material });
+            shape.parts.push(Part { solid, material, is_outside_box: false });
         }
     }
     shape
