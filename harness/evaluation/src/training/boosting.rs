@@ -37,8 +37,8 @@ pub enum Target {
 /// Seed of the draws of examples and values.
 const SEED: u64 = 0;
 
-/// A forest that predicts `targets` from `examples`, of which there is one for each target. The same bytes whatever the
-/// number of threads.
+/// A forest that predicts `targets` from `examples`, of which there is one for each target, with its weight. The same bytes
+/// whatever the number of threads.
 ///
 /// # Errors
 ///
@@ -46,14 +46,15 @@ const SEED: u64 = 0;
 ///
 /// # Panics
 ///
-/// If there are not as many targets as examples, or trees are to be too deep.
+/// If there are not as many targets and weights as examples, or trees are to be too deep.
 pub fn boost<const D: usize>(
     examples: &[&[f32; D]],
-    targets: &[f64],
+    (targets, weights): (&[f64], &[f64]),
     target: Target,
     params: &BoostingParams,
 ) -> Result<Forest<D>, ForustError> {
     assert_eq!(examples.len(), targets.len(), "examples and targets belong together");
+    assert_eq!(examples.len(), weights.len(), "examples and weights belong together");
     assert!(params.depth as usize <= DEPTH, "forests have no deeper trees");
     let columns: Vec<f64> =
         (0..D).flat_map(|column| examples.iter().map(move |it| f64::from(it[column]))).collect();
@@ -76,7 +77,7 @@ pub fn boost<const D: usize>(
         .set_initialize_base_score(true)
         .set_allow_missing_splits(false);
     booster.grow_policy = GrowPolicy::DepthWise;
-    booster.fit_unweighted(&matrix, targets, None)?;
+    booster.fit(&matrix, targets, weights, None)?;
     let trees = booster.trees.iter().map(even_tree).collect();
     Ok(Forest::new(trees, booster.base_score as f32).expect("it was trained on these values"))
 }
@@ -129,6 +130,9 @@ mod tests {
         drawn_share: 1.0,
     };
 
+    /// All of [`examples`] weigh the same.
+    const ALIKE: [f64; 1600] = [1.0; 1600];
+
     /// A grid of examples.
     fn examples() -> Vec<[f32; 2]> {
         (0..40).flat_map(|x| (0..40).map(move |y| [x as f32 * 0.1, y as f32 * 0.1])).collect()
@@ -140,14 +144,26 @@ mod tests {
         let seen: Vec<&[f32; 2]> = examples.iter().collect();
         let truth = |[x, y]: [f32; 2]| if x > 1.95 { f64::from(y > 1.95) } else { 0.25 };
         let targets: Vec<f64> = examples.iter().map(|&it| truth(it)).collect();
-        let forest = boost(&seen, &targets, Target::Number, &PARAMS).unwrap();
+        let forest = boost(&seen, (&targets, &ALIKE), Target::Number, &PARAMS).unwrap();
         for it in &examples {
             let error = f64::from(forest.sum(it)) - truth(*it);
             assert!(error.abs() < 0.02, "{error} at {it:?}");
         }
         let is_right: Vec<f64> = examples.iter().map(|it| f64::from(it[0] > 1.95)).collect();
-        let forest = boost(&seen, &is_right, Target::Yes, &PARAMS).unwrap();
+        let forest = boost(&seen, (&is_right, &ALIKE), Target::Yes, &PARAMS).unwrap();
         assert!(examples.iter().all(|it| (forest.sum(it) > 0.0) == (it[0] > 1.95)));
+    }
+
+    #[test]
+    fn an_example_of_weight_three_counts_as_three() {
+        let [one, other] = [[0.0_f32, 0.0], [0.0, 0.0]];
+        let once = [&one, &other];
+        let params = BoostingParams { n_trees: 60, ..PARAMS };
+        let weighted = boost(&once, (&[0.0, 1.0], &[1.0, 3.0]), Target::Number, &params).unwrap();
+        let thrice = [&one, &other, &other, &other];
+        let repeated = boost(&thrice, (&[0.0, 1.0, 1.0, 1.0], &[1.0; 4]), Target::Number, &params).unwrap();
+        assert!((weighted.sum(&one) - 0.75).abs() < 1e-3, "{}", weighted.sum(&one));
+        assert!((weighted.sum(&one) - repeated.sum(&one)).abs() < 1e-3);
     }
 
     #[test]
@@ -178,7 +194,7 @@ mod tests {
         let with_threads = |n_threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
             let params = BoostingParams { drawn_share: 0.5, ..PARAMS };
-            pool.install(|| boost(&seen, &targets, Target::Number, &params).unwrap())
+            pool.install(|| boost(&seen, (&targets, &ALIKE), Target::Number, &params).unwrap())
         };
         assert_eq!(with_threads(1), with_threads(3));
     }
@@ -191,7 +207,8 @@ mod tests {
         // The values by which trees split, without the splits that are none.
         let values_of = |drawn_share: f32| -> Vec<BTreeSet<u8>> {
             let forest =
-                boost(&seen, &targets, Target::Number, &BoostingParams { drawn_share, ..PARAMS }).unwrap();
+                boost(&seen, (&targets, &ALIKE), Target::Number, &BoostingParams { drawn_share, ..PARAMS })
+                    .unwrap();
             let of_tree = |it: &DecisionTree| {
                 let splits = it.value_of_split.iter().zip(&it.thresholds);
                 splits.filter(|(_, threshold)| **threshold != 0.0).map(|(value, _)| *value).collect()

@@ -190,7 +190,8 @@ fn decision(
     if targets.windows(2).all(|it| it[0] == it[1]) {
         return Err(BoxTrainingError::Alike { n: targets.len(), what });
     }
-    Ok(boost(&values.iter().collect::<Vec<_>>(), targets, Target::Yes, &DECISIONS)?)
+    let alike = vec![1.0; targets.len()];
+    Ok(boost(&values.iter().collect::<Vec<_>>(), (targets, &alike), Target::Yes, &DECISIONS)?)
 }
 
 /// All forests but the one that predicts whether a box is right; that one calls none right.
@@ -216,7 +217,8 @@ fn train_growth(
     };
     let growth = |index: usize| -> Result<_, BoxTrainingError> {
         let targets: Vec<f64> = differences.iter().map(|it| f64::from(it.growth_m[index])).collect();
-        let forest = boost(&turned.iter().collect::<Vec<_>>(), &targets, Target::Number, &GROWTH)?;
+        let alike = vec![1.0; targets.len()];
+        let forest = boost(&turned.iter().collect::<Vec<_>>(), (&targets, &alike), Target::Number, &GROWTH)?;
         on_forest();
         Ok(forest)
     };

@@ -22,6 +22,8 @@ pub const LEAST_IOU: f32 = 0.5;
 pub struct ScanGroups {
     /// The drive it was seen on.
     pub sequence: String,
+    /// What each of its groups weighs in training.
+    pub weight: f64,
     /// All nodes of its tree, parts before what they are parts of.
     pub upward: Vec<u32>,
     /// Of each node, what it is a part of.
@@ -65,6 +67,11 @@ impl GroupExample {
 }
 
 impl ScanGroups {
+    /// How many of its groups the labels say something about.
+    pub fn n_labeled(&self) -> usize {
+        self.groups.iter().filter(|it| it.labels.is_some()).count()
+    }
+
     /// The expected IoU of each of its groups by `forests`, after so many rounds.
     pub fn expected_ious(
         &self,
@@ -163,7 +170,7 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
     let mut upward = Vec::new();
     tree.upward(&mut upward);
     let wholes = tree.nodes().iter().map(|it| it.parent).collect();
-    ScanGroups { sequence: scan.id.sequence.clone(), upward, wholes, groups }
+    ScanGroups { sequence: scan.id.sequence.clone(), weight: 1.0, upward, wholes, groups }
 }
 
 /// The annotations that each point of a scan lies on, ascending.

@@ -40,7 +40,7 @@ pub fn train_on_groups(
     on_forest: &(dyn Fn() + Sync),
 ) -> Result<GroupingModel, ForustError> {
     let (objects, expected_ious) = train_refinement(scans, &OBJECTS, rounds, on_forest)?;
-    let (mut values, mut are_vehicles) = (Vec::new(), Vec::new());
+    let (mut values, mut are_vehicles, mut weights) = (Vec::new(), Vec::new(), Vec::new());
     for (scan, expected_ious) in scans.iter().zip(expected_ious) {
         for (expected_iou, it) in expected_ious.into_iter().zip(&scan.groups) {
             let label =
@@ -48,10 +48,11 @@ pub fn train_on_groups(
             if let Some(is_vehicle) = label {
                 values.push(&it.vehicle_values);
                 are_vehicles.push(f64::from(u8::from(is_vehicle)));
+                weights.push(scan.weight);
             }
         }
     }
-    let vehicles = boost(&values, &are_vehicles, Target::Yes, &VEHICLES)?;
+    let vehicles = boost(&values, (&are_vehicles, &weights), Target::Yes, &VEHICLES)?;
     on_forest();
     Ok(GroupingModel { objects, vehicles, library })
 }
@@ -96,7 +97,13 @@ mod tests {
 
     #[test]
     fn the_best_tolerance_is_that_at_which_most_objects_are_a_component() {
-        let scan = |groups| ScanGroups { sequence: String::new(), upward: vec![], wholes: vec![], groups };
+        let scan = |groups| ScanGroups {
+            sequence: String::new(),
+            weight: 1.0,
+            upward: vec![],
+            wholes: vec![],
+            groups,
+        };
         // One object from the second level on, one up to the second, one at the third alone; and what fits none.
         let far = scan(vec![
             group(1.0, 10.0, 0.9),

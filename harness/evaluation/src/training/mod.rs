@@ -10,6 +10,7 @@ pub mod selection;
 pub mod described_object;
 pub mod operating_curves;
 pub mod evaluation;
+pub mod example_weights;
 pub mod group_examples;
 pub mod boosting;
 pub mod refinement_training;

@@ -96,15 +96,16 @@ impl Examples<'_> {
         seen: &[Vec<Option<[f32; D]>>],
         left_out: Option<usize>,
     ) -> Result<Forest<D>, ForustError> {
-        let (mut examples, mut targets) = (Vec::new(), Vec::new());
+        let (mut examples, mut targets, mut weights) = (Vec::new(), Vec::new(), Vec::new());
         for ((scan, seen), fold) in self.scans.iter().zip(seen).zip(self.folds) {
             let taught = scan.groups.iter().zip(seen).filter(|_| Some(*fold) != left_out);
             for (labels, seen) in taught.filter_map(|(group, seen)| group.labels.zip(seen.as_ref())) {
                 examples.push(seen);
                 targets.push(f64::from(labels.iou));
+                weights.push(scan.weight);
             }
         }
-        let forest = boost(&examples, &targets, Target::Number, self.params)?;
+        let forest = boost(&examples, (&targets, &weights), Target::Number, self.params)?;
         (self.on_forest)();
         Ok(forest)
     }
@@ -162,6 +163,7 @@ mod tests {
         let length = f32::from(u8::from(are_parts));
         ScanGroups {
             sequence: sequence.to_owned(),
+            weight: 1.0,
             upward: vec![0, 1, 2, 3],
             wholes: vec![Some(2), Some(2), None, None],
             groups: vec![

@@ -172,7 +172,7 @@ fn take_density(config: &mut RunConfig, [id, sensor]: [&str; 2], clouds: &[&Poin
     let counts: Vec<RingCounts> = clouds.iter().map(|it| RingCounts::of(it)).collect();
     let fitted = DensityCurve::fit(&counts, origin);
     let is_taken = fitted.is_ok();
-    config.own_curves.extend(fitted.map(|it| (id.to_owned(), it)));
+    config.own_curves.extend(fitted.map(|it| ((id.to_owned(), sensor.to_owned()), it)));
     is_taken
 }
 

@@ -47,8 +47,8 @@ pub struct RunConfig {
     pub file: Option<PathBuf>,
     /// The sensor whose scans are looked at, once that is known.
     pub sensor: Option<String>,
-    /// By id, the density curves of data sets whose sensor none is shipped for, learned from their scans.
-    pub own_curves: BTreeMap<String, DensityCurve>,
+    /// By id and sensor, the density curves of data sets whose sensor none is shipped for, learned from their scans.
+    pub own_curves: BTreeMap<(String, String), DensityCurve>,
     /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
     pub resolved: Table,
 }
@@ -102,7 +102,8 @@ impl RunConfig {
 
     /// The same for scans of the data set `id`: by the curve of its `sensor`, or its own of [`Self::own_curves`].
     pub fn for_dataset(&self, id: &str, sensor: &str) -> Option<Self> {
-        self.with_curve(sensor, || DensityCurve::shipped(sensor).or_else(|| self.own_curves.get(id).cloned()))
+        let own = || self.own_curves.get(&(id.to_owned(), sensor.to_owned())).cloned();
+        self.with_curve(sensor, || DensityCurve::shipped(sensor).or_else(own))
     }
 
     /// The same for scans of `dataset`. A sensor of unknown density is treated as the paper's.

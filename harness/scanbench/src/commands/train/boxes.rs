@@ -30,8 +30,8 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let named = claim_named(&arguments.output)?;
-    let config = RunConfig::load(None)?;
-    let data = TrainingData::open(&arguments.data, &arguments.sensors, &arguments.judging)?;
+    let data =
+        TrainingData::open(RunConfig::load(None)?, &arguments.data, &arguments.sensors, &arguments.judging)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let detectors: Vec<ListedDetector> =
@@ -39,8 +39,8 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
     let (mut judged, mut taught): (Vec<VehicleExample>, Vec<VehicleExample>) = (Vec::new(), Vec::new());
     for it in data.opened() {
         let description = it.dataset.description();
-        warn_of_unknown_sensor(&config, description);
-        let mut of_sensor = config.for_scans_of(description);
+        warn_of_unknown_sensor(&data.config, description);
+        let mut of_sensor = data.config.for_scans_of(description);
         of_sensor.hierarchical.boxes = SEEN;
         let height_m = description.sensor_height_m;
         let new_detectors = || detectors.iter().map(|it| it.build(&of_sensor, height_m)).collect();

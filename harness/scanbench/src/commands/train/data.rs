@@ -4,6 +4,7 @@ use detector::describe::trained_file::Provenance;
 use evaluation::run::config::RunConfig;
 use evaluation::run::config::override_option::OverrideOption;
 use evaluation::training::HOLD_OUT_EVERY;
+use evaluation::training::example_weights::{DatasetExamples, example_weights};
 use evaluation::training::held_out::HeldOut;
 use scans::dataset::Dataset;
 use scans::dataset::class_table::ClassTable;
@@ -11,6 +12,7 @@ use simulator::simulated_street::StreetDrive;
 
 use crate::cli::{DatasetArgs, HeldOutArgs, SourceArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
+use crate::commands::first_look::look_first_at_all;
 use crate::commands::judged_streets::refuse_judged;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::reproducible_command::reproducible_command;
@@ -39,6 +41,8 @@ fn held_out_data(data: &DatasetArgs, judging: &HeldOutArgs) -> Option<DatasetArg
 
 /// What is trained on and what is judged by, opened.
 pub struct TrainingData<'a> {
+    /// The parameters, with the density curves of sensors that have none of their own.
+    pub config: RunConfig,
     /// How the data sets were opened.
     pub data: &'a DatasetArgs,
     /// How those only to judge by were.
@@ -52,8 +56,14 @@ pub struct TrainingData<'a> {
 }
 
 impl<'a> TrainingData<'a> {
-    /// Opens the data sets, seen by each of `sensors` in turn if there are any.
-    pub fn open(data: &'a DatasetArgs, sensors: &[String], judging: &HeldOutArgs) -> Result<Self, Failure> {
+    /// Opens the data sets, seen by each of `sensors` in turn if there are any. As in a run with `config`, sensor, height and
+    /// density of what nobody has stated are those that the first scans show.
+    pub fn open(
+        mut config: RunConfig,
+        data: &'a DatasetArgs,
+        sensors: &[String],
+        judging: &HeldOutArgs,
+    ) -> Result<Self, Failure> {
         let mut trained = Vec::new();
         if sensors.is_empty() {
             trained = open_datasets(data, &ClassTable::default())?;
@@ -70,7 +80,8 @@ impl<'a> TrainingData<'a> {
             None => Vec::new(),
         };
         let parted = parted(judging, &trained, &held_out)?;
-        Ok(Self { data, held_out_data, trained, held_out, parted })
+        let [trained, held_out] = [trained, held_out].map(|it| look_first_at_all(it, &mut config));
+        Ok(Self { config, data, held_out_data, trained, held_out, parted })
     }
 
     /// All data sets.
@@ -164,6 +175,15 @@ fn name_with_seed(opened: &OpenedDataset) -> String {
         Some(drive) => format!("{} (simulated, seeds from {})", description.id, drive.seed),
         None => description.id.clone(),
     }
+}
+
+/// What an example of each data set weighs, of which there are so many.
+pub fn weights_of(n_by_dataset: &[(&OpenedDataset, usize)]) -> Vec<f64> {
+    let examples = n_by_dataset.iter().map(|&(opened, n_examples)| DatasetExamples {
+        is_recorded: !opened.dataset.description().is_simulated(),
+        n_examples,
+    });
+    example_weights(&examples.collect::<Vec<_>>())
 }
 
 /// There is nothing to train on, for this reason.

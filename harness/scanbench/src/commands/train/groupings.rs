@@ -12,7 +12,7 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::frame::Frame;
 use detector::pipeline::grouping_stages::grouping;
 use detector::pipeline::stage_list::Pipeline;
-use evaluation::run::config::{GROUPINGS_FILE, RunConfig};
+use evaluation::run::config::GROUPINGS_FILE;
 use evaluation::training::CHOICE_SEED;
 use evaluation::training::calibration::{CalibrationBin, calibration};
 use evaluation::training::group_examples::{GroupLabels, LEAST_IOU, ScanGroups, collect_groups};
@@ -36,7 +36,7 @@ use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result_in};
-use crate::commands::train::data::{TrainingData, TrainingParameters, nothing};
+use crate::commands::train::data::{TrainingData, TrainingParameters, nothing, weights_of};
 use crate::commands::train::files::manifest;
 
 /// Trains all forests, judges them by drives they have not seen, and writes and prints the result.
@@ -49,13 +49,13 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
         None => VehicleModel::shipped().prototypes().clone(),
     };
     let TrainingParameters { config, parameters } = TrainingParameters::of(&arguments.parameters)?;
-    let data = TrainingData::open(&arguments.data, &arguments.sensors, &arguments.judging)?;
+    let data = TrainingData::open(config, &arguments.data, &arguments.sensors, &arguments.judging)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let by_gaps =
         |_: &str, params: &HierarchicalParams, height_m| grouping(Frame::new(params, height_m), params);
-    let scans = groups_of_all(data.opened(), &config, &library, &by_gaps, interrupted)?;
-    let trained = TrainedTrees::of(&data, &scans, config.hierarchical.grouping.rounds, library)?;
+    let scans = groups_of_all(&data, &library, &by_gaps, interrupted)?;
+    let trained = TrainedTrees::of(&data, &scans, data.config.hierarchical.grouping.rounds, library)?;
     let made = data.provenance("train groupings", &options(arguments), &arguments.judging, CHOICE_SEED);
     let file = trained.model.to_file(GROUPING_MODEL, made, toml::Table::new()).with_parameters(parameters);
     directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
@@ -101,22 +101,28 @@ pub type GroupingFor<'a> = &'a (dyn Fn(&str, &HierarchicalParams, f32) -> Pipeli
 
 /// The groups of all scans, with their data sets.
 pub fn groups_of_all<'a>(
-    opened: impl Iterator<Item = &'a OpenedDataset>,
-    config: &RunConfig,
+    data: &'a TrainingData<'_>,
     library: &PrototypeLibrary,
     grouping_for: GroupingFor<'_>,
     interrupted: &AtomicBool,
 ) -> Result<Vec<(&'a OpenedDataset, ScanGroups)>, Failure> {
-    let mut scans = Vec::new();
-    for it in opened {
+    let (mut found_of_all, mut n_by_dataset) = (Vec::new(), Vec::new());
+    for it in data.opened() {
         let description = it.dataset.description();
-        warn_of_unknown_sensor(config, description);
-        let of_sensor = config.for_scans_of(description).hierarchical;
+        warn_of_unknown_sensor(&data.config, description);
+        let of_sensor = data.config.for_scans_of(description).hierarchical;
         let new_grouping = || grouping_for(&description.sensor, &of_sensor, description.sensor_height_m);
         let found = it.look(interrupted, |pass| collect_groups(pass, &new_grouping, library))?;
-        scans.extend(found.into_iter().map(|found| (it, found)));
+        let is_taught = |found: &&ScanGroups| !data.parted.is_held_out(&description.id, &found.sequence);
+        let n_taught = found.iter().filter(is_taught).map(ScanGroups::n_labeled).sum();
+        n_by_dataset.push((it, n_taught));
+        found_of_all.push((it, found));
     }
-    Ok(scans)
+    let weights = weights_of(&n_by_dataset);
+    let weighted = found_of_all.into_iter().zip(weights).flat_map(|((it, found), weight)| {
+        found.into_iter().map(move |found| (it, ScanGroups { weight, ..found }))
+    });
+    Ok(weighted.collect())
 }
 
 /// Trained forests, and how they do on drives they have not seen.
@@ -146,7 +152,7 @@ impl TrainedTrees {
             .map_err(|error| nothing(&error))?;
         progress.finish_and_clear();
         let judgement = Judgement::of(&model, rounds, &judged);
-        let n_taught = taught.iter().flat_map(|it| &it.groups).filter(|it| it.labels.is_some()).count();
+        let n_taught = taught.iter().map(|it| it.n_labeled()).sum();
         Ok(Self { model, judgement, n_taught })
     }
 

@@ -1,6 +1,7 @@
 //! `scanbench train rivals`.
 
 use std::collections::BTreeMap;
+use std::iter::repeat_n;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -35,7 +36,7 @@ use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result_in};
 use crate::commands::train::clusters::{ClustersOf, prototypes_of};
-use crate::commands::train::data::{TrainingData, TrainingParameters, nothing};
+use crate::commands::train::data::{TrainingData, TrainingParameters, nothing, weights_of};
 use crate::commands::train::files::manifest;
 use crate::commands::train::groupings::{TrainedTrees, drives, groups_of_all, options, prototypes_from};
 
@@ -45,15 +46,15 @@ pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let started = Timestamp::now();
     let named = claim_named(&arguments.output)?;
     let TrainingParameters { config, parameters } = TrainingParameters::of(&arguments.parameters)?;
-    let data = TrainingData::open(&arguments.data, &arguments.sensors, &arguments.judging)?;
+    let data = TrainingData::open(config, &arguments.data, &arguments.sensors, &arguments.judging)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let made = data.provenance("train rivals", &options(arguments), &arguments.judging, CHOICE_SEED);
     let library = match &arguments.prototypes {
         Some(path) => prototypes_from(path)?,
-        None => found_prototypes(&data, &config, made.clone(), interrupted)?,
+        None => found_prototypes(&data, made.clone(), interrupted)?,
     };
-    let rivals = Rivals::train(&data, &config, library, interrupted)?;
+    let rivals = Rivals::train(&data, library, interrupted)?;
     let text = rivals.text(&data);
     directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
     for (name, content) in rivals.files(&made, &parameters)? {
@@ -80,16 +81,15 @@ struct Rivals {
 impl Rivals {
     fn train(
         data: &TrainingData<'_>,
-        config: &RunConfig,
         library: PrototypeLibrary,
         interrupted: &AtomicBool,
     ) -> Result<Self, Failure> {
-        let rounds = config.hierarchical.grouping.rounds;
-        let clusters = TrainedClusters::of(data, config, &library, interrupted)?;
+        let rounds = data.config.hierarchical.grouping.rounds;
+        let clusters = TrainedClusters::of(data, &library, interrupted)?;
         let nested_for = |_: &str, params: &HierarchicalParams, height_m| {
             component_groups(KdTreeLinkage::nested(), params, height_m)
         };
-        let scans = groups_of_all(data.opened(), config, &library, &nested_for, interrupted)?;
+        let scans = groups_of_all(data, &library, &nested_for, interrupted)?;
         let tolerances_m = chosen_tolerances(data, &scans)?;
         let nested = TrainedTrees::of(data, &scans, rounds, library.clone())?;
         drop(scans);
@@ -97,7 +97,7 @@ impl Rivals {
             let tolerance_m = tolerances_m.get(sensor).unwrap_or(&tolerances_m[PAPER_SENSOR]);
             component_groups(KdTreeLinkage::at(*tolerance_m), params, height_m)
         };
-        let scans = groups_of_all(data.opened(), config, &library, &components_for, interrupted)?;
+        let scans = groups_of_all(data, &library, &components_for, interrupted)?;
         let components = TrainedTrees::of(data, &scans, rounds, library)?;
         Ok(Self { clusters, nested, components, tolerances_m })
     }
@@ -161,14 +161,13 @@ fn kd_tree_clusters(config: &RunConfig) -> ClustersOf<'_> {
 /// Side profiles of the vehicles among the clusters of the drives trained on.
 fn found_prototypes(
     data: &TrainingData<'_>,
-    config: &RunConfig,
     made: Provenance,
     interrupted: &AtomicBool,
 ) -> Result<PrototypeLibrary, Failure> {
     let mut candidates = Vec::new();
     for it in &data.trained {
         let id = &it.dataset.description().id;
-        let clusters = kd_tree_clusters(config);
+        let clusters = kd_tree_clusters(&data.config);
         let kept = |found: Vec<_>| found.into_iter().filter(is_seen_well).collect();
         let found = clusters.candidates(it, ModelKind::Paper, interrupted, kept)?;
         candidates.extend(found.into_iter().filter(|found| !data.parted.is_held_out(id, &found.sequence)));
@@ -186,24 +185,29 @@ struct TrainedClusters {
 impl TrainedClusters {
     fn of(
         data: &TrainingData<'_>,
-        config: &RunConfig,
         library: &PrototypeLibrary,
         interrupted: &AtomicBool,
     ) -> Result<Self, Failure> {
         let (mut taught, mut judged): (Vec<ClusterExample>, Vec<ClusterExample>) = (Vec::new(), Vec::new());
+        let mut n_by_dataset = Vec::new();
         for it in data.opened() {
+            let n_before = taught.len();
             let id = &it.dataset.description().id;
-            let clusters = kd_tree_clusters(config);
+            let clusters = kd_tree_clusters(&data.config);
             let described = |found: Vec<_>| described_clusters(&found, library);
             for found in clusters.candidates(it, ModelKind::Paper, interrupted, described)? {
                 let is_held_out = data.parted.is_held_out(id, &found.sequence);
                 if is_held_out { &mut judged } else { &mut taught }.push(found);
             }
+            n_by_dataset.push((it, taught.len() - n_before));
         }
+        let of_datasets = weights_of(&n_by_dataset);
+        let weights: Vec<f64> =
+            n_by_dataset.iter().zip(of_datasets).flat_map(|(it, weight)| repeat_n(weight, it.1)).collect();
         let values: Vec<_> = taught.iter().map(|it| &it.values).collect();
         let are_vehicles: Vec<f64> = taught.iter().map(|it| f64::from(u8::from(it.is_vehicle))).collect();
-        let forest =
-            boost(&values, &are_vehicles, Target::Yes, &VEHICLES).map_err(|error| nothing(&error))?;
+        let forest = boost(&values, (&are_vehicles, &weights), Target::Yes, &VEHICLES)
+            .map_err(|error| nothing(&error))?;
         let curves = OperatingCurves::of(judged.iter().map(|it| (forest.sum(&it.values), it.is_vehicle)));
         Ok(Self { model: VehicleModel::new(library.clone(), forest), n_taught: taught.len(), curves })
     }

@@ -45,7 +45,8 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let named = claim_named(&arguments.output)?;
-    let data = TrainingData::open(&arguments.data, &[], &arguments.judging)?;
+    let config = RunConfig::without_vehicle_models()?;
+    let data = TrainingData::open(config, &arguments.data, &[], &arguments.judging)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let candidates = collect_all(&data, arguments.choice_seed, kind, interrupted)?;
@@ -87,14 +88,14 @@ fn collect_all<'a>(
     kind: ModelKind,
     interrupted: &AtomicBool,
 ) -> Result<Vec<(&'a str, Candidate)>, Failure> {
-    let config = RunConfig::without_vehicle_models()?;
+    let config = &data.config;
     let min_points = match kind {
         ModelKind::Paper => config.paper.cluster.min_points,
         ModelKind::Pca => config.baselines.pca.cluster.min_points,
     };
     let mut candidates = Vec::new();
     for it in data.opened() {
-        let source = ClustersOf { config: &config, detector: kind.detector(), min_points, seed };
+        let source = ClustersOf { config, detector: kind.detector(), min_points, seed };
         let found = source.candidates(it, kind, interrupted, |candidates| candidates)?;
         candidates.extend(found.into_iter().map(|found| (it.dataset.description().id.as_str(), found)));
     }
