@@ -22,12 +22,16 @@ const OUTSIDE: f32 = 0.002;
 const LEAST_RANGE_M: f32 = 1.2;
 /// A sensor fits if its differences are less than this, see [`SeenBeams::difference`].
 const MOST_DIFFERENT: f32 = 1.1;
+/// A sensor that is said to have taken a scan surely has not if its differences are greater.
+const SURELY_DIFFERENT: f32 = 1.5 * MOST_DIFFERENT;
+/// No beam of a rotating sensor sends more pulses in a turn: 0.08 degrees apart. More points a beam are of several beams.
+const MOST_FIRINGS: usize = 4600;
 
 /// The beams that points lie on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenBeams {
-    /// How many.
-    pub n_beams: usize,
+    /// How many; `None` if they lie too close to each other to be counted.
+    pub n_beams: Option<usize>,
     /// Elevation of the lowest and of the highest, in degrees.
     pub elevations_deg: [f32; 2],
 }
@@ -45,7 +49,9 @@ impl SeenBeams {
         let mut elevations_deg = Vec::new();
         let mut of_sectors = vec![Vec::new(); N_SECTORS];
         let (mut rings, mut n_by_sector) = (BTreeSet::new(), Vec::new());
+        let mut most_points = 0;
         for cloud in clouds {
+            most_points = most_points.max(cloud.len());
             for (point_idx, position_m) in cloud.positions_m().enumerate() {
                 let [x_m, y_m, z_m] = (turn * Vector3::from(position_m)).into();
                 let range_m = x_m.hypot(y_m);
@@ -71,7 +77,8 @@ impl SeenBeams {
         n_by_sector.sort_unstable();
         let at = |share: f32| elevations_deg[((elevations_deg.len() - 1) as f32 * share) as usize];
         let in_full_sector = n_by_sector[((n_by_sector.len() - 1) as f32 * FULL_SECTOR) as usize];
-        let n_beams = if rings.len() > 1 { rings.len() } else { in_full_sector };
+        let counted = if rings.len() > 1 { rings.len() } else { in_full_sector };
+        let n_beams = (most_points <= counted * MOST_FIRINGS).then_some(counted);
         Some(Self { n_beams, elevations_deg: [at(OUTSIDE), at(1.0 - OUTSIDE)] })
     }
 
@@ -85,14 +92,20 @@ impl SeenBeams {
         (least < MOST_DIFFERENT).then_some(id)
     }
 
-    /// How far these beams differ from those of `model`: a third more or fewer beams is 0.7; as much is 3 degrees at the
-    /// lower end, or twice that at the upper end, where the sky sends nothing back.
+    /// Whether these are surely not the beams of the embedded sensor of this id. `false` of others.
+    pub fn contradict(&self, id: &str) -> bool {
+        SensorModel::embedded(id).is_some_and(|it| self.difference(&it) > SURELY_DIFFERENT)
+    }
+
+    /// How far these beams differ from those of `model`; infinitely far if they cannot be counted. A third more or fewer
+    /// beams is 0.7; as much is 3 degrees at the lower end, or twice that at the upper end, where the sky sends nothing back.
     fn difference(&self, model: &SensorModel) -> f32 {
         let ends = model
             .beams()
             .map(|it| it.elevation_deg)
             .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], it| [low.min(it), high.max(it)]);
-        let beams = (self.n_beams as f32 / model.n_beams() as f32).ln().abs();
+        let Some(n_beams) = self.n_beams else { return f32::INFINITY };
+        let beams = (n_beams as f32 / model.n_beams() as f32).ln().abs();
         let [low, high] = [0, 1].map(|it| (self.elevations_deg[it] - ends[it]).abs());
         2.4 * beams + low / 4.3 + high / 8.6
     }
@@ -131,7 +144,7 @@ mod tests {
 
     #[test]
     fn other_beams_are_of_no_embedded_sensor() {
-        let seen = |n_beams, elevations_deg| SeenBeams { n_beams, elevations_deg };
+        let seen = |n_beams, elevations_deg| SeenBeams { n_beams: Some(n_beams), elevations_deg };
         assert_eq!(seen(16, [-15.0, 15.0]).sensor(), Some("vlp-16"));
         assert_eq!(seen(5, [-2.0, 2.0]).sensor(), None);
         assert_eq!(seen(40, [-60.0, 50.0]).sensor(), None);
@@ -139,5 +152,26 @@ mod tests {
         assert_eq!(seen(40, [-25.0, 15.0]).sensor(), None);
         assert_eq!(seen(32, [-25.0, 15.0]).sensor(), None);
         assert_eq!(SeenBeams::of([&PointCloud::default()], &Isometry3::identity()), None);
+    }
+
+    #[test]
+    fn a_sensor_that_is_said_to_be_is_doubted_only_where_beams_are_quite_others() {
+        let seen = |n_beams, elevations_deg| SeenBeams { n_beams, elevations_deg };
+        assert!(seen(Some(37), [-23.2, 10.0]).contradict("hdl-64e-s2"));
+        assert!(!seen(Some(50), [-24.0, 3.0]).contradict("hdl-64e-s2"));
+        assert!(!seen(Some(37), [-23.2, 10.0]).contradict("a sensor of one's own"));
+    }
+
+    #[test]
+    fn beams_that_lie_closer_than_can_be_told_apart_are_not_counted() {
+        // Two hundred beams 0.05 degrees apart.
+        let point = |beam: u16, turn: u16| {
+            let [up, around] = [f32::from(beam) * 0.05 - 5.0, f32::from(turn) * 0.36].map(f32::to_radians);
+            [20.0 * up.cos() * around.cos(), 20.0 * up.cos() * around.sin(), 20.0 * up.sin()]
+        };
+        let cloud: PointCloud =
+            (0..200).flat_map(|beam| (0..1000).map(move |turn| point(beam, turn))).collect();
+        let seen = SeenBeams::of([&cloud], &Isometry3::identity()).unwrap();
+        assert_eq!((seen.n_beams, seen.sensor()), (None, None));
     }
 }

@@ -1,6 +1,7 @@
 //! Numbers made of rows: sums and ratios of runs, and those of each study.
 
 // Of a run.
+pub mod calibration;
 pub mod blocks;
 pub mod shard_cut;
 pub mod sums;

@@ -45,6 +45,11 @@ impl PrecisionRecallRow {
         (&self.dataset, self.task, &self.detector)
     }
 
+    /// The point itself.
+    pub fn point(&self) -> OperatingPoint {
+        OperatingPoint { min_score: self.min_score.0 as f32, tp: self.tp, fo: self.fo }
+    }
+
     /// Recall and precision, where recall is defined.
     pub fn position(&self) -> Option<(f64, f64)> {
         Some((self.recall?.0, self.precision.0))

@@ -5,7 +5,9 @@ use maud::html;
 use super::document::Section;
 use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{DatasetCurves, RunFacts};
+use crate::numbers::calibration::{CalibrationBin, calibration_error, calibration_of_scores};
 use crate::plots::recall_plot::recall_plot;
+use crate::plots::reliability_plot::reliability_plot;
 use crate::plots::series::key_of;
 use crate::plots::themed_panel::ThemedPanel;
 
@@ -20,6 +22,12 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
     };
     let key = key_of(&facts.detectors(), has_curve);
     let panels: Vec<ThemedPanel> = facts.curves.iter().map(|it| panel(facts, it)).collect();
+    let of_curves: Vec<(&DatasetCurves, Vec<(String, Vec<CalibrationBin>)>)> =
+        facts.curves.iter().map(|it| (it, calibrations(it))).collect();
+    let reliable: Vec<ThemedPanel> =
+        of_curves.iter().map(|(curves, bins)| reliability_plot(&title(facts, curves), bins)).collect();
+    let errors: Vec<String> =
+        of_curves.iter().map(|(curves, bins)| format!("{}: {}", curves.dataset, errors_of(bins))).collect();
     let content = html! {
         (FigureMarkup {
             file_stem: "precision_recall",
@@ -32,12 +40,42 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
             },
             class: "",
         }.render(files))
+        (FigureMarkup {
+            file_stem: "reliability",
+            title: "How many vehicles are right, over how many are expected to be",
+            panels: &reliable,
+            key: &key,
+            caption: html! {
+                "Vehicles in bins of the probability that their scores give them, by the share that is right; bins of fewer than "
+                "ten are left out. On the diagonal scores are right, below it detectors are too sure. Scores that all lie within "
+                "0 to 1 are probabilities, others logarithms of odds. "
+                "The mean distance from the diagonal: " (errors.join("; ")) "."
+            },
+            class: "",
+        }.render(files))
     };
     Some(Section::new("Curves", "Precision and recall of vehicles", content))
 }
 
 fn panel(facts: &RunFacts, curves: &DatasetCurves) -> ThemedPanel {
+    recall_plot(&title(facts, curves), &curves.of_detectors)
+}
+
+/// The bins of every detector by what its scores say.
+fn calibrations(curves: &DatasetCurves) -> Vec<(String, Vec<CalibrationBin>)> {
+    curves.operating.iter().map(|(name, points)| (name.clone(), calibration_of_scores(points))).collect()
+}
+
+/// How far every detector is from the diagonal, in percent.
+fn errors_of(of_detectors: &[(String, Vec<CalibrationBin>)]) -> String {
+    let error = |(name, bins): &(String, Vec<CalibrationBin>)| {
+        Some(format!("{name} {:.1} %", 100.0 * calibration_error(bins)?))
+    };
+    of_detectors.iter().filter_map(error).collect::<Vec<_>>().join(", ")
+}
+
+/// What a panel is called.
+fn title(facts: &RunFacts, curves: &DatasetCurves) -> String {
     let is_simulated = facts.manifest.datasets.iter().any(|it| it.id == curves.dataset && it.simulated);
-    let title = if is_simulated { format!("{} (simulated)", curves.dataset) } else { curves.dataset.clone() };
-    recall_plot(&title, &curves.of_detectors)
+    if is_simulated { format!("{} (simulated)", curves.dataset) } else { curves.dataset.clone() }
 }

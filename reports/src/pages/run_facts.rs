@@ -6,6 +6,7 @@ use std::path::Path;
 use super::of_some_runs::{agreement_of, given_classes, protocols_of, scored};
 use crate::files::archive::ArchiveError;
 use crate::files::csv_rows::{each_row, read_rows};
+use crate::numbers::average_precision::OperatingPoint;
 use crate::numbers::blocks::BlockCount;
 use crate::numbers::pools::Pool;
 use crate::numbers::precision_recall_row::PrecisionRecallRow;
@@ -114,6 +115,8 @@ pub(super) struct DatasetCurves {
     pub(super) task: Task,
     /// Recall and precision, from the highest score on, of every detector.
     pub(super) of_detectors: Vec<(String, Vec<(f64, f64)>)>,
+    /// What remains from each score on, of every detector.
+    pub(super) operating: Vec<(String, Vec<OperatingPoint>)>,
 }
 
 /// A box in a scan.
@@ -312,12 +315,16 @@ fn curves(rows: &[PrecisionRecallRow], detectors: &[String]) -> Vec<DatasetCurve
         let known = all.iter().position(|it| it.dataset == dataset && it.task == task);
         let curves_idx = known.unwrap_or_else(|| {
             let of_detectors = detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
-            all.push(DatasetCurves { dataset: dataset.to_owned(), task, of_detectors });
+            let operating = detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
+            all.push(DatasetCurves { dataset: dataset.to_owned(), task, of_detectors, operating });
             all.len() - 1
         });
         let curves = &mut all[curves_idx];
         if let Some((_, positions)) = curves.of_detectors.iter_mut().find(|(name, _)| name == detector) {
             positions.push(position);
+        }
+        if let Some((_, points)) = curves.operating.iter_mut().find(|(name, _)| name == detector) {
+            points.push(row.point());
         }
     }
     all

@@ -18,6 +18,7 @@ mod small_panel;
 pub mod ranking_plot;
 pub(crate) mod range_plot;
 pub mod recall_plot;
+pub mod reliability_plot;
 pub mod stage_plot;
 pub mod loss_plot;
 pub mod latency_plot;

@@ -26,8 +26,21 @@ pub(crate) fn small_panel(
     series: &[Series],
     points: Points,
 ) -> ThemedPanel {
+    small_panel_over(Vec::new(), [title, about], x, y_title, series, points)
+}
+
+/// The same with `behind` behind the series.
+pub(crate) fn small_panel_over(
+    behind: Vec<Mark>,
+    [title, about]: [&str; 2],
+    x: Axis,
+    y_title: &str,
+    series: &[Series],
+    points: Points,
+) -> ThemedPanel {
     let percent = [0.0, 100.0];
-    let marks = series_marks(series, points, percent);
+    let mut marks = behind;
+    marks.extend(series_marks(series, points, percent));
     let chart = Chart { frame: FRAME, ..Chart::new(x, Axis::linear(y_title, percent, 6), marks) };
     let title = Mark::text((52.0, 10.0), [0, 0], title, bold_style(SMALL_TEXT_PX));
     let panel = Panel { marks: vec![title], chart: Some(chart) };

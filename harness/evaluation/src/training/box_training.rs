@@ -22,7 +22,7 @@ use crate::matching::outcome::AnnotationOutcome;
 use crate::metrics::box_errors::BoxErrors;
 use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 use crate::training::boosting::{BoostingParams, Target, boost};
-use crate::training::calibration::{CalibrationBin, calibration};
+use reports::numbers::calibration::{CalibrationBin, calibration};
 
 /// Chosen on held-out drives of the training streets.
 const GROWTH: BoostingParams =

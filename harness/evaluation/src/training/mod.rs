@@ -16,7 +16,6 @@ pub mod boosting;
 pub mod refinement_training;
 pub mod grouping_training;
 pub mod cluster_training;
-pub mod calibration;
 pub mod box_training;
 
 /// The last of so many drives is held out.

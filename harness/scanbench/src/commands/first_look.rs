@@ -222,6 +222,8 @@ fn seen_beams(clouds: &[&PointCloud], ground: Option<&(UpAxis, SeenGround)>) -> 
 struct Look {
     id: String,
     is_benchmark: bool,
+    /// Whether the beams are surely not of the sensor that the format has.
+    is_other_sensor: bool,
     stated: Stated,
     sensor: String,
     said_height_m: f64,
@@ -244,12 +246,13 @@ impl Look {
         Self {
             id: description.id.clone(),
             is_benchmark: description.format.parse().is_ok_and(DatasetFormat::is_of_benchmark),
+            is_other_sensor: beams.is_some_and(|it| it.contradict(&description.sensor)),
             stated,
             sensor: description.sensor.clone(),
             said_height_m: description.sensor_height_m.into(),
             ground,
             seen: SeenMounting {
-                n_beams: beams.map(|it| it.n_beams as u32),
+                n_beams: beams.and_then(|it| it.n_beams).map(|it| it as u32),
                 elevations_deg: beams.map(|it| it.elevations_deg.map(|it| round(it.into(), 0.1))),
                 sensor: beams.and_then(|it| it.sensor()).map(str::to_owned),
                 up_axis: ground.map(|(axis, _)| axis.name().to_owned()),
@@ -274,8 +277,7 @@ impl Look {
         if !self.stated.sensor {
             match &self.seen.sensor {
                 Some(seen) => sensor.clone_from(seen),
-                // The sensors of benchmarks are known.
-                None if self.is_benchmark || self.seen.n_beams.is_none() => {}
+                None if self.is_of_format() || self.seen.elevations_deg.is_none() => {}
                 None => sensor = format!("{UNKNOWN_SENSOR}{}", self.id),
             }
         }
@@ -288,13 +290,22 @@ impl Look {
         }
     }
 
+    /// Whether the sensor is that of the format: those of benchmarks are known, but others write the same format.
+    fn is_of_format(&self) -> bool {
+        self.is_benchmark && !self.is_other_sensor
+    }
+
     /// The sensor that a run takes where nobody says which it is; `None` if it is that of the format.
     fn unstated_sensor(&self) -> Option<String> {
-        match (&self.seen.sensor, self.seen.n_beams) {
-            (Some(sensor), _) => Some(format!("{sensor} (by its beams)")),
-            _ if self.is_benchmark => None,
-            (None, Some(n)) => Some(format!("unknown, with {n} beams")),
-            (None, None) => Some(format!("not stated and not recognised; a run takes {}", self.sensor)),
+        match (&self.seen.sensor, self.seen.n_beams, self.seen.elevations_deg) {
+            (Some(sensor), ..) => Some(format!("{sensor} (by its beams)")),
+            _ if self.is_of_format() => None,
+            (None, Some(n), _) => Some(format!("unknown, with {n} beams; a run takes its density from the scans")),
+            (None, None, Some(_)) => Some(
+                "unknown, with beams too close to each other to be counted; a run takes its density from the scans"
+                    .to_owned(),
+            ),
+            (None, None, None) => Some(format!("not stated and not recognised; a run takes {}", self.sensor)),
         }
     }
 
@@ -366,11 +377,15 @@ impl Look {
     /// What was seen, and which of it the run uses.
     fn sentence(&self) -> String {
         let seen = &self.seen;
-        let beams = seen.n_beams.zip(seen.elevations_deg).map_or_else(
+        let beams = seen.elevations_deg.map_or_else(
             || "too few points to count beams".to_owned(),
-            |(n, [low, high])| {
+            |[low, high]| {
                 let sensor = seen.sensor.as_deref().map_or_else(String::new, |it| format!(" as {it} has"));
-                format!("{n} beams from {low:.1} to {high:.1} degrees{sensor}")
+                let beams = seen.n_beams.map_or_else(
+                    || "beams too close to each other to be counted".to_owned(),
+                    |n| format!("{n} beams"),
+                );
+                format!("{beams} from {low:.1} to {high:.1} degrees{sensor}")
             },
         );
         let ground = match (seen.height_m, seen.tilt_deg) {
