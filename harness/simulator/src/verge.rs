@@ -99,3 +99,57 @@ pub fn frame(world: &World, placement: &Placement) -> Pose {
 pub fn park(world: &mut World, vehicle: ObjectShape, placement: &Placement) {
     world.stand(vehicle, &Placement { stance: Stance::OnSlope, ..*placement });
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use reports::vocabulary::class::AnnotationClass;
+
+    use super::*;
+    use crate::sensor::SensorModel;
+    use crate::street::{Street, StreetKind};
+    use crate::street_conditions::StreetConditions;
+
+    /// How many objects of each class are seen from some streets.
+    fn seen(conditions: &StreetConditions) -> BTreeMap<AnnotationClass, usize> {
+        let sensor = SensorModel { n_firings_per_turn: 400, ..SensorModel::hdl_64e_s2() };
+        let mut seen = BTreeMap::new();
+        for kind in StreetKind::ALL {
+            for seed in 0..3 {
+                for it in Street::under(kind, seed, conditions).scan(&sensor, 40).annotations {
+                    *seen.entry(it.class).or_default() += 1;
+                }
+            }
+        }
+        seen
+    }
+
+    #[test]
+    fn conditions_put_what_they_are_named_after_beside_the_roads() {
+        use AnnotationClass::{Fence, Hedge, ParkedCycle, SittingPerson, StreetFurniture};
+        let none = StreetConditions::default();
+        let without = seen(&none);
+        for (conditions, classes) in [
+            (StreetConditions { gardens: true, ..none }, vec![Hedge]),
+            (StreetConditions { works: true, ..none }, vec![Fence, StreetFurniture]),
+            (StreetConditions { crowd: true, ..none }, vec![ParkedCycle, SittingPerson]),
+        ] {
+            let with = seen(&conditions);
+            for class in classes {
+                let [before, after] = [&without, &with].map(|it| it.get(&class).copied().unwrap_or(0));
+                assert!(after > before + 20, "{class:?} under {conditions:?}: {after} instead of {before}");
+            }
+        }
+    }
+
+    #[test]
+    fn works_and_crowds_leave_the_rest_of_the_street_as_it_is() {
+        let none = StreetConditions::default();
+        let of = |conditions: &StreetConditions| {
+            Street::under(StreetKind::MainRoad, 3, conditions).ego_pose(&SensorModel::hdl_64e_s2(), 10)
+        };
+        assert_eq!(of(&StreetConditions { works: true, crowd: true, ..none }), of(&none));
+        assert_eq!(of(&StreetConditions { gardens: true, rounded_bodies: true, ..none }), of(&none));
+    }
+}

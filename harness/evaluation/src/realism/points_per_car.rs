@@ -1,5 +1,9 @@
-//! How many points a car has, by its range.
+//! How many points a car has, and where on it they lie, by its range.
 
+use detector::classify::vehicle_model::VehicleModel;
+use detector::describe::surroundings::Surroundings;
+use detector::describe::vehicle_features::{VEHICLE_FEATURES, VehicleDescriber};
+use detector::fit::convex_hull_box::ConvexHullBox;
 use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use scans::annotation::{LabeledScan, PointRegion, points_inside};
@@ -10,6 +14,8 @@ use super::distribution::median_of_sorted;
 const BIN_M: f64 = 5.0;
 /// Number of bins; the last ends at 80 m.
 const N_BINS: usize = 16;
+/// Points of a car that are lower than this above its box may be of the road, in metres.
+const ABOVE_ROAD_M: f32 = 0.2;
 /// Fewest cars of a bin, on either side: a median of fewer says little.
 const LEAST_CARS: u64 = 5;
 /// Half the field of view within which cars are compared when one side labels only what a camera ahead sees, in degrees.
@@ -35,24 +41,69 @@ pub struct SeenCar {
     pub off_forward_deg: f64,
     /// Points inside its box, whoever's they are.
     pub n_points: u64,
+    /// Where they lie, if they are enough.
+    pub sides: Option<PointsOnSides>,
     /// How much of it is hidden, where that is known.
     pub occlusion: Option<Occlusion>,
     /// Which car of the drive it is, where that is known.
     pub track: Option<u32>,
 }
 
+/// Where the points of a car lie, as classifiers of vehicles see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointsOnSides {
+    /// Within 0.15 m of the long sides of the least box around them, in percent.
+    pub on_sides_percent: f64,
+    /// Farther than 4 cm from flat, in percent.
+    pub rough_percent: f64,
+}
+
+/// Fewest points of a car whose sides are looked at.
+const LEAST_POINTS_ON_SIDES: usize = 50;
+
+impl PointsOnSides {
+    /// Of a car with these points, which stands on ground of this elevation.
+    fn of(positions_m: &[[f32; 3]], ground_m: f32, describer: &mut VehicleDescriber) -> Option<Self> {
+        if positions_m.len() < LEAST_POINTS_ON_SIDES {
+            return None;
+        }
+        let heights_m = || positions_m.iter().map(|it| it[2]);
+        let [low_m, high_m] =
+            [heights_m().fold(f32::INFINITY, f32::min), heights_m().fold(f32::NEG_INFINITY, f32::max)];
+        let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
+        let seen = ConvexHullBox::default().fit(outline_m, [low_m, high_m])?;
+        let surroundings = Surroundings { ground_m, ..Surroundings::default() };
+        let values = describer.describe(&seen, &surroundings, positions_m.iter().copied())?;
+        let percent = |name: &str| {
+            let index = VEHICLE_FEATURES.iter().position(|it| *it == name).expect("a value has this name");
+            100.0 * f64::from(values[index])
+        };
+        Some(Self { on_sides_percent: percent("on_sides_share"), rough_percent: percent("rough_share") })
+    }
+}
+
 impl CarsInScan {
     /// The cars of `scan`. Points are counted inside the box, whichever points the data set assigns to the car.
     pub fn of(scan: &LabeledScan) -> Self {
+        let mut describer = VehicleDescriber::new(VehicleModel::shipped().prototypes().clone());
         let boxed_cars = scan.annotations.iter().filter(|it| it.class == AnnotationClass::Car);
         let cars = boxed_cars.filter_map(|annotation| {
             let bounding_box = annotation.bounding_box?;
-            let n_points = points_inside(&scan.cloud, &bounding_box).len() as u64;
+            let inside = points_inside(&scan.cloud, &bounding_box);
+            let n_points = inside.len() as u64;
+            let ground_m = bounding_box.center_m[2] - 0.5 * bounding_box.length_width_height_m[2];
+            // What lies on the road is no side.
+            let positions_m: Vec<[f32; 3]> = inside
+                .iter()
+                .map(|&it| scan.cloud.position_m(it as usize))
+                .filter(|it| it[2] > ground_m + ABOVE_ROAD_M)
+                .collect();
             let [x_m, y_m] = [bounding_box.center_m[0], bounding_box.center_m[1]].map(f64::from);
             (n_points > 0).then(|| SeenCar {
                 range_m: x_m.hypot(y_m),
                 off_forward_deg: y_m.atan2(x_m).abs().to_degrees(),
                 n_points,
+                sides: PointsOnSides::of(&positions_m, ground_m, &mut describer),
                 occlusion: annotation.occlusion,
                 track: annotation.track,
             })
@@ -77,20 +128,43 @@ pub struct Comparable {
 
 /// Median number of points of the [`Comparable`] cars in every range bin.
 pub fn points_per_car(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
+    let names = ["points_per_car", "median number of points of a car", "points"];
+    median_over_cars(scans, names, |it| Some(it.n_points as f64))
+}
+
+/// Median share of their points on their long sides. Cars whose sides bow have less there.
+pub fn points_on_sides(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
+    let names = ["points_on_sides", "median share of a car's points on its long sides", "%"];
+    median_over_cars(scans, names, |it| it.sides.map(|it| it.on_sides_percent))
+}
+
+/// Median share of their points that are far from flat.
+pub fn rough_points(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
+    let names = ["rough_points", "median share of a car's points far from flat", "%"];
+    median_over_cars(scans, names, |it| it.sides.map(|it| it.rough_percent))
+}
+
+/// The median of `value` over the [`Comparable`] cars in every range bin, with the name of the statistic, its title and its
+/// unit.
+fn median_over_cars(
+    scans: &Sides<Vec<CarsInScan>>,
+    [statistic, title, unit]: [&'static str; 3],
+    value: impl Fn(&SeenCar) -> Option<f64>,
+) -> CurvePair {
     let comparable = Comparable::of(scans);
-    let by_bin = scans.as_ref().map(|scans| points_by_bin(scans, comparable));
+    let by_bin = scans.as_ref().map(|scans| values_by_bin(scans, comparable, &value));
     let measured = |bin_idx: usize| {
         by_bin.as_ref().map(|by_bin| {
-            let n_points = &by_bin[bin_idx];
-            Measured { value: median_of_sorted(n_points), n: n_points.len() as u64 }
+            let values = &by_bin[bin_idx];
+            Measured { value: median_of_sorted(values), n: values.len() as u64 }
         })
     };
     CurvePair {
-        statistic: "points_per_car",
-        title: "median number of points of a car",
+        statistic,
+        title,
         bins_of: Some("range"),
         focus_m: None,
-        unit: "points",
+        unit,
         counted: "cars",
         least_n: Sides { left: LEAST_CARS, right: LEAST_CARS },
         bins: range_bins(measured),
@@ -110,16 +184,20 @@ pub fn range_bins(measured: impl Fn(usize) -> Sides<Measured>) -> Vec<CurveBin> 
     (0..N_BINS).map(bin).collect()
 }
 
-/// For every bin the numbers of points of its cars, ascending.
-fn points_by_bin(scans: &[CarsInScan], comparable: Comparable) -> Vec<Vec<f64>> {
+/// For every bin the values of its cars, ascending.
+fn values_by_bin(
+    scans: &[CarsInScan],
+    comparable: Comparable,
+    value: impl Fn(&SeenCar) -> Option<f64>,
+) -> Vec<Vec<f64>> {
     let mut by_bin = vec![Vec::new(); N_BINS];
     for car in scans.iter().flat_map(|it| &it.cars).filter(|car| comparable.takes(car)) {
-        if let Some(bin_idx) = car.bin_idx() {
-            by_bin[bin_idx].push(car.n_points as f64);
+        if let Some((bin_idx, value)) = car.bin_idx().zip(value(car)) {
+            by_bin[bin_idx].push(value);
         }
     }
-    for n_points in &mut by_bin {
-        n_points.sort_by(f64::total_cmp);
+    for values in &mut by_bin {
+        values.sort_by(f64::total_cmp);
     }
     by_bin
 }
@@ -127,8 +205,13 @@ fn points_by_bin(scans: &[CarsInScan], comparable: Comparable) -> Vec<Vec<f64>> 
 impl SeenCar {
     /// The bin of range it is in; `None` if it is farther than all of them.
     pub fn bin_idx(&self) -> Option<usize> {
-        Some((self.range_m / BIN_M) as usize).filter(|&bin_idx| bin_idx < N_BINS)
+        bin_of_range(self.range_m)
     }
+}
+
+/// The bin of a range in metres; `None` beyond all of them.
+pub fn bin_of_range(range_m: f64) -> Option<usize> {
+    Some((range_m / BIN_M) as usize).filter(|&bin_idx| bin_idx < N_BINS)
 }
 
 impl Comparable {
@@ -156,7 +239,14 @@ mod tests {
     use crate::realism::drawn_scan;
 
     fn car(range_m: f64, n_points: u64) -> SeenCar {
-        SeenCar { range_m, off_forward_deg: 0.0, n_points, occlusion: Some(Occlusion::None), track: None }
+        SeenCar {
+            range_m,
+            off_forward_deg: 0.0,
+            n_points,
+            sides: None,
+            occlusion: Some(Occlusion::None),
+            track: None,
+        }
     }
 
     fn all_round(cars: &[SeenCar]) -> CarsInScan {
@@ -212,6 +302,26 @@ mod tests {
         let left = || vec![all_round(&[hidden, car(12.0, 8)])];
         check(left(), vec![all_round(&[car(12.0, 8)])], Some(8.0), 1);
         check(left(), vec![all_round(&[unknown])], Some(3.0), 2);
+    }
+
+    #[test]
+    fn a_flat_side_is_smooth_and_lies_on_the_box_and_a_bowed_one_is_neither() {
+        let mut describer = VehicleDescriber::new(VehicleModel::shipped().prototypes().clone());
+        let mut sides = |bow_m: f32| {
+            let point = |along: u16, up: u16| {
+                let [along_m, up_m] = [f32::from(along) * 0.1 - 2.0, f32::from(up) * 0.1];
+                [along_m, 8.0 + bow_m * (along_m / 2.0).powi(2), up_m - 1.5]
+            };
+            let mut positions_m: Vec<[f32; 3]> =
+                (0..=40).flat_map(|along| (0..12).map(move |up| point(along, up))).collect();
+            // The far side.
+            positions_m.extend([[-2.0, 9.7, -1.0], [2.0, 9.7, -1.0]]);
+            PointsOnSides::of(&positions_m, -1.7, &mut describer).unwrap()
+        };
+        let [flat, bowed] = [0.0, 0.5].map(&mut sides);
+        assert!(flat.on_sides_percent > 95.0 && flat.rough_percent < 5.0, "{flat:?}");
+        assert!(bowed.on_sides_percent < 70.0 && bowed.rough_percent > flat.rough_percent, "{bowed:?}");
+        assert_eq!(PointsOnSides::of(&[[0.0; 3]; 49], -1.7, &mut describer), None);
     }
 
     #[test]

@@ -69,6 +69,7 @@ mod tests {
             range_m: 12.0,
             off_forward_deg: 0.0,
             n_points,
+            sides: None,
             occlusion: None,
             track: Some(track),
         };

@@ -10,7 +10,7 @@ use scans::annotation::LabeledScan;
 use super::cell_classes::CellCounts;
 use super::height_histogram::HeightCounts;
 use super::points_per_car::CarsInScan;
-use super::whole_scans::{GroundCount, n_clusters, n_returns};
+use super::whole_scans::{GroundCount, cluster_ranges_m, n_returns};
 use crate::scan_pass::{ScanPass, ScanPassError};
 
 /// What all statistics take from one scan.
@@ -24,8 +24,8 @@ pub struct SurveyedScan {
     pub rings: RingCounts,
     /// Annotated cars.
     pub cars: CarsInScan,
-    /// Number of clusters.
-    pub n_clusters: u64,
+    /// How far away the clusters are, in metres.
+    pub cluster_ranges_m: Vec<f64>,
     /// Points by height.
     pub heights: HeightCounts,
     /// Cells by class.
@@ -58,7 +58,7 @@ impl SurveyedScan {
             ground: GroundCount::of(frame),
             rings: RingCounts::of(cloud),
             cars: CarsInScan::of(scan),
-            n_clusters: n_clusters(cloud, frame),
+            cluster_ranges_m: cluster_ranges_m(cloud, frame),
             heights: HeightCounts::of(cloud, frame),
             cells: CellCounts::of(frame),
         }

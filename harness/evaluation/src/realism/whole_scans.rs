@@ -5,9 +5,10 @@ use detector::PointCloud;
 use detector::pipeline::frame::Frame;
 use detector::segment::clusters::Clusters;
 use detector::surface_class::SurfaceClass;
-use reports::numbers::curve_pair::{CurvePair, Sides};
+use reports::numbers::curve_pair::{CurvePair, Measured, Sides};
 
 use super::distribution::{spread_of_counts, spread_over_scans};
+use super::points_per_car::{bin_of_range, range_bins};
 
 /// The points of one scan, and those among them that are ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,9 +51,9 @@ const TOLERANCE_M: f32 = 0.5;
 /// Fewest points of a piece that counts.
 const LEAST_POINTS: usize = 10;
 
-/// Number of pieces, within a tolerance of 0.5 m and of at least ten points, of the foreground that `frame` has of
-/// `cloud`.
-pub fn n_clusters(cloud: &PointCloud, frame: &Frame) -> u64 {
+/// How far on the ground plan the pieces of the foreground that `frame` has of `cloud` are from the sensor, in metres: pieces
+/// within a tolerance of 0.5 m and of at least ten points.
+pub fn cluster_ranges_m(cloud: &PointCloud, frame: &Frame) -> Vec<f64> {
     let foreground = frame.foreground.point_indices().iter();
     let positions_m: Vec<[f32; 3]> =
         foreground.map(|&point_idx| cloud.position_m(point_idx as usize)).collect();
@@ -60,13 +61,45 @@ pub fn n_clusters(cloud: &PointCloud, frame: &Frame) -> u64 {
     kd_tree_components(&positions_m, TOLERANCE_M, &mut KdTreeScratch::default(), &mut labels);
     let mut clusters = Clusters::default();
     clusters.group(labels.iter().copied(), labels.len());
-    clusters.iter().filter(|members| members.len() >= LEAST_POINTS).count() as u64
+    let range_m = |members: &[u32]| {
+        let mean_m = |axis: usize| {
+            let sum_m: f64 = members.iter().map(|&it| f64::from(positions_m[it as usize][axis])).sum();
+            sum_m / members.len() as f64
+        };
+        mean_m(0).hypot(mean_m(1))
+    };
+    clusters.iter().filter(|members| members.len() >= LEAST_POINTS).map(range_m).collect()
 }
 
 /// The spread of the number of pieces over the scans.
-pub fn clusters_per_scan(n_clusters: &Sides<Vec<u64>>) -> CurvePair {
-    spread_of_counts("clusters_per_scan", "clusters of the foreground per scan", "clusters", n_clusters)
+pub fn clusters_per_scan(ranges_m: &Sides<Vec<Vec<f64>>>) -> CurvePair {
+    let n_clusters = ranges_m.as_ref().map(|scans| scans.iter().map(|it| it.len() as u64).collect());
+    spread_of_counts("clusters_per_scan", "clusters of the foreground per scan", "clusters", &n_clusters)
 }
+
+/// Mean number of pieces of a scan in every range bin: in a narrow street most are near.
+pub fn clusters_by_range(ranges_m: &Sides<Vec<Vec<f64>>>) -> CurvePair {
+    let measured = |bin_idx: usize| {
+        ranges_m.as_ref().map(|scans| {
+            let in_bin = scans.iter().flatten().filter(|it| bin_of_range(**it) == Some(bin_idx));
+            let n = in_bin.count() as u64;
+            Measured { value: (!scans.is_empty()).then(|| n as f64 / scans.len() as f64), n }
+        })
+    };
+    CurvePair {
+        statistic: "clusters_by_range",
+        title: "mean number of clusters of the foreground in a scan",
+        bins_of: Some("range"),
+        focus_m: None,
+        unit: "clusters",
+        counted: "clusters",
+        least_n: Sides { left: LEAST_CLUSTERS, right: LEAST_CLUSTERS },
+        bins: range_bins(measured),
+    }
+}
+
+/// Fewest clusters of a bin, on either side.
+const LEAST_CLUSTERS: u64 = 5;
 
 #[cfg(test)]
 mod tests {
@@ -101,6 +134,12 @@ mod tests {
 
     #[test]
     fn the_car_and_the_post_of_the_drawn_scan_are_two_pieces() {
-        assert_eq!(n_clusters(&drawn_scan::scan().cloud, &drawn_scan::frame()), 2);
+        let ranges_m = cluster_ranges_m(&drawn_scan::scan().cloud, &drawn_scan::frame());
+        assert_eq!(ranges_m.len(), 2);
+        let scans = || vec![vec![12.0, 12.4, 31.0], vec![14.9, 13.0, 11.0, 95.0]];
+        let curves = clusters_by_range(&Sides { left: scans(), right: scans() });
+        assert_eq!(curves.bins[2].measured.left, Measured { value: Some(2.5), n: 5 });
+        assert_eq!(curves.ratio(2), Some(1.0));
+        assert_eq!(curves.ratio(6), None, "one cluster in two scans");
     }
 }

@@ -53,6 +53,7 @@ pub use submit::{KubernetesArgs, SlurmArgs, SubmitCommand};
 pub use sweep::SweepArgs;
 pub use timing::TimingArgs;
 pub use train::{
-    BoxTrainingArgs, HeldOutArgs, PartialTrainingArgs, SvmTrainingArgs, TrainCommand, TreeTrainingArgs,
+    BoxTrainingArgs, HeldOutArgs, PartialTrainingArgs, RecordedArgs, SvmTrainingArgs, TrainCommand,
+    TreeTrainingArgs,
 };
 pub use view::{OutcomeName, ViewArgs};

@@ -45,12 +45,33 @@ fn nu_help(default: &str) -> String {
     format!("Share of training examples allowed inside the margin [default: {default}]")
 }
 
+/// Recorded data sets that are trained on beside the others.
+#[derive(Debug, Args)]
+#[command(next_help_heading = TRAINING)]
+pub struct RecordedArgs {
+    /// Train on this recorded data set, too, on all of its scans; may be repeated
+    ///
+    /// Each counts the same, whatever its size, and all together as much as the others: no example of them more than twenty
+    /// others. Every object of a vehicle's class has to be labelled: what is not labelled counts as background.
+    #[arg(long, value_name = "DATASET")]
+    pub recorded: Vec<String>,
+    /// Format of data sets of --recorded that are paths [default: recognised by their files]
+    #[arg(long, value_name = "FORMAT", requires = "recorded", hide_short_help = true)]
+    pub recorded_format: Option<String>,
+    /// Scans to take from the data sets of --recorded, written as in --scans [default: all]
+    #[arg(long, value_name = "RANGE", requires = "recorded", hide_short_help = true)]
+    pub recorded_scans: Option<String>,
+}
+
 /// Arguments of training trees.
 #[derive(Debug, Args)]
 pub struct TreeTrainingArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// Recorded scans beside them.
+    #[command(flatten)]
+    pub recorded: RecordedArgs,
     /// Sensors to simulate, one after the other
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "sensor", help_heading = TRAINING)]
     pub sensors: Vec<String>,
@@ -155,6 +176,7 @@ fn others_per_vehicle(text: &str) -> Result<f64, String> {
 const GROUPINGS_EXAMPLES: &str = "\
 Examples:
   scanbench train groupings training-streets --scans 0..300:6 --sensors vlp-16,os1-128 -o model
+  scanbench train groupings training-clutter --scans 0..1000:100 --recorded ~/data/mine -o model
   scanbench run -P vehicle_model.groupings_directory=model";
 
 const GROUPINGS_DETAILS: &str = "\

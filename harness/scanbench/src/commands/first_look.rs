@@ -300,9 +300,9 @@ impl Look {
         match (&self.seen.sensor, self.seen.n_beams, self.seen.elevations_deg) {
             (Some(sensor), ..) => Some(format!("{sensor} (by its beams)")),
             _ if self.is_of_format() => None,
-            (None, Some(n), _) => Some(format!("unknown, with {n} beams; a run takes its density from the scans")),
+            (None, Some(n), _) => Some(format!("unknown, with {n} beams (density from the scans)")),
             (None, None, Some(_)) => Some(
-                "unknown, with beams too close to each other to be counted; a run takes its density from the scans"
+                "unknown, with beams too close to each other to be counted (density from the scans)"
                     .to_owned(),
             ),
             (None, None, None) => Some(format!("not stated and not recognised; a run takes {}", self.sensor)),

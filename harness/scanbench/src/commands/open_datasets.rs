@@ -54,6 +54,11 @@ pub struct OpenedDataset {
 }
 
 impl OpenedDataset {
+    /// Whether it is simulated and not recorded.
+    pub fn is_simulated(&self) -> bool {
+        self.dataset.description().is_simulated()
+    }
+
     /// All scans of `dataset`, whose labels need no explanation.
     pub fn whole(dataset: Box<dyn Dataset>) -> Self {
         let (dataset, points_left_out) = CountedDataset::new(dataset);

@@ -30,8 +30,13 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let named = claim_named(&arguments.output)?;
-    let data =
-        TrainingData::open(RunConfig::load(None)?, &arguments.data, &arguments.sensors, &arguments.judging)?;
+    let data = TrainingData::open(
+        RunConfig::load(None)?,
+        &arguments.data,
+        &arguments.sensors,
+        None,
+        &arguments.judging,
+    )?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let detectors: Vec<ListedDetector> =

@@ -10,23 +10,28 @@ use scans::dataset::Dataset;
 use scans::dataset::class_table::ClassTable;
 use simulator::simulated_street::StreetDrive;
 
-use crate::cli::{DatasetArgs, HeldOutArgs, SourceArgs};
+use crate::cli::{DatasetArgs, HeldOutArgs, RecordedArgs, SourceArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::judged_streets::refuse_judged;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::reproducible_command::reproducible_command;
 
-/// How the data sets to judge by are opened, if there are any. What is said of the simulator is for those trained on.
-fn held_out_data(data: &DatasetArgs, judging: &HeldOutArgs) -> Option<DatasetArgs> {
-    (!judging.held_out.is_empty()).then(|| DatasetArgs {
-        datasets: judging.held_out.clone(),
-        scans: judging.held_out_scans.clone(),
+/// How `datasets` of options of their own are opened, if there are any. What is said of the simulator is for the others.
+fn beside(
+    data: &DatasetArgs,
+    datasets: &[String],
+    scans: Option<&String>,
+    format: Option<&String>,
+) -> Option<DatasetArgs> {
+    (!datasets.is_empty()).then(|| DatasetArgs {
+        datasets: datasets.to_vec(),
+        scans: scans.cloned(),
         source: SourceArgs {
             topic: None,
             annotation_topic: None,
             classes: data.source.classes.clone(),
-            format: judging.held_out_format.clone(),
+            format: format.cloned(),
             seed: None,
             simulated_scans: None,
             sensor: None,
@@ -47,8 +52,12 @@ pub struct TrainingData<'a> {
     pub data: &'a DatasetArgs,
     /// How those only to judge by were.
     pub held_out_data: Option<DatasetArgs>,
-    /// The data sets trained on.
+    /// How those of --recorded were.
+    pub recorded_data: Option<DatasetArgs>,
+    /// The data sets trained on, those of --recorded last.
     pub trained: Vec<OpenedDataset>,
+    /// How many of them are of --recorded.
+    pub n_recorded: usize,
     /// Those only to judge by; without any, drives of the others are.
     pub held_out: Vec<OpenedDataset>,
     /// Which drives are on which side.
@@ -62,6 +71,7 @@ impl<'a> TrainingData<'a> {
         mut config: RunConfig,
         data: &'a DatasetArgs,
         sensors: &[String],
+        recorded: Option<&RecordedArgs>,
         judging: &HeldOutArgs,
     ) -> Result<Self, Failure> {
         let mut trained = Vec::new();
@@ -73,15 +83,40 @@ impl<'a> TrainingData<'a> {
             of_sensor.source.sensor = Some(sensor.clone());
             trained.extend(open_datasets(&of_sensor, &ClassTable::default())?);
         }
+        if let Some(it) = trained.iter().filter(|_| !sensors.is_empty()).find(|it| !it.is_simulated()) {
+            let id = &it.dataset.description().id;
+            return Err(Usage(format!(
+                "{id} is recorded: --sensors simulates sensors; --recorded takes {id}"
+            ))
+            .into());
+        }
+        let recorded_data = recorded.and_then(|it| {
+            beside(data, &it.recorded, it.recorded_scans.as_ref(), it.recorded_format.as_ref())
+        });
+        let n_others = trained.len();
+        if let Some(arguments) = &recorded_data {
+            let recorded = open_datasets(arguments, &ClassTable::default())?;
+            if let Some(it) = recorded.iter().find(|it| it.is_simulated()) {
+                let id = &it.dataset.description().id;
+                return Err(Usage(format!("--recorded {id}: it is simulated")).into());
+            }
+            trained.extend(recorded);
+        }
         refuse_judged(&trained)?;
-        let held_out_data = held_out_data(data, judging);
+        let held_out_data = beside(
+            data,
+            &judging.held_out,
+            judging.held_out_scans.as_ref(),
+            judging.held_out_format.as_ref(),
+        );
         let held_out = match &held_out_data {
             Some(arguments) => open_datasets(arguments, &ClassTable::default())?,
             None => Vec::new(),
         };
         let parted = parted(judging, &trained, &held_out)?;
         let [trained, held_out] = [trained, held_out].map(|it| look_first_at_all(it, &mut config));
-        Ok(Self { config, data, held_out_data, trained, held_out, parted })
+        let n_recorded = trained.len() - n_others;
+        Ok(Self { config, data, held_out_data, recorded_data, trained, n_recorded, held_out, parted })
     }
 
     /// All data sets.
@@ -179,10 +214,9 @@ fn name_with_seed(opened: &OpenedDataset) -> String {
 
 /// What an example of each data set weighs, of which there are so many.
 pub fn weights_of(n_by_dataset: &[(&OpenedDataset, usize)]) -> Vec<f64> {
-    let examples = n_by_dataset.iter().map(|&(opened, n_examples)| DatasetExamples {
-        is_recorded: !opened.dataset.description().is_simulated(),
-        n_examples,
-    });
+    let examples = n_by_dataset
+        .iter()
+        .map(|&(opened, n_examples)| DatasetExamples { is_recorded: !opened.is_simulated(), n_examples });
     example_weights(&examples.collect::<Vec<_>>())
 }
 

@@ -66,13 +66,16 @@ pub fn manifest(data: &TrainingData<'_>, started: Timestamp) -> serde_json::Valu
     let entries = |opened: &[OpenedDataset], arguments: &DatasetArgs| {
         opened.iter().map(|it| dataset_entry(it, arguments.scans.as_deref())).collect::<Vec<_>>()
     };
+    let (others, recorded) = data.trained.split_at(data.trained.len() - data.n_recorded);
+    let mut trained = entries(others, data.data);
+    trained.extend(data.recorded_data.iter().flat_map(|it| entries(recorded, it)));
     let to_judge_by = data.held_out_data.as_ref().map_or_else(Vec::new, |it| entries(&data.held_out, it));
     serde_json::json!({
         "schema": SCHEMA,
         "scanbench_version": env!("CARGO_PKG_VERSION"),
         "created": rfc3339_utc(started),
         "argv": command_line(),
-        "datasets": entries(&data.trained, data.data),
+        "datasets": trained,
         "held_out_datasets": to_judge_by,
         "trained": data.parted.trained,
         "held_out": data.parted.held_out,

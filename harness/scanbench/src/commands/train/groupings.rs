@@ -27,7 +27,7 @@ use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
-use crate::cli::TreeTrainingArgs;
+use crate::cli::{RecordedArgs, TreeTrainingArgs};
 use crate::commands::config::warn_of_unknown_sensor;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
@@ -49,7 +49,13 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
         None => VehicleModel::shipped().prototypes().clone(),
     };
     let TrainingParameters { config, parameters } = TrainingParameters::of(&arguments.parameters)?;
-    let data = TrainingData::open(config, &arguments.data, &arguments.sensors, &arguments.judging)?;
+    let data = TrainingData::open(
+        config,
+        &arguments.data,
+        &arguments.sensors,
+        Some(&arguments.recorded),
+        &arguments.judging,
+    )?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let by_gaps =
@@ -81,8 +87,13 @@ pub fn prototypes_from(path: &Path) -> Result<PrototypeLibrary, Failure> {
 pub fn options(arguments: &TreeTrainingArgs) -> Vec<(&'static str, Option<String>)> {
     let sensors = (!arguments.sensors.is_empty()).then(|| arguments.sensors.join(","));
     let prototypes = arguments.prototypes.as_ref().map(|it| it.display().to_string());
+    let RecordedArgs { recorded, recorded_format, recorded_scans } = &arguments.recorded;
+    let recorded = recorded.iter().map(|it| ("--recorded", Some(it.clone())));
+    let of_recorded =
+        [("--recorded-format", recorded_format.clone()), ("--recorded-scans", recorded_scans.clone())];
     let parameters = arguments.parameters.iter().map(|it| ("-P", Some(it.to_string())));
-    [("--sensors", sensors), ("--prototypes", prototypes)].into_iter().chain(parameters).collect()
+    let options = [("--sensors", sensors), ("--prototypes", prototypes)].into_iter();
+    options.chain(recorded).chain(of_recorded).chain(parameters).collect()
 }
 
 /// Which drives are trained on and which are held out, for people.

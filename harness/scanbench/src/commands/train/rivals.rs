@@ -46,7 +46,13 @@ pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let started = Timestamp::now();
     let named = claim_named(&arguments.output)?;
     let TrainingParameters { config, parameters } = TrainingParameters::of(&arguments.parameters)?;
-    let data = TrainingData::open(config, &arguments.data, &arguments.sensors, &arguments.judging)?;
+    let data = TrainingData::open(
+        config,
+        &arguments.data,
+        &arguments.sensors,
+        Some(&arguments.recorded),
+        &arguments.judging,
+    )?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let made = data.provenance("train rivals", &options(arguments), &arguments.judging, CHOICE_SEED);

@@ -46,7 +46,7 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
     let started = Timestamp::now();
     let named = claim_named(&arguments.output)?;
     let config = RunConfig::without_vehicle_models()?;
-    let data = TrainingData::open(config, &arguments.data, &[], &arguments.judging)?;
+    let data = TrainingData::open(config, &arguments.data, &[], None, &arguments.judging)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let candidates = collect_all(&data, arguments.choice_seed, kind, interrupted)?;
