@@ -102,7 +102,7 @@ fn bank(world: &mut World, spot: &Spot, rng: &mut ChaCha8Rng) {
 fn driveway(world: &mut World, spot: &Spot, rng: &mut ChaCha8Rng) {
     let n_cars = if rng.random_bool(0.25) { 2 } else { 1_u32 };
     for car in 0..n_cars {
-        let shape = world.vehicle_mix.car(rng);
+        let shape = world.fleet.car(rng);
         let size = shape.bounds().extents();
         let turned_rad = if rng.random_bool(0.5) { FRAC_PI_2 } else { -FRAC_PI_2 };
         let position_m = [2.6 * car as f32, rng.random_range(1.2_f32..4.0) + size.x / 2.0];

@@ -37,8 +37,7 @@ pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Worl
     let speed_m_per_s = rng.random_range(4.0_f32..8.0);
     let plans = plans(speed_m_per_s, conditions, rng);
     let ego = plans.main.drive(-plans.main.lanes_m / 2.0, speed_m_per_s);
-    let mut world =
-        World::new(ground(&plans, conditions, rng), ego, DRIVE_DURATION_S, conditions.vehicle_mix());
+    let mut world = World::new(ground(&plans, conditions, rng), ego, DRIVE_DURATION_S, conditions.fleet());
     for side in [Side::Left, Side::Right] {
         let [main, crossing] = [&plans.main, &plans.crossing].map(|plan| plan.roadside(side));
         let along_main = [plans.crossed_at_m, crossing.kerb_m, crossing.building_line_m];

@@ -22,6 +22,7 @@ pub mod road_axis;
 pub mod ground;
 mod vehicle_parts;
 mod body_style;
+pub mod fleet;
 mod car_shape;
 pub mod vehicle_shape;
 pub mod person_shape;

@@ -31,8 +31,7 @@ pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
     };
     let lanes = lanes(&plan, n_lanes_each_way, speed_m_per_s, rng);
     let ego = plan.drive(lanes.with_ego[0].left_m, speed_m_per_s);
-    let mut world =
-        World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S, conditions.vehicle_mix());
+    let mut world = World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S, conditions.fleet());
     for side in [Side::Left, Side::Right] {
         let roadside = plan.roadside(side);
         let parked = ParkedRowParams {

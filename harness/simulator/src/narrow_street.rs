@@ -28,7 +28,7 @@ pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Wor
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };
     let (ground, ego) = (ground(&plan, conditions, rng), plan.drive(0.0, speed_m_per_s));
-    let mut world = World::new(ground, ego, DRIVE_DURATION_S, conditions.vehicle_mix());
+    let mut world = World::new(ground, ego, DRIVE_DURATION_S, conditions.fleet());
     for side in [Side::Left, Side::Right] {
         furnish(&mut world, &plan, side, conditions, rng);
     }

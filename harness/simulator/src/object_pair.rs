@@ -6,11 +6,11 @@ use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use reports::vocabulary::named::named;
 
+use super::fleet::TOWN;
 use super::furniture_shape::{bin, sign};
 use super::object_shape::ObjectShape;
 use super::person_shape::{any_build, pedestrian};
 use super::staged_scene::{StagedObject, on_the_road};
-use super::vehicle_shape::car;
 use super::world::sine_and_cosine;
 
 named! {
@@ -41,11 +41,11 @@ impl PairKind {
     fn shapes(self, rng: &mut ChaCha8Rng) -> [ObjectShape; 2] {
         let person = |rng: &mut ChaCha8Rng| pedestrian(&any_build(rng), 0.0);
         match self {
-            Self::Cars => [car(rng), car(rng)],
-            Self::CarAndPedestrian => [car(rng), person(rng)],
+            Self::Cars => [TOWN.car(rng), TOWN.car(rng)],
+            Self::CarAndPedestrian => [TOWN.car(rng), person(rng)],
             Self::Pedestrians => [person(rng), person(rng)],
-            Self::CarAndSign => [car(rng), sign(rng)],
-            Self::CarAndBin => [car(rng), bin(rng)],
+            Self::CarAndSign => [TOWN.car(rng), sign(rng)],
+            Self::CarAndBin => [TOWN.car(rng), bin(rng)],
         }
     }
 }

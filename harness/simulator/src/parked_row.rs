@@ -41,7 +41,7 @@ fn row_askew(
     let [mut along_m, end_m] = roadside.reach_m;
     while along_m < end_m - 5.0 {
         // Vans would stand in the way of the traffic.
-        let shape = world.vehicle_mix.car(rng);
+        let shape = world.fleet.car(rng);
         let size = shape.bounds().extents();
         let width_along_m = size.y / sine;
         let middle_m = along_m + f32::midpoint(width_along_m, size.x * cosine);
@@ -64,7 +64,7 @@ fn row_along_kerb(world: &mut World, roadside: &Roadside, params: &ParkedRowPara
             along_m += rng.random_range(4.0..9.0);
             continue;
         }
-        let shape = world.vehicle_mix.parked(rng);
+        let shape = world.fleet.parked(rng);
         let size = shape.bounds().extents();
         let middle_m = along_m + size.x / 2.0;
         along_m += size.x + rng.random_range(0.3..1.0);
@@ -144,7 +144,7 @@ impl SecondRow {
             if self.blocked_share == 0.0 || !rng.random_bool(self.blocked_share) {
                 continue;
             }
-            let shape = world.vehicle_mix.car(rng);
+            let shape = world.fleet.car(rng);
             let size = shape.bounds().extents();
             let middle_m =
                 f32::midpoint(blocked.along_m[0], blocked.along_m[1]) + rng.random_range(-1.0..1.0);
@@ -179,7 +179,7 @@ mod tests {
     use super::super::roadside::Side;
     use super::super::world::{Body, Course, Motion};
     use super::*;
-    use crate::vehicle_shape::VehicleMix;
+    use crate::fleet::TOWN;
     use rand::SeedableRng;
     use reports::vocabulary::class::AnnotationClass;
 
@@ -195,7 +195,7 @@ mod tests {
         let roads = vec![Road { axis, section, banks: Banks::LEVEL }];
         let ground = Ground { roads, pavement_width_m: 3.0, corner_radius_m: 0.0 };
         let ego = Course::along(0, RoadPosition { along_m: 0.0, left_m: 0.0 }, 1.0, REACH_M);
-        let mut world = World::new(ground, ego, 1.0, VehicleMix::Town);
+        let mut world = World::new(ground, ego, 1.0, &TOWN);
         let roadside = Roadside {
             road_idx: 0,
             side: Side::Right,

@@ -83,14 +83,14 @@ fn mirrors(bounds: &parry3d::bounding_volume::Aabb, rng: &mut ChaCha8Rng) -> [Pa
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vehicle_shape::car;
+    use crate::fleet::TOWN;
     use rand::SeedableRng;
 
     #[test]
     fn a_rounded_car_keeps_its_box_and_is_narrower_at_its_ends() {
         let mut rng = ChaCha8Rng::from_seed([6; 32]);
         for _ in 0..30 {
-            let flat = car(&mut rng);
+            let flat = TOWN.car(&mut rng);
             let mut shape = flat.clone();
             round(&mut shape, &mut rng);
             let [before, after] = [flat.bounds(), shape.bounds()];

@@ -2,14 +2,14 @@
 
 use std::ops::RangeInclusive;
 
+use super::fleet::{Fleet, HAULAGE, NORTH_AMERICAN, TOWN, VARIED};
 use super::ground::CrossSection;
 use super::house_row::HouseRowParams;
 use super::road_axis::{RoadAxisShape, Wave};
-use super::vehicle_shape::VehicleMix;
 
 /// What is set about a street; what is left out is drawn as in any street. The same seed puts the same things at the
-/// same positions along the road under all conditions but [`Self::haulage`] and [`Self::north_american`], which draw other
-/// vehicles.
+/// same positions along the road under all conditions but [`Self::haulage`], [`Self::north_american`] and
+/// [`Self::varied_vehicles`], which draw other vehicles, and [`Self::gardens`], under which houses stand elsewhere.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own in a table of the catalogue")]
@@ -31,6 +31,10 @@ pub struct StreetConditions {
     /// there.
     #[serde(default)]
     pub north_american: bool,
+    /// Whether vehicles are of many places: small and high vans, light, open and articulated trucks, buses of all lengths.
+    /// Lanes for parking are wider there.
+    #[serde(default)]
+    pub varied_vehicles: bool,
     /// Whether bridges cross the road, so low that trucks just pass.
     #[serde(default)]
     pub bridges: bool,
@@ -63,12 +67,6 @@ pub const KERB_HEIGHTS_M: RangeInclusive<f32> = 0.0..=0.4;
 /// How high trucks may be, in metres.
 pub const TRUCK_HEIGHTS_M: RangeInclusive<f32> = 2.0..=4.5;
 
-/// How much wider lanes for parking are that trucks stand in, in metres.
-const ROOM_FOR_TRUCKS_M: f32 = 0.7;
-
-/// The same where cars are large.
-const ROOM_FOR_LARGE_CARS_M: f32 = 0.3;
-
 /// From one hill to the next, in metres.
 const HILL_LENGTH_M: f32 = 120.0;
 
@@ -85,9 +83,11 @@ impl StreetConditions {
         if self.gradient.is_some() && self.hill_gradient.is_some() {
             return Err("a street has either an even gradient or hills".to_owned());
         }
-        if self.haulage && self.north_american {
+        if [self.haulage, self.north_american, self.varied_vehicles].into_iter().filter(|it| *it).count() > 1
+        {
             return Err(
-                "a street has either haulage or north_american, both of which say what drives".to_owned()
+                "a street has only one of haulage, north_american and varied_vehicles, which say what drives"
+                    .to_owned(),
             );
         }
         Ok(())
@@ -108,21 +108,18 @@ impl StreetConditions {
     }
 
     /// What vehicles are seen how often.
-    pub(super) fn vehicle_mix(&self) -> VehicleMix {
-        match (self.haulage, self.north_american) {
-            (true, _) => VehicleMix::Haulage,
-            (false, true) => VehicleMix::NorthAmerican,
-            (false, false) => VehicleMix::Town,
+    pub(super) fn fleet(&self) -> &'static Fleet {
+        match (self.haulage, self.north_american, self.varied_vehicles) {
+            (true, ..) => &HAULAGE,
+            (_, true, _) => &NORTH_AMERICAN,
+            (.., true) => &VARIED,
+            _ => &TOWN,
         }
     }
 
     /// How much wider lanes for parking along kerbs are than drawn, in metres.
     pub(super) fn parking_room_m(&self) -> f32 {
-        match self.vehicle_mix() {
-            VehicleMix::Town => 0.0,
-            VehicleMix::Haulage => ROOM_FOR_TRUCKS_M,
-            VehicleMix::NorthAmerican => ROOM_FOR_LARGE_CARS_M,
-        }
+        self.fleet().parking_room_m
     }
 
     /// A row of houses like this under the conditions.
@@ -182,7 +179,7 @@ mod tests {
         assert!(refused("kerb_height_m = -0.1").contains("kerb_height_m is -0.1"));
         assert!(refused("truck_ahead_height_m = nan").contains("truck_ahead_height_m is NaN"));
         assert!(refused("gradient = 0.1\nhill_gradient = 0.1").contains("either"));
-        assert!(refused("haulage = true\nnorth_american = true").contains("haulage or north_american"));
+        assert!(refused("haulage = true\nnorth_american = true").contains("only one of haulage"));
         assert!(StreetConditions::default().check().is_ok());
     }
 }

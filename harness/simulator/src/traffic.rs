@@ -6,7 +6,6 @@ use rand_chacha::ChaCha8Rng;
 use super::person_shape;
 use super::road_axis::RoadPosition;
 use super::roadside::Roadside;
-use super::vehicle_shape::truck_of_height;
 use super::world::{Body, Course, Motion, RightTurn, Stance, StreetObject, World};
 
 /// One lane and how it is used.
@@ -49,7 +48,7 @@ pub fn lane_traffic(
 ) {
     let mut free_from_m = f32::NEG_INFINITY;
     for_each_start(lane, duration_s, rng, |start_m, rng| {
-        let shape = world.vehicle_mix.driven(rng);
+        let shape = world.fleet.driven(rng);
         let half_m = shape.length_m() / 2.0;
         let rear_m = (start_m - half_m).max(free_from_m);
         free_from_m = rear_m + 2.0 * half_m + 2.5;
@@ -120,7 +119,7 @@ pub fn waiting_queue(
     let backward = roadside.side.sign();
     let mut front_m = params.stop_line_m;
     for _ in 0..params.n_vehicles {
-        let shape = world.vehicle_mix.driven(rng);
+        let shape = world.fleet.driven(rng);
         let length_m = shape.length_m();
         let along_m = backward * (front_m + length_m / 2.0);
         front_m += length_m + rng.random_range(0.8..2.5);
@@ -137,7 +136,7 @@ const HALF_LANE_M: f32 = 1.7;
 
 /// Puts a truck of `height_m` ahead of the sensor, at its speed. What drives at that position makes room.
 pub fn leading_truck(world: &mut World, height_m: f32, rng: &mut ChaCha8Rng) {
-    let shape = truck_of_height(height_m, rng);
+    let shape = world.fleet.truck_of_height(height_m, rng);
     let length_m = shape.length_m();
     let rear_m = world.ego.start.along_m + REAR_AHEAD_M;
     let middle_m = rear_m + length_m / 2.0;

@@ -1,78 +1,110 @@
-//! Cars, vans, trucks and buses of many makes.
+//! Vans, trucks and buses of many makes.
+
+use std::ops::Range;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use reports::vocabulary::class::AnnotationClass;
+use serde::Deserialize;
 
-use super::body_style::{self, BodyStyle};
-use super::car_shape::car_of_style;
+use super::fleet::range;
 use super::material::Material;
 use super::object_shape::ObjectShape;
 use super::solid::Solid;
 use super::vehicle_parts::{paint, pillars, prism, seats, wheels};
 
-/// How often cars, vans, trucks and buses are seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum VehicleMix {
-    /// As in a town.
-    Town,
-    /// As where goods are handled: trucks and buses are half of what drives and a third of what is parked.
-    Haulage,
-    /// As in a North American town, with its cars.
-    NorthAmerican,
+/// What vans of one kind measure.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VanStyle {
+    /// How many of a hundred vans are like this.
+    #[serde(default = "all")]
+    pub percent: u32,
+    /// Lengths over all.
+    #[serde(deserialize_with = "range")]
+    pub length_m: Range<f32>,
+    /// Heights over the road.
+    #[serde(deserialize_with = "range")]
+    pub height_m: Range<f32>,
+    /// Halves of widths without mirrors.
+    #[serde(deserialize_with = "range")]
+    pub half_width_m: Range<f32>,
+    /// How far the bonnet stands out.
+    #[serde(deserialize_with = "range")]
+    pub nose_m: Range<f32>,
 }
 
-impl VehicleMix {
-    /// What drives or waits.
-    pub fn driven(self, rng: &mut ChaCha8Rng) -> ObjectShape {
-        match self {
-            Self::Town => self.one_of([78, 13, 5], rng),
-            Self::Haulage => self.one_of([35, 15, 30], rng),
-            Self::NorthAmerican => self.one_of([84, 6, 6], rng),
-        }
-    }
-
-    /// What is parked along streets.
-    pub fn parked(self, rng: &mut ChaCha8Rng) -> ObjectShape {
-        match self {
-            Self::Town => self.one_of([88, 12, 0], rng),
-            Self::Haulage => self.one_of([54, 13, 23], rng),
-            Self::NorthAmerican => self.one_of([95, 5, 0], rng),
-        }
-    }
-
-    /// A car.
-    pub fn car(self, rng: &mut ChaCha8Rng) -> ObjectShape {
-        let styles = match self {
-            Self::Town | Self::Haulage => &body_style::EUROPEAN,
-            Self::NorthAmerican => &body_style::NORTH_AMERICAN,
-        };
-        car_of_style(BodyStyle::any(styles, rng), rng)
-    }
-
-    /// A car, van or truck in so many of a hundred cases each, else a bus.
-    fn one_of(self, [cars, vans, trucks]: [u32; 3], rng: &mut ChaCha8Rng) -> ObjectShape {
-        match rng.random_range(0..100_u32) {
-            it if it < cars => self.car(rng),
-            it if it < cars + vans => van(rng),
-            it if it < cars + vans + trucks => truck(rng),
-            _ => bus(rng),
-        }
-    }
+/// What a truck carries its load in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Load {
+    /// A closed box.
+    #[default]
+    Box,
+    /// An open bed, in which something may lie.
+    Bed,
+    /// A tank.
+    Tank,
 }
 
-/// A passenger car of a European town.
-pub fn car(rng: &mut ChaCha8Rng) -> ObjectShape {
-    VehicleMix::Town.car(rng)
+/// What trucks of one kind measure.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TruckStyle {
+    /// How many of a hundred trucks are like this.
+    #[serde(default = "all")]
+    pub percent: u32,
+    /// What the load is in.
+    #[serde(default)]
+    pub load: Load,
+    /// Lengths over all.
+    #[serde(deserialize_with = "range")]
+    pub length_m: Range<f32>,
+    /// Heights over the road, of the load.
+    #[serde(deserialize_with = "range")]
+    pub height_m: Range<f32>,
+    /// Halves of widths without mirrors.
+    #[serde(deserialize_with = "range")]
+    pub half_width_m: Range<f32>,
+    /// Lengths of the cab.
+    #[serde(deserialize_with = "range")]
+    pub cab_m: Range<f32>,
+    /// Heights of the cab.
+    #[serde(deserialize_with = "range")]
+    pub cab_height_m: Range<f32>,
 }
 
-fn van(rng: &mut ChaCha8Rng) -> ObjectShape {
-    let length_m = rng.random_range(4.8_f32..6.2);
-    let height_m = rng.random_range(1.9_f32..2.6);
-    let half_width_m = rng.random_range(0.95_f32..1.02);
+/// What buses of one kind measure.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BusStyle {
+    /// How many of a hundred buses are like this.
+    #[serde(default = "all")]
+    pub percent: u32,
+    /// Lengths over all.
+    #[serde(deserialize_with = "range")]
+    pub length_m: Range<f32>,
+    /// Heights over the road.
+    #[serde(deserialize_with = "range")]
+    pub height_m: Range<f32>,
+    /// Half of the width.
+    pub half_width_m: f32,
+    /// Windows on a side.
+    pub n_bays: u32,
+}
+
+fn all() -> u32 {
+    100
+}
+
+/// A van of this style.
+pub fn van(style: &VanStyle, rng: &mut ChaCha8Rng) -> ObjectShape {
+    let length_m = rng.random_range(style.length_m.clone());
+    let height_m = rng.random_range(style.height_m.clone());
+    let half_width_m = rng.random_range(style.half_width_m.clone());
     let paint = paint(rng);
     let front = length_m / 2.0;
-    let (waist_m, nose_m) = (1.15, rng.random_range(0.5_f32..0.9));
+    let (waist_m, nose_m) = (1.15, rng.random_range(style.nose_m.clone()));
     let lower = vec![
         [-front, 0.3],
         [front - 0.1, 0.25],
@@ -104,26 +136,17 @@ fn van(rng: &mut ChaCha8Rng) -> ObjectShape {
     ObjectShape::new(AnnotationClass::Van, parts)
 }
 
-fn truck(rng: &mut ChaCha8Rng) -> ObjectShape {
-    let length_m = rng.random_range(TRUCK_LENGTHS_M);
-    let height_m = rng.random_range(2.9_f32..3.8);
-    truck_of_size(length_m, height_m, rng)
-}
-
-/// A truck of this height in metres.
-pub fn truck_of_height(height_m: f32, rng: &mut ChaCha8Rng) -> ObjectShape {
-    let length_m = rng.random_range(TRUCK_LENGTHS_M);
-    truck_of_size(length_m, height_m, rng)
-}
-
-const TRUCK_LENGTHS_M: std::ops::Range<f32> = 6.5..10.0;
-
-fn truck_of_size(length_m: f32, height_m: f32, rng: &mut ChaCha8Rng) -> ObjectShape {
-    let half_width_m = rng.random_range(1.1_f32..1.27);
+/// A truck of this style, and of this height in metres if it is given.
+pub fn truck(style: &TruckStyle, height_m: Option<f32>, rng: &mut ChaCha8Rng) -> ObjectShape {
+    let length_m = rng.random_range(style.length_m.clone());
+    let height_m = height_m.unwrap_or_else(|| rng.random_range(style.height_m.clone()));
+    let half_width_m = rng.random_range(style.half_width_m.clone());
     let front = length_m / 2.0;
-    let cab_m = rng.random_range(1.7_f32..2.3);
-    let cab_height_m = height_m.min(rng.random_range(2.4_f32..3.2));
-    let (paint, box_paint) = (paint(rng), paint(rng));
+    let cab_m = rng.random_range(style.cab_m.clone());
+    let drawn_m = rng.random_range(style.cab_height_m.clone());
+    // A box is at least as high as its cab.
+    let cab_height_m = if style.load == Load::Box { height_m.min(drawn_m) } else { drawn_m };
+    let (paint, load_paint) = (paint(rng), paint(rng));
     let cab = vec![
         [front - cab_m, 0.55],
         [front - 0.05, 0.35],
@@ -134,21 +157,68 @@ fn truck_of_size(length_m: f32, height_m: f32, rng: &mut ChaCha8Rng) -> ObjectSh
     ];
     let mut parts = vec![
         (prism(cab, half_width_m - 0.05, half_width_m - 0.12), paint),
-        (
-            Solid::cuboid([-front, -half_width_m, 1.0], [front - cab_m - 0.25, half_width_m, height_m]),
-            box_paint,
-        ),
         // The frame below the load.
         (Solid::cuboid([-front + 0.3, -0.45, 0.6], [front - cab_m, 0.45, 1.0]), Material::RUBBER),
     ];
-    parts.extend(wheels([front - 1.2, -front + 1.6], 0.48, half_width_m - 0.03));
+    let reach_m = [-front, front - cab_m - 0.25];
+    parts.extend(load(style.load, reach_m, [half_width_m, height_m], load_paint, rng));
+    // Light trucks stand on small wheels.
+    let wheel_m = if half_width_m < LIGHT_HALF_WIDTH_M { 0.36 } else { 0.48 };
+    parts.extend(wheels([front - 1.2, -front + 1.6], wheel_m, half_width_m - 0.03));
     ObjectShape::new(AnnotationClass::Truck, parts)
 }
 
-fn bus(rng: &mut ChaCha8Rng) -> ObjectShape {
-    let length_m = rng.random_range(10.0_f32..12.5);
-    let height_m = rng.random_range(2.9_f32..3.2);
-    let half_width_m = 1.26;
+/// Narrower trucks are light ones.
+const LIGHT_HALF_WIDTH_M: f32 = 1.1;
+
+/// What is behind the cab, from x to x in metres.
+fn load(
+    load: Load,
+    [rear_m, front_m]: [f32; 2],
+    [half_width_m, height_m]: [f32; 2],
+    paint: Material,
+    rng: &mut ChaCha8Rng,
+) -> Vec<(Solid, Material)> {
+    let block = |x_m: [f32; 2], y_m: [f32; 2], z_m: [f32; 2]| {
+        Solid::cuboid([x_m[0], y_m[0], z_m[0]], [x_m[1], y_m[1], z_m[1]])
+    };
+    match load {
+        Load::Box => {
+            vec![(block([rear_m, front_m], [-half_width_m, half_width_m], [1.0, height_m]), paint)]
+        }
+        Load::Tank => {
+            let radius_m = half_width_m.min(0.5 * (height_m - 1.0));
+            let at = |x_m: f32| [x_m, 0.0, height_m - radius_m];
+            vec![(Solid::cylinder(at(rear_m), at(front_m), radius_m), paint)]
+        }
+        Load::Bed => {
+            let sides_m = rng.random_range(1.2_f32..1.7).min(height_m);
+            let [inner_m, outer_m] = [half_width_m - 0.06, half_width_m];
+            let mut parts = vec![
+                (block([rear_m, front_m], [-outer_m, outer_m], [0.95, 1.05]), paint),
+                (block([rear_m, front_m], [-outer_m, -inner_m], [1.0, sides_m]), paint),
+                (block([rear_m, front_m], [inner_m, outer_m], [1.0, sides_m]), paint),
+                (block([rear_m, rear_m + 0.06], [-outer_m, outer_m], [1.0, sides_m]), paint),
+                (block([front_m - 0.06, front_m], [-outer_m, outer_m], [1.0, sides_m + 0.4]), paint),
+            ];
+            let mut from_m = rear_m + 0.3;
+            while from_m < front_m - 0.8 && rng.random_bool(0.7) {
+                let to_m = (from_m + rng.random_range(0.5_f32..2.5)).min(front_m - 0.2);
+                let half_m = inner_m * rng.random_range(0.4_f32..1.0);
+                let top_m = rng.random_range(1.2_f32..1.3_f32.max(height_m));
+                parts.push((block([from_m, to_m], [-half_m, half_m], [1.05, top_m]), Material::solid(0.3)));
+                from_m = to_m + rng.random_range(0.05_f32..0.8);
+            }
+            parts
+        }
+    }
+}
+
+/// A bus of this style.
+pub fn bus(style: &BusStyle, rng: &mut ChaCha8Rng) -> ObjectShape {
+    let length_m = rng.random_range(style.length_m.clone());
+    let height_m = rng.random_range(style.height_m.clone());
+    let half_width_m = style.half_width_m;
     let front = length_m / 2.0;
     let paint = paint(rng);
     let skirt = vec![[-front, 0.35], [front - 0.1, 0.3], [front, 0.5], [front, 1.1], [-front, 1.1]];
@@ -165,7 +235,7 @@ fn bus(rng: &mut ChaCha8Rng) -> ObjectShape {
         ),
         (seats([-front + 0.5, front - 1.5], [1.1, 2.3], half_width_m), Material::RUBBER),
     ];
-    let n_bays = 6;
+    let n_bays = style.n_bays;
     for bay in 0..=n_bays {
         let x = -front + 0.15 + (length_m - 0.45) * bay as f32 / n_bays as f32;
         parts.extend(
@@ -179,8 +249,19 @@ fn bus(rng: &mut ChaCha8Rng) -> ObjectShape {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fleet::{HAULAGE, NORTH_AMERICAN, TOWN, VARIED};
     use crate::solid::Prism;
     use rand::SeedableRng;
+
+    /// The next of this class where goods are handled, whose vehicles are those of a town.
+    fn of_class(class: AnnotationClass, rng: &mut ChaCha8Rng) -> ObjectShape {
+        loop {
+            let shape = HAULAGE.driven(rng);
+            if shape.class == class {
+                return shape;
+            }
+        }
+    }
 
     #[track_caller]
     fn check(make: fn(&mut ChaCha8Rng) -> ObjectShape, lengths_m: [f32; 2], heights_m: [f32; 2]) {
@@ -202,53 +283,32 @@ mod tests {
     }
 
     #[test]
-    fn vehicles_are_as_often_seen_as_said() {
-        let shares = |draw: &dyn Fn(&mut ChaCha8Rng) -> ObjectShape| {
-            let mut rng = ChaCha8Rng::from_seed([3; 32]);
-            let classes: Vec<_> = (0..2000).map(|_| draw(&mut rng).class).collect();
-            [AnnotationClass::Car, AnnotationClass::Van, AnnotationClass::Truck, AnnotationClass::Bus]
-                .map(|class| classes.iter().filter(|&&it| it == class).count() as f32 / 20.0)
-        };
-        for (mix, driven, parked) in [
-            (VehicleMix::Town, [78.0, 13.0, 5.0, 4.0], [88.0, 12.0, 0.0, 0.0]),
-            (VehicleMix::NorthAmerican, [84.0, 6.0, 6.0, 4.0], [95.0, 5.0, 0.0, 0.0]),
-            (VehicleMix::Haulage, [35.0, 15.0, 30.0, 20.0], [54.0, 13.0, 23.0, 10.0]),
-        ] {
-            for (found, said) in
-                [(shares(&|it| mix.driven(it)), driven), (shares(&|it| mix.parked(it)), parked)]
-            {
-                for (found, said) in found.into_iter().zip(said) {
-                    assert!(
-                        (found - said).abs() < 3.5 && (found > 0.0) == (said > 0.0),
-                        "{mix:?}: {found} of {said}"
-                    );
-                }
-            }
-        }
-    }
-
-    #[test]
     fn cars_are_as_large_as_cars() {
-        check(car, [3.5, 4.9], [1.35, 1.85]);
+        check(|rng| TOWN.car(rng), [3.5, 4.9], [1.35, 1.85]);
     }
 
     #[test]
     fn north_american_cars_are_larger() {
-        check(|rng| VehicleMix::NorthAmerican.car(rng), [4.0, 6.25], [1.4, 2.05]);
+        check(|rng| NORTH_AMERICAN.car(rng), [4.0, 6.25], [1.4, 2.05]);
     }
 
     #[test]
     fn vans_are_as_large_as_vans() {
-        check(van, [4.7, 6.3], [1.85, 2.7]);
+        check(|rng| of_class(AnnotationClass::Van, rng), [4.7, 6.3], [1.85, 2.7]);
     }
 
     #[test]
     fn trucks_are_as_large_as_trucks() {
-        check(truck, [6.4, 10.1], [2.8, 3.9]);
+        check(|rng| of_class(AnnotationClass::Truck, rng), [6.4, 10.1], [2.8, 3.9]);
     }
 
     #[test]
     fn buses_are_as_large_as_buses() {
-        check(bus, [9.9, 12.6], [2.8, 3.3]);
+        check(|rng| of_class(AnnotationClass::Bus, rng), [9.9, 12.6], [2.8, 3.3]);
+    }
+
+    #[test]
+    fn varied_vehicles_are_of_all_sizes() {
+        check(|rng| VARIED.driven(rng), [3.5, 18.8], [1.35, 4.05]);
     }
 }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use parry3d::math::{Pose, Rotation, Vector};
 
+use super::fleet::Fleet;
 use super::ground::Ground;
 use super::material::Material;
 use super::object_shape::ObjectShape;
@@ -12,7 +13,6 @@ use super::portable_math;
 use super::road_axis::RoadPosition;
 use super::scene::{Leaf, LeafForm};
 use super::solid::Solid;
-use super::vehicle_shape::VehicleMix;
 
 /// A street with all that is in it.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ pub struct World {
     /// When the drive ends, in seconds from its start.
     pub drive_duration_s: f32,
     /// What vehicles are put into it how often.
-    pub vehicle_mix: VehicleMix,
+    pub fleet: &'static Fleet,
 }
 
 /// A free-standing object.
@@ -109,9 +109,9 @@ pub struct Placement {
 }
 
 impl World {
-    /// An empty street, to be filled with vehicles of `vehicle_mix`.
-    pub fn new(ground: Ground, ego: Course, drive_duration_s: f32, vehicle_mix: VehicleMix) -> Self {
-        Self { ground, walls: Vec::new(), objects: Vec::new(), ego, drive_duration_s, vehicle_mix }
+    /// An empty street, to be filled with vehicles of `fleet`.
+    pub fn new(ground: Ground, ego: Course, drive_duration_s: f32, fleet: &'static Fleet) -> Self {
+        Self { ground, walls: Vec::new(), objects: Vec::new(), ego, drive_duration_s, fleet }
     }
 
     /// Puts a standing object into the street.

@@ -7,17 +7,17 @@ use reports::vocabulary::partial_class::PartialClass;
 use super::person_kind::any_person;
 use super::pole_kind::any_pole;
 use super::tree_kind::any_tree;
+use crate::fleet::TOWN;
 use crate::furniture_shape::{advertising_column, bench, bin, fence, mail_box};
 use crate::object_shape::ObjectShape;
 use crate::person_shape::parked_bicycle;
 use crate::vegetation_shape::{bush, hedge, shrub};
-use crate::vehicle_shape::VehicleMix;
 
 /// Draws an object of `class`.
 pub fn any_object(class: PartialClass, rng: &mut ChaCha8Rng) -> ObjectShape {
     match class {
         PartialClass::Tree => any_tree(rng),
-        PartialClass::Car => VehicleMix::Town.parked(rng),
+        PartialClass::Car => TOWN.parked(rng),
         PartialClass::Pole => any_pole(rng),
         PartialClass::Pedestrian => any_person(rng),
         PartialClass::Other => any_other(rng),
