@@ -13,7 +13,7 @@ use crate::training::refinement_training::{N_FORESTS, train_refinement};
 /// Chosen on held-out drives of the training streets. Trees that each learn from half of the examples and values do as well,
 /// and take less time.
 const OBJECTS: BoostingParams =
-    BoostingParams { n_trees: 80, depth: 6, learning_rate: 0.18, least_leaf_weight: 50.0, drawn_share: 0.5 };
+    BoostingParams { n_trees: 120, depth: 6, learning_rate: 0.18, least_leaf_weight: 50.0, drawn_share: 0.5 };
 /// More trees are better on held-out drives, and rank the cars of recorded scans worse.
 pub const VEHICLES: BoostingParams =
     BoostingParams { n_trees: 400, depth: 6, learning_rate: 0.1, least_leaf_weight: 5.0, drawn_share: 0.5 };
