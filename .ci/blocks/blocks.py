@@ -103,10 +103,14 @@ class Block:
 
 
 def said(file: Path) -> bytes:
-    """What a file says: TOML without its comments and its layout, and without where data sets come from."""
+    """What a file says: TOML without its comments and its layout, and of data sets neither where they come from nor those
+    to train on, which no block shows."""
     if file.suffix != ".toml":
         return file.read_bytes()
     content = tomllib.loads(file.read_text())
+    for part in ("simulated", "groups"):
+        if part in content:
+            content[part] = {name: it for name, it in content[part].items() if not name.startswith("training-")}
     for entry in content.get("recorded", {}).values():
         for name in ("licence", "licence_url", "url", "download"):
             entry.pop(name, None)
