@@ -211,6 +211,23 @@ fn groupings_are_trained_for_several_sensors_and_run() {
 }
 
 #[test]
+fn recorded_scans_are_trained_on_beside_streets() {
+    let workplace = Workplace::with_drive(3);
+    let street = "street-narrow --seed 7 --simulated-scans 4 --sensors vlp-16,hdl-32e";
+    workplace.succeed(&("train groupings", street, "--recorded street -o model"));
+    let command = command_of(&workplace, "model/groupings.model");
+    assert_eq!(command, format!("scanbench train groupings {street} --recorded street"));
+    let manifest = workplace.json("model/manifest.json");
+    let datasets = manifest["datasets"].as_array().expect("data sets");
+    let ids: Vec<_> = datasets.iter().map(|it| it["id"].as_str().expect("an id")).collect();
+    assert_eq!(ids, ["street-narrow", "street-narrow", "street"]);
+    // They have a say.
+    workplace.succeed(&("train groupings", street, "-o without"));
+    let [with, without] = ["model", "without"].map(|it| workplace.read_bytes(&format!("{it}/groupings.model")));
+    assert!(with != without);
+}
+
+#[test]
 fn boxes_are_trained_to_the_byte_and_run() {
     let workplace = Workplace::new();
     let street = "street-narrow --seed 7 --simulated-scans 6 --sensor vlp-16";
