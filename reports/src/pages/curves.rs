@@ -7,7 +7,7 @@ use super::markup::{Figure, FigureMarkup};
 use super::run_facts::{DatasetCurves, RunFacts};
 use crate::numbers::calibration::{CalibrationBin, calibration_error, calibration_of_scores};
 use crate::plots::recall_plot::recall_plot;
-use crate::plots::reliability_plot::reliability_plot;
+use crate::plots::reliability_plot::{LEAST_IN_BIN, reliability_plot};
 use crate::plots::series::key_of;
 use crate::plots::themed_panel::ThemedPanel;
 
@@ -26,6 +26,8 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
         facts.curves.iter().map(|it| (it, calibrations(it))).collect();
     let reliable: Vec<ThemedPanel> =
         of_curves.iter().map(|(curves, bins)| reliability_plot(&title(facts, curves), bins)).collect();
+    let mut shown_bins = of_curves.iter().flat_map(|(_, of_detectors)| of_detectors).flat_map(|it| &it.1);
+    let is_enough = shown_bins.any(|it| it.n >= LEAST_IN_BIN);
     let errors: Vec<String> =
         of_curves.iter().map(|(curves, bins)| format!("{}: {}", curves.dataset, errors_of(bins))).collect();
     let content = html! {
@@ -40,6 +42,7 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
             },
             class: "",
         }.render(files))
+        @if is_enough {
         (FigureMarkup {
             file_stem: "reliability",
             title: "How many vehicles are right, over how many are expected to be",
@@ -53,6 +56,7 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
             },
             class: "",
         }.render(files))
+        }
     };
     Some(Section::new("Curves", "Precision and recall of vehicles", content))
 }

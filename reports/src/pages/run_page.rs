@@ -149,7 +149,15 @@ mod tests {
                 "href=\"#curves\"",
             ],
         );
-        let drawn = ["ranking", "range_objects", "range_vehicles", "precision_recall", "times", "stages"];
+        let drawn = [
+            "ranking",
+            "range_objects",
+            "range_vehicles",
+            "precision_recall",
+            "reliability",
+            "times",
+            "stages",
+        ];
         let all = [&drawn[..], &["losses_objects", "losses_vehicles"]].concat();
         assert_eq!(names(&page), all);
     }

@@ -8,7 +8,7 @@ use super::themed_panel::ThemedPanel;
 use crate::numbers::calibration::CalibrationBin;
 
 /// A bin with fewer detections is left out: one of them is more than 10 %.
-const LEAST_IN_BIN: usize = 10;
+pub const LEAST_IN_BIN: usize = 10;
 
 /// A panel with the bins of every detector, and the diagonal, on which what is expected comes about.
 pub fn reliability_plot(title: &str, of_detectors: &[(String, Vec<CalibrationBin>)]) -> ThemedPanel {

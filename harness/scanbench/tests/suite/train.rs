@@ -223,7 +223,8 @@ fn recorded_scans_are_trained_on_beside_streets() {
     assert_eq!(ids, ["street-narrow", "street-narrow", "street"]);
     // They have a say.
     workplace.succeed(&("train groupings", street, "-o without"));
-    let [with, without] = ["model", "without"].map(|it| workplace.read_bytes(&format!("{it}/groupings.model")));
+    let [with, without] =
+        ["model", "without"].map(|it| workplace.read_bytes(&format!("{it}/groupings.model")));
     assert!(with != without);
 }
 
