@@ -22,7 +22,7 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
     };
     let key = key_of(&facts.detectors(), has_curve);
     let panels: Vec<ThemedPanel> = facts.curves.iter().map(|it| panel(facts, it)).collect();
-    let of_curves: Vec<(&DatasetCurves, Vec<(String, Vec<CalibrationBin>)>)> =
+    let of_curves: Vec<(&DatasetCurves, Calibrations)> =
         facts.curves.iter().map(|it| (it, calibrations(it))).collect();
     let reliable: Vec<ThemedPanel> =
         of_curves.iter().map(|(curves, bins)| reliability_plot(&title(facts, curves), bins)).collect();
@@ -65,8 +65,11 @@ fn panel(facts: &RunFacts, curves: &DatasetCurves) -> ThemedPanel {
     recall_plot(&title(facts, curves), &curves.of_detectors)
 }
 
+/// Detectors, each with its bins.
+type Calibrations = Vec<(String, Vec<CalibrationBin>)>;
+
 /// The bins of every detector by what its scores say.
-fn calibrations(curves: &DatasetCurves) -> Vec<(String, Vec<CalibrationBin>)> {
+fn calibrations(curves: &DatasetCurves) -> Calibrations {
     curves.operating.iter().map(|(name, points)| (name.clone(), calibration_of_scores(points))).collect()
 }
 

@@ -19,6 +19,9 @@ const STATISTICS: [&str; 11] = [
     "cell_classes",
 ];
 
+/// What a drive of two small cars and of few clusters at any range has none of.
+const OF_FEW: [&str; 4] = ["points_per_track", "points_on_sides", "rough_points", "clusters_by_range"];
+
 /// A workplace with the same drive of six scans in `a/street` and in `b/street`.
 fn two_drives() -> (Workplace, [DrawnDataset; 2]) {
     let workplace = Workplace::new();
@@ -45,8 +48,6 @@ fn a_drive_is_like_itself_in_every_bin_and_each_statistic_has_a_plot() {
     let ended = workplace.succeed("data realism a/street --against b/street -o looks/out");
     std::fs::rename(workplace.path("looks/out"), workplace.path("out")).unwrap();
     // It has two cars, and every car counts once.
-    // A drive of two small cars, and of few clusters at any range.
-    const OF_FEW: [&str; 4] = ["points_per_track", "points_on_sides", "rough_points", "clusters_by_range"];
     assert!(ratios(&workplace, "points_per_track").is_empty());
     ended.check_stdout(&["too few: points_per_track"]);
     for statistic in STATISTICS.into_iter().filter(|it| !OF_FEW.contains(it)) {
