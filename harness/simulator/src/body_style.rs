@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::Deserialize;
 
-use super::fleet::range;
+use super::vehicle_parts::range;
 
 /// What cars of one body style measure. Positions along the length are shares of it from the front.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -1,11 +1,10 @@
 //! What vehicles are seen in a place, and how often: files in `fleets/`.
 
-use std::ops::Range;
 use std::sync::LazyLock;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 
 use super::body_style::BodyStyle;
 use super::car_shape::car_of_style;
@@ -105,12 +104,6 @@ fn any<'a, T>(styles: &'a [T], percent: impl Fn(&T) -> u32, rng: &mut ChaCha8Rng
         return styles.iter().find(is_drawn).unwrap_or(&styles[0]);
     };
     only
-}
-
-/// A range, written as its two ends.
-pub fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Range<f32>, D::Error> {
-    let [from, to] = <[f32; 2]>::deserialize(deserializer)?;
-    Ok(from..to)
 }
 
 #[cfg(test)]

@@ -24,6 +24,8 @@ const LEAST_RANGE_M: f32 = 1.2;
 const MOST_DIFFERENT: f32 = 1.1;
 /// A sensor that is said to have taken a scan surely has not if its differences are greater.
 const SURELY_DIFFERENT: f32 = 1.5 * MOST_DIFFERENT;
+/// Scans of fewer points may be parts of those that the sensor took: they do not speak against it.
+const ENOUGH_POINTS: usize = 20_000;
 /// No beam of a rotating sensor sends more pulses in a turn: 0.08 degrees apart. More points a beam are of several beams.
 const MOST_FIRINGS: usize = 4600;
 
@@ -34,6 +36,8 @@ pub struct SeenBeams {
     pub n_beams: Option<usize>,
     /// Elevation of the lowest and of the highest, in degrees.
     pub elevations_deg: [f32; 2],
+    /// Points of the scan that has most.
+    pub n_points: usize,
 }
 
 impl SeenBeams {
@@ -79,7 +83,8 @@ impl SeenBeams {
         let in_full_sector = n_by_sector[((n_by_sector.len() - 1) as f32 * FULL_SECTOR) as usize];
         let counted = if rings.len() > 1 { rings.len() } else { in_full_sector };
         let n_beams = (most_points <= counted * MOST_FIRINGS).then_some(counted);
-        Some(Self { n_beams, elevations_deg: [at(OUTSIDE), at(1.0 - OUTSIDE)] })
+        let elevations_deg = [at(OUTSIDE), at(1.0 - OUTSIDE)];
+        Some(Self { n_beams, elevations_deg, n_points: most_points })
     }
 
     /// The id of the embedded sensor whose beams these may be.
@@ -94,7 +99,8 @@ impl SeenBeams {
 
     /// Whether these are surely not the beams of the embedded sensor of this id. `false` of others.
     pub fn contradict(&self, id: &str) -> bool {
-        SensorModel::embedded(id).is_some_and(|it| self.difference(&it) > SURELY_DIFFERENT)
+        let model = SensorModel::embedded(id).filter(|_| self.n_points >= ENOUGH_POINTS);
+        model.is_some_and(|it| self.difference(&it) > SURELY_DIFFERENT)
     }
 
     /// How far these beams differ from those of `model`; infinitely far if they cannot be counted. A third more or fewer
@@ -144,7 +150,8 @@ mod tests {
 
     #[test]
     fn other_beams_are_of_no_embedded_sensor() {
-        let seen = |n_beams, elevations_deg| SeenBeams { n_beams: Some(n_beams), elevations_deg };
+        let seen =
+            |n_beams, elevations_deg| SeenBeams { n_beams: Some(n_beams), elevations_deg, n_points: 30_000 };
         assert_eq!(seen(16, [-15.0, 15.0]).sensor(), Some("vlp-16"));
         assert_eq!(seen(5, [-2.0, 2.0]).sensor(), None);
         assert_eq!(seen(40, [-60.0, 50.0]).sensor(), None);
@@ -156,8 +163,10 @@ mod tests {
 
     #[test]
     fn a_sensor_that_is_said_to_be_is_doubted_only_where_beams_are_quite_others() {
-        let seen = |n_beams, elevations_deg| SeenBeams { n_beams, elevations_deg };
+        let seen = |n_beams, elevations_deg| SeenBeams { n_beams, elevations_deg, n_points: 30_000 };
         assert!(seen(Some(37), [-23.2, 10.0]).contradict("hdl-64e-s2"));
+        let few = SeenBeams { n_points: 900, ..seen(Some(37), [-23.2, 10.0]) };
+        assert!(!few.contradict("hdl-64e-s2"));
         assert!(!seen(Some(50), [-24.0, 3.0]).contradict("hdl-64e-s2"));
         assert!(!seen(Some(37), [-23.2, 10.0]).contradict("a sensor of one's own"));
     }

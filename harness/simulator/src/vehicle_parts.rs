@@ -1,10 +1,19 @@
 //! What vehicles of all kinds are made of.
 
+use std::ops::Range;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize as _, Deserializer};
 
 use super::material::Material;
 use super::solid::{Prism, Solid};
+
+/// A range, written as its two ends.
+pub fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Range<f32>, D::Error> {
+    let [from, to] = <[f32; 2]>::deserialize(deserializer)?;
+    Ok(from..to)
+}
 
 /// Paints from black to white.
 ///

@@ -7,11 +7,10 @@ use rand_chacha::ChaCha8Rng;
 use reports::vocabulary::class::AnnotationClass;
 use serde::Deserialize;
 
-use super::fleet::range;
 use super::material::Material;
 use super::object_shape::ObjectShape;
 use super::solid::Solid;
-use super::vehicle_parts::{paint, pillars, prism, seats, wheels};
+use super::vehicle_parts::{paint, pillars, prism, range, seats, wheels};
 
 /// What vans of one kind measure.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -126,11 +126,11 @@ fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_g
 }
 
 #[test]
-fn training_warns_of_a_sensor_without_a_curve() {
+fn training_takes_the_density_of_a_sensor_without_a_curve_from_its_scans() {
     let workplace = Workplace::new();
     let drives = ["train", "pca", "training-narrow", "--sensor", "xt32", "--scans", "0..81:40"];
     let ended = workplace.run(&drives);
-    ended.check_stderr(&["warning: there is no density curve for the sensor \"xt32\""]);
+    ended.check_stderr(&["training-narrow: density of the sensor xt32 taken from the scans"]);
 }
 
 #[test]
