@@ -1,7 +1,6 @@
 //! Numbers made of rows: sums and ratios of runs, and those of each study.
 
 // Of a run.
-pub mod calibration;
 pub mod blocks;
 pub mod shard_cut;
 pub mod sums;
@@ -9,6 +8,7 @@ pub(crate) mod block_sums;
 pub mod latencies;
 pub(crate) mod times;
 pub mod average_precision;
+pub mod calibration;
 pub mod precision_recall_row;
 pub mod pools;
 pub(crate) mod gathered;
