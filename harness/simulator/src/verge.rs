@@ -141,14 +141,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn works_and_crowds_leave_the_rest_of_the_street_as_it_is() {
-        let none = StreetConditions::default();
-        let of = |conditions: &StreetConditions| {
-            Street::under(StreetKind::MainRoad, 3, conditions).ego_pose(&SensorModel::hdl_64e_s2(), 10)
-        };
-        assert_eq!(of(&StreetConditions { works: true, crowd: true, ..none }), of(&none));
-        assert_eq!(of(&StreetConditions { gardens: true, rounded_bodies: true, ..none }), of(&none));
-    }
 }
