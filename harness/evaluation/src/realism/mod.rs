@@ -5,9 +5,9 @@
 pub mod distribution;
 
 // The statistics, a file each.
-pub mod whole_scans;
 pub mod ring_density;
 pub mod points_per_car;
+pub mod whole_scans;
 pub mod points_per_track;
 pub mod height_histogram;
 pub mod cell_classes;
