@@ -102,25 +102,34 @@ pub struct DetectorOutput {
     pub n_left_uncut: usize,
 }
 
+/// The scores of unlikely vehicles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnlikelyScores {
+    /// They are greater than this.
+    pub above: f32,
+    /// They are no greater than this, which those of detections of vehicles are.
+    pub up_to: f32,
+}
+
 impl DetectorOutput {
-    /// Appends a detection. If it is no vehicle but has a score above `least_score`, it is an unlikely vehicle, too.
-    pub fn push_ranked(&mut self, detection: Detection<'_>, least_score: f32) {
+    /// Appends a detection. If it is no vehicle but its score is one of `unlikely`, it is an unlikely vehicle, too.
+    pub fn push_ranked(&mut self, detection: Detection<'_>, unlikely: UnlikelyScores) {
         self.detections.push(detection);
         if detection.class == DetectedClass::Object {
-            self.rank(detection, least_score);
+            self.rank(detection, unlikely);
         }
     }
 
-    /// Drops a cluster of too few points. If its score is above `least_score`, it becomes an unlikely vehicle.
-    pub fn drop_small(&mut self, cluster: Detection<'_>, least_score: f32) {
+    /// Drops a cluster of too few points. If its score is one of `unlikely`, it becomes an unlikely vehicle.
+    pub fn drop_small(&mut self, cluster: Detection<'_>, unlikely: UnlikelyScores) {
         let n_points = cluster.point_indices.len();
         self.dropped_clusters.push(DroppedCluster { n_points, reason: DropReason::TooFewPoints });
-        self.rank(cluster, least_score);
+        self.rank(cluster, unlikely);
     }
 
-    /// Adds `detection` to the unlikely vehicles if its score is above `least_score`, and not that of a vehicle.
-    pub fn rank(&mut self, detection: Detection<'_>, least_score: f32) {
-        if detection.score.is_some_and(|it| it > least_score && it <= 0.0) {
+    /// Adds `detection` to the unlikely vehicles if its score is one of `unlikely`.
+    pub fn rank(&mut self, detection: Detection<'_>, unlikely: UnlikelyScores) {
+        if detection.score.is_some_and(|it| it > unlikely.above && it <= unlikely.up_to) {
             self.unlikely_vehicles.push(Detection { class: DetectedClass::Vehicle, ..detection });
         }
     }

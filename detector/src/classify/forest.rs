@@ -50,6 +50,12 @@ impl<const D: usize> Forest<D> {
         is_sound.then_some(Self { trees, base })
     }
 
+    /// The forest whose sum is `slope` times this one's, and `offset` more.
+    pub fn rescaled(mut self, slope: f32, offset: f32) -> Self {
+        self.trees.iter_mut().flat_map(|it| &mut it.leaves).for_each(|it| *it *= slope);
+        Self { base: self.base * slope + offset, ..self }
+    }
+
     /// The sum for these values. NaN is never less than a threshold.
     pub fn sum(&self, values: &[f32; D]) -> f32 {
         self.trees.iter().fold(self.base, |sum, tree| sum + tree.leaves[tree.leaf(values)])
@@ -133,6 +139,14 @@ mod tests {
             *sum = leaf as f32;
         }
         DecisionTree { value_of_split, thresholds: [0.5; N_LEAVES], leaves }
+    }
+
+    #[test]
+    fn a_rescaled_sum_is_so_many_times_the_sum_and_more() {
+        let forest = Forest::<6>::new(vec![counting_tree(), counting_tree()], 100.0).unwrap();
+        let values = [0.5, 0.4, 0.6, 0.0, 0.5, 0.1];
+        assert_eq!(forest.sum(&values), 184.0);
+        assert_eq!(forest.rescaled(1.5, -8.0).sum(&values), 1.5 * 184.0 - 8.0);
     }
 
     #[test]

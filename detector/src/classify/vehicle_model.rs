@@ -83,7 +83,7 @@ impl VehicleModel {
         self.describer.describe(bounding_box, surroundings, positions_m)
     }
 
-    /// The logarithm of the odds that an object with these features is a vehicle: above 0 it is classified as one.
+    /// The logarithm of the odds that an object with these features is a vehicle.
     pub fn decision_on(&self, values: Option<&[f32; N_FEATURES]>) -> f32 {
         values.map_or(NO_VEHICLE, |it| self.forest.sum(it))
     }
@@ -94,10 +94,18 @@ impl VehicleModel {
     }
 }
 
-/// The class of an object of `n_points` by the `decision` of a model. With fewer than `min_points` it is never a vehicle:
-/// models are trained on larger objects.
-pub fn class_by_decision(decision: Option<f32>, n_points: usize, min_points: usize) -> DetectedClass {
-    let is_vehicle = n_points >= min_points && decision.is_some_and(|it| it > 0.0);
+/// What makes a vehicle of an object that a model was asked about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VehicleRule {
+    /// Fewest points: models are trained on larger objects.
+    pub least_points: usize,
+    /// What the decision of the model is above.
+    pub least_decision: f32,
+}
+
+/// The class of an object of `n_points` by the `decision` of a model.
+pub fn class_by_decision(decision: Option<f32>, n_points: usize, rule: VehicleRule) -> DetectedClass {
+    let is_vehicle = n_points >= rule.least_points && decision.is_some_and(|it| it > rule.least_decision);
     if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }
 }
 
@@ -121,12 +129,13 @@ mod tests {
     }
 
     #[test]
-    fn too_few_points_are_no_vehicle_whatever_they_look_like() {
-        let class = |n_points: usize, decision: f32| class_by_decision(Some(decision), n_points, 10);
+    fn too_few_points_or_too_low_a_decision_are_no_vehicle() {
+        let rule = VehicleRule { least_points: 10, least_decision: -0.5 };
+        let class = |n_points: usize, decision: f32| class_by_decision(Some(decision), n_points, rule);
         assert_eq!(class(9, 2.0), DetectedClass::Object);
-        assert_eq!(class(10, 2.0), DetectedClass::Vehicle);
-        assert_eq!(class(10, 0.0), DetectedClass::Object);
-        assert_eq!(class_by_decision(None, 10, 10), DetectedClass::Object);
+        assert_eq!(class(10, -0.4), DetectedClass::Vehicle);
+        assert_eq!(class(10, -0.5), DetectedClass::Object);
+        assert_eq!(class_by_decision(None, 10, rule), DetectedClass::Object);
     }
 
     #[test]

@@ -33,9 +33,9 @@ pub struct FittedObject {
 }
 
 impl FittedObject {
-    /// Whether a model classifies it as a vehicle.
-    pub fn is_predicted_vehicle(&self) -> bool {
-        self.decision.is_some_and(|it| it > 0.0)
+    /// Whether a model classifies it as a vehicle: its decision is above `least_decision`.
+    pub fn is_predicted_vehicle(&self, least_decision: f32) -> bool {
+        self.decision.is_some_and(|it| it > least_decision)
     }
 
     /// What is reported of it, where `members` are its points and those of others.

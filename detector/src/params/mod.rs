@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use self::bounds::{HIERARCHICAL_BOUNDS, check_bounds};
 use crate::classify::size_gate::SizeGateParams;
+use crate::classify::vehicle_model::VehicleRule;
 use crate::complete::completion::CompletionParams;
 use crate::describe::seen_size::VehicleBoundsParams;
 use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};
@@ -91,12 +92,10 @@ pub struct GroupingParams {
     pub bounds: NodeBoundsParams,
 }
 
-impl GroupingParams {
-    /// The log odds of a vehicle from which on an object is ranked as one.
-    pub fn ranked_log_odds(&self) -> f32 {
-        let probability = f64::from(self.ranked_probability);
-        ln(probability / (1.0 - probability)) as f32
-    }
+/// The logarithm of the odds of what has this probability.
+pub fn log_odds(probability: f32) -> f32 {
+    let probability = f64::from(probability);
+    ln(probability / (1.0 - probability)) as f32
 }
 
 impl HierarchicalParams {
@@ -127,6 +126,8 @@ pub struct ClusterParams {
     /// Fewest points of a cluster that a model may classify as a vehicle. Clusters of fewer than `min_points` are dropped
     /// unless it does.
     pub min_vehicle_points: usize,
+    /// A model classifies an object as a vehicle if it is one with more than this probability.
+    pub min_vehicle_probability: f32,
     /// Fewest points of an object.
     pub min_points: usize,
 }
@@ -135,6 +136,14 @@ impl ClusterParams {
     /// Fewest points of a cluster that a model may classify as a vehicle: no more than those of an object.
     pub fn least_vehicle_points(&self) -> usize {
         self.min_vehicle_points.min(self.min_points)
+    }
+
+    /// What makes a vehicle of an object that a model was asked about.
+    pub fn vehicle_rule(&self) -> VehicleRule {
+        VehicleRule {
+            least_points: self.least_vehicle_points(),
+            least_decision: log_odds(self.min_vehicle_probability),
+        }
     }
 }
 

@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use crate::classify::paper_model::NO_VEHICLE;
 use crate::classify::size_gate::{SizeGateParams, size_gate};
-use crate::classify::vehicle_model::{VehicleModel, class_by_decision};
+use crate::classify::vehicle_model::{VehicleModel, VehicleRule, class_by_decision};
 use crate::complete::completed_object::{box_with_points, merge_points};
 use crate::complete::completion::Completion;
 use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::detection::{DetectedClass, Detection};
-use crate::detector::DetectorOutput;
+use crate::detector::{DetectorOutput, UnlikelyScores};
 use crate::drawn::point_clusters::point_clusters;
 use crate::drawn::vehicle_shapes::vehicle_shapes;
 use crate::fit::fitted_objects::{FittedObject, FittedObjects};
-use crate::params::{ClusterParams, HierarchicalParams};
+use crate::params::{ClusterParams, HierarchicalParams, log_odds};
 use crate::pipeline::frame::Frame;
 use crate::pipeline::stage_list::{Stage, Stages};
 use crate::point_cloud::PointCloud;
@@ -52,7 +52,10 @@ pub fn completion_stages(params: &HierarchicalParams, box_model: Option<Arc<BoxM
     let completed = CompletedObjects {
         cluster: params.cluster.clone(),
         sizes: params.vehicle_size.clone(),
-        ranked_log_odds: params.grouping.ranked_log_odds(),
+        unlikely: UnlikelyScores {
+            above: log_odds(params.grouping.ranked_probability),
+            up_to: params.cluster.vehicle_rule().least_decision,
+        },
         completion: Completion::new(params.completion.clone()),
         point_indices: Vec::new(),
     };
@@ -66,12 +69,11 @@ pub fn least_points(cluster: &ClusterParams, model: Option<&VehicleModel>) -> us
     if model.is_some() { cluster.least_vehicle_points() } else { cluster.min_points }
 }
 
-/// The class of an object: by the decision of a model if there is one, where a vehicle needs `least_points`; else by its
-/// size.
-fn class_of(object: &FittedObject, sizes: &SizeGateParams, least_points: usize) -> DetectedClass {
+/// The class of an object: by the decision of a model and `rule` if there is one; else by its size.
+fn class_of(object: &FittedObject, sizes: &SizeGateParams, rule: VehicleRule) -> DetectedClass {
     let n_points = object.members.len();
     match object.decision {
-        Some(_) => class_by_decision(object.decision, n_points, least_points),
+        Some(_) => class_by_decision(object.decision, n_points, rule),
         None => size_gate(n_points, &object.bounding_box, sizes),
     }
 }
@@ -130,19 +132,21 @@ impl Stage for Decisions {
     }
 }
 
-/// Classifies objects by `decide`, and makes a detection of each as it is. A vehicle needs `least_points`; objects that
-/// `decide` leaves open are classified by `sizes`.
+/// Classifies objects by `decide`, and makes a detection of each as it is. A vehicle needs `least_points`, and a decision
+/// above 0; objects that `decide` leaves open are classified by `sizes`.
 pub fn classification(
     sizes: SizeGateParams,
     least_points: usize,
     decide: impl Fn(&mut FittedObjects) + Send,
 ) -> impl Stage {
+    let rule = VehicleRule { least_points, least_decision: 0.0 };
+    let unlikely = UnlikelyScores { above: NO_VEHICLE, up_to: rule.least_decision };
     move |_: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput| {
         decide(&mut frame.fitted);
         let FittedObjects { objects, members, .. } = &frame.fitted;
         for object in objects {
-            let class = class_of(object, &sizes, least_points);
-            output.push_ranked(object.detection(members, class), NO_VEHICLE);
+            let class = class_of(object, &sizes, rule);
+            output.push_ranked(object.detection(members, class), unlikely);
         }
     }
 }
@@ -152,8 +156,7 @@ pub fn classification(
 struct CompletedObjects {
     cluster: ClusterParams,
     sizes: SizeGateParams,
-    // Log odds of the least likely vehicle that is ranked.
-    ranked_log_odds: f32,
+    unlikely: UnlikelyScores,
     completion: Completion,
     point_indices: Vec<u32>,
 }
@@ -163,17 +166,19 @@ impl CompletedObjects {
     /// points.
     fn drop_background(&self, fitted: &mut FittedObjects, output: &mut DetectorOutput) {
         let FittedObjects { objects, members, .. } = fitted;
+        let least_decision = self.cluster.vehicle_rule().least_decision;
         objects.retain(|it| {
-            let is_kept = !it.has_low_iou || it.is_predicted_vehicle();
+            let is_kept = !it.has_low_iou || it.is_predicted_vehicle(least_decision);
             if !is_kept {
-                output.rank(it.detection(members, DetectedClass::Object), self.ranked_log_odds);
+                output.rank(it.detection(members, DetectedClass::Object), self.unlikely);
             }
             is_kept
         });
         objects.retain(|it| {
-            let is_kept = it.members.len() >= self.cluster.min_points || it.is_predicted_vehicle();
+            let is_kept =
+                it.members.len() >= self.cluster.min_points || it.is_predicted_vehicle(least_decision);
             if !is_kept {
-                output.drop_small(it.detection(members, DetectedClass::Object), self.ranked_log_odds);
+                output.drop_small(it.detection(members, DetectedClass::Object), self.unlikely);
             }
             is_kept
         });
@@ -200,9 +205,9 @@ impl Stage for CompletedObjects {
             merge_points(members.point_indices(&object.members), added.clone(), &mut point_indices);
             let bounding_box = box_with_points(object.bounding_box, cloud, added);
             // Points that were added do not count for the class: no model is trained on them.
-            let class = class_of(object, &self.sizes, self.cluster.least_vehicle_points());
+            let class = class_of(object, &self.sizes, self.cluster.vehicle_rule());
             let detection = Detection::new(&point_indices, bounding_box, class, object.decision);
-            output.push_ranked(detection, self.ranked_log_odds);
+            output.push_ranked(detection, self.unlikely);
         }
         self.point_indices = point_indices;
     }

@@ -12,6 +12,7 @@ pub mod operating_curves;
 pub mod evaluation;
 pub mod example_weights;
 pub mod group_examples;
+pub mod model_odds;
 pub mod boosting;
 pub mod refinement_training;
 pub mod grouping_training;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use evaluation::run::config::override_option::OverrideOption;
+use evaluation::training::model_odds::ModelOdds;
 use evaluation::training::{CHOICE_SEED, HOLD_OUT_EVERY, OTHERS_PER_VEHICLE, PROTOTYPES};
 
 use super::help_text::{JUDGING, TRAINING, with_details};
@@ -84,6 +85,12 @@ pub struct TreeTrainingArgs {
     /// ends in them.
     #[arg(short = 'P', long = "param", value_name = "NAME=VALUE", help_heading = TRAINING)]
     pub parameters: Vec<OverrideOption>,
+    /// Take the log odds of vehicles of this model SLOPE times, and add OFFSET; may be repeated
+    ///
+    /// MODEL is the name in its file: groupings; clusters, kd-tree-trained or kd-tree-tree. On streets odds are right as they
+    /// are; on recorded scans, where more looks like a vehicle and is none, they are too high.
+    #[arg(long, value_name = "MODEL=SLOPE,OFFSET", help_heading = TRAINING, hide_short_help = true)]
+    pub odds: Vec<ModelOdds>,
     /// What is judged by.
     #[command(flatten)]
     pub judging: HeldOutArgs,

@@ -17,6 +17,7 @@ use evaluation::training::CHOICE_SEED;
 use evaluation::training::group_examples::{GroupLabels, LEAST_IOU, ScanGroups, collect_groups};
 use evaluation::training::grouping_training::{LEAST_IOU_OF_VEHICLES, N_GROUPING_FORESTS, train_on_groups};
 use evaluation::training::held_out::HeldOut;
+use evaluation::training::model_odds::ModelOdds;
 use evaluation::training::operating_curves::OperatingCurves;
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
@@ -43,6 +44,7 @@ use crate::commands::train::files::manifest;
 pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
+    check_odds(&arguments.odds, &[GROUPING_MODEL])?;
     let named = claim_named(&arguments.output)?;
     let library = match &arguments.prototypes {
         Some(path) => prototypes_from(path)?,
@@ -61,7 +63,8 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let by_gaps =
         |_: &str, params: &HierarchicalParams, height_m| grouping(Frame::new(params, height_m), params);
     let scans = groups_of_all(&data, &library, &by_gaps, interrupted)?;
-    let trained = TrainedTrees::of(&data, &scans, data.config.hierarchical.grouping.rounds, library)?;
+    let rounds = data.config.hierarchical.grouping.rounds;
+    let trained = TrainedTrees::of(&data, &scans, rounds, library, (GROUPING_MODEL, &arguments.odds))?;
     let made = data.provenance("train groupings", &options(arguments), &arguments.judging, CHOICE_SEED);
     let file = trained.model.to_file(GROUPING_MODEL, made, toml::Table::new()).with_parameters(parameters);
     directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
@@ -92,8 +95,22 @@ pub fn options(arguments: &TreeTrainingArgs) -> Vec<(&'static str, Option<String
     let of_recorded =
         [("--recorded-format", recorded_format.clone()), ("--recorded-scans", recorded_scans.clone())];
     let parameters = arguments.parameters.iter().map(|it| ("-P", Some(it.to_string())));
+    let odds = arguments.odds.iter().map(|it| ("--odds", Some(it.to_string())));
     let options = [("--sensors", sensors), ("--prototypes", prototypes)].into_iter();
-    options.chain(recorded).chain(of_recorded).chain(parameters).collect()
+    options.chain(recorded).chain(of_recorded).chain(parameters).chain(odds).collect()
+}
+
+/// Refuses odds of models that are not among `models`, and two for one of them.
+pub fn check_odds(odds: &[ModelOdds], models: &[&str]) -> Result<(), Usage> {
+    for (index, it) in odds.iter().enumerate() {
+        if !models.contains(&it.model.as_str()) {
+            return Err(Usage(format!("--odds {it}: only {} is trained", models.join(", "))));
+        }
+        if odds[..index].iter().any(|earlier| earlier.model == it.model) {
+            return Err(Usage(format!("--odds {it}: there are other odds for this model")));
+        }
+    }
+    Ok(())
 }
 
 /// Which drives are trained on and which are held out, for people.
@@ -146,12 +163,14 @@ pub struct TrainedTrees {
 }
 
 impl TrainedTrees {
-    /// Trains with those of `scans` that are not held out, for so many `rounds`, and judges by the others.
+    /// Trains a model of this name with those of `scans` that are not held out, for so many `rounds`, gives it its odds if
+    /// some are for it, and judges by the others.
     pub fn of(
         data: &TrainingData<'_>,
         scans: &[(&OpenedDataset, ScanGroups)],
         rounds: u8,
         library: PrototypeLibrary,
+        (name, odds): (&str, &[ModelOdds]),
     ) -> Result<Self, Failure> {
         let (mut judged, mut taught): (Vec<&ScanGroups>, Vec<&ScanGroups>) = (Vec::new(), Vec::new());
         for (opened, it) in scans {
@@ -159,8 +178,9 @@ impl TrainedTrees {
             if is_judged { &mut judged } else { &mut taught }.push(it);
         }
         let progress = progress_over_results(N_GROUPING_FORESTS, 0, "forests");
-        let model = train_on_groups(&taught, rounds, library, &|| progress.inc(1))
+        let mut model = train_on_groups(&taught, rounds, library, &|| progress.inc(1))
             .map_err(|error| nothing(&error))?;
+        model.vehicles = ModelOdds::applied(odds, name, model.vehicles);
         progress.finish_and_clear();
         let judgement = Judgement::of(&model, rounds, &judged);
         let n_taught = taught.iter().map(|it| it.n_labeled()).sum();

@@ -7,9 +7,9 @@ use std::sync::atomic::AtomicBool;
 
 use baselines::kd_tree_groups::component_groups;
 use baselines::kd_tree_linkage::{KdTreeLinkage, NESTED_TOLERANCES_M};
-use baselines::kd_tree_models::{KD_TREE_TREE, TrainedComponents};
+use baselines::kd_tree_models::{KD_TREE_TRAINED, KD_TREE_TREE, TrainedComponents};
 use detector::classify::model_file::ModelFile;
-use detector::classify::vehicle_model::VehicleModel;
+use detector::classify::vehicle_model::{CLUSTER_MODEL, VehicleModel};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use detector::params::{HierarchicalParams, PAPER_SENSOR};
@@ -19,6 +19,7 @@ use evaluation::training::cluster_training::{ClusterExample, described_clusters}
 use evaluation::training::group_examples::ScanGroups;
 use evaluation::training::grouping_training::{VEHICLES, best_tolerances};
 use evaluation::training::model_kind::ModelKind;
+use evaluation::training::model_odds::ModelOdds;
 use evaluation::training::operating_curves::OperatingCurves;
 use evaluation::training::prototypes::is_seen_well;
 use evaluation::training::{CHOICE_SEED, PROTOTYPES};
@@ -38,12 +39,15 @@ use crate::commands::standard_streams::{print_diagnostic, print_result_in};
 use crate::commands::train::clusters::{ClustersOf, prototypes_of};
 use crate::commands::train::data::{TrainingData, TrainingParameters, nothing, weights_of};
 use crate::commands::train::files::manifest;
-use crate::commands::train::groupings::{TrainedTrees, drives, groups_of_all, options, prototypes_from};
+use crate::commands::train::groupings::{
+    TrainedTrees, check_odds, drives, groups_of_all, options, prototypes_from,
+};
 
 /// Trains the models of the rivals over a kd-tree, evaluates them on held-out drives, and writes and prints the result.
 pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
+    check_odds(&arguments.odds, &[CLUSTER_MODEL, KD_TREE_TRAINED, KD_TREE_TREE])?;
     let named = claim_named(&arguments.output)?;
     let TrainingParameters { config, parameters } = TrainingParameters::of(&arguments.parameters)?;
     let data = TrainingData::open(
@@ -60,7 +64,7 @@ pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
         Some(path) => prototypes_from(path)?,
         None => found_prototypes(&data, made.clone(), interrupted)?,
     };
-    let rivals = Rivals::train(&data, library, interrupted)?;
+    let rivals = Rivals::train(&data, library, &arguments.odds, interrupted)?;
     let text = rivals.text(&data);
     directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
     for (name, content) in rivals.files(&made, &parameters)? {
@@ -88,23 +92,24 @@ impl Rivals {
     fn train(
         data: &TrainingData<'_>,
         library: PrototypeLibrary,
+        odds: &[ModelOdds],
         interrupted: &AtomicBool,
     ) -> Result<Self, Failure> {
         let rounds = data.config.hierarchical.grouping.rounds;
-        let clusters = TrainedClusters::of(data, &library, interrupted)?;
+        let clusters = TrainedClusters::of(data, &library, odds, interrupted)?;
         let nested_for = |_: &str, params: &HierarchicalParams, height_m| {
             component_groups(KdTreeLinkage::nested(), params, height_m)
         };
         let scans = groups_of_all(data, &library, &nested_for, interrupted)?;
         let tolerances_m = chosen_tolerances(data, &scans)?;
-        let nested = TrainedTrees::of(data, &scans, rounds, library.clone())?;
+        let nested = TrainedTrees::of(data, &scans, rounds, library.clone(), (KD_TREE_TREE, odds))?;
         drop(scans);
         let components_for = |sensor: &str, params: &HierarchicalParams, height_m| {
             let tolerance_m = tolerances_m.get(sensor).unwrap_or(&tolerances_m[PAPER_SENSOR]);
             component_groups(KdTreeLinkage::at(*tolerance_m), params, height_m)
         };
         let scans = groups_of_all(data, &library, &components_for, interrupted)?;
-        let components = TrainedTrees::of(data, &scans, rounds, library)?;
+        let components = TrainedTrees::of(data, &scans, rounds, library, (KD_TREE_TRAINED, odds))?;
         Ok(Self { clusters, nested, components, tolerances_m })
     }
 
@@ -192,6 +197,7 @@ impl TrainedClusters {
     fn of(
         data: &TrainingData<'_>,
         library: &PrototypeLibrary,
+        odds: &[ModelOdds],
         interrupted: &AtomicBool,
     ) -> Result<Self, Failure> {
         let (mut taught, mut judged): (Vec<ClusterExample>, Vec<ClusterExample>) = (Vec::new(), Vec::new());
@@ -214,6 +220,7 @@ impl TrainedClusters {
         let are_vehicles: Vec<f64> = taught.iter().map(|it| f64::from(u8::from(it.is_vehicle))).collect();
         let forest = boost(&values, (&are_vehicles, &weights), Target::Yes, &VEHICLES)
             .map_err(|error| nothing(&error))?;
+        let forest = ModelOdds::applied(odds, CLUSTER_MODEL, forest);
         let curves = OperatingCurves::of(judged.iter().map(|it| (forest.sum(&it.values), it.is_vehicle)));
         Ok(Self { model: VehicleModel::new(library.clone(), forest), n_taught: taught.len(), curves })
     }
