@@ -306,6 +306,12 @@ SHOWN = {
         {"table_objects.csv": BY_DATASET.format("9,0.5,", "9,0.6,"),
          "table_vehicles.csv": BY_DATASET.format("8,0.5,0.7", "8,0.6,0.8")},
         "| --: |\n| kitti, recall of 9 objects | 50.0 | 60.0 |\n| kitti, 8 vehicles | 70.0 | 80.0 |"),
+    "an interval is that of the rate that is shown": (
+        "rates-with-intervals objects",
+        {"table_objects.csv": "source,dataset,detector,n_scans,no,recall,f_rate,recall_low,recall_high,f_rate_low,f_rate_high,few_blocks\n"
+         "measured,kitti,grid,3,9,0.5,,0.4,0.6,,,true\nmeasured,overall,grid,3,9,0.5,0.7,0.4,0.6,0.65,0.75,false\n"},
+        "| --: |\n| kitti, recall | 3 | 9 | 50.0 (40.0 to 60.0)§ |\n| all | 3 | 9 | 70.0 (65.0 to 75.0) |"
+        "\n\n§ from fewer than ten blocks of scans: too few for a reliable interval."),
     "a pair of detectors has both tasks in a row": (
         "compared-detectors", {"printed": PAIRS}, "| tree − grid | +1.00 | +0.50 to +1.50 | −2.00 | −3.00 to −1.00 |"),
     "slices have the right box of two kinds": (

@@ -36,11 +36,20 @@ pub trait ResultWriter {
     }
 }
 
-/// All that evaluators may rank: the detections, then the unlikely vehicles, which is said of each.
+/// All that evaluators may rank: the detections, then the unlikely vehicles, which is said of each. Their boxes have a volume:
+/// of a fence that is seen from its end the points lie in one plane, and readers take a side of 0 for damage.
 fn ranked(output: &DetectorOutput) -> impl Iterator<Item = (Detection<'_>, bool)> {
     let detections = output.detections.iter().map(|it| (it, false));
-    detections.chain(output.unlikely_vehicles.iter().map(|it| (it, true)))
+    let all = detections.chain(output.unlikely_vehicles.iter().map(|it| (it, true)));
+    all.map(|(mut it, is_unlikely)| {
+        it.bounding_box.length_width_height_m =
+            it.bounding_box.length_width_height_m.map(|side_m| side_m.max(LEAST_SIDE_M));
+        (it, is_unlikely)
+    })
 }
+
+/// No side of a written box is shorter.
+const LEAST_SIDE_M: f32 = 0.01;
 
 /// Files that are complete.
 pub type CompleteFiles = Result<Vec<ResultFile>, ConversionError>;
@@ -48,4 +57,25 @@ pub type CompleteFiles = Result<Vec<ResultFile>, ConversionError>;
 /// The error of a writer for a data set that its format is not for.
 fn unwritable(scan: &LabeledScan, format: &'static str, problem: &str) -> ConversionError {
     ConversionError::Unwritable { scan: scan.id.to_string(), format, problem: problem.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use detector::{DetectedClass, OrientedBox};
+
+    use super::*;
+
+    #[test]
+    fn a_written_box_has_a_volume_and_a_solid_one_stays_as_it_is() {
+        let mut output = DetectorOutput::default();
+        let fence =
+            OrientedBox { center_m: [9.0, 2.0, -1.0], length_width_height_m: [1.9, 0.0, 1.7], yaw_rad: 0.3 };
+        let car = OrientedBox { length_width_height_m: [4.2, 1.7, 1.5], ..fence };
+        output.detections.push(Detection::new(&[0], fence, DetectedClass::Object, None));
+        output.unlikely_vehicles.push(Detection::new(&[], car, DetectedClass::Vehicle, None));
+        let written: Vec<_> =
+            ranked(&output).map(|(it, is_unlikely)| (it.bounding_box, is_unlikely)).collect();
+        let fence = OrientedBox { length_width_height_m: [1.9, LEAST_SIDE_M, 1.7], ..fence };
+        assert_eq!(written, [(fence, false), (car, true)]);
+    }
 }
