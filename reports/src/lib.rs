@@ -22,6 +22,7 @@ pub mod reproduction;
 // How it is shown.
 pub mod tables;
 pub mod plots;
+pub mod facts;
 pub mod pages;
 
 // What programs of others may rely on.

@@ -31,12 +31,12 @@ impl PrecisionRecallRow {
             dataset,
             task,
             detector,
-            min_score: Fixed(f64::from(point.min_score)),
+            min_score: Fixed::rounded(f64::from(point.min_score)),
             no,
             tp: point.tp,
             fo: point.fo,
-            precision: Fixed(point.precision()),
-            recall: (no > 0).then(|| Fixed(point.tp as f64 / no as f64)),
+            precision: Fixed::rounded(point.precision()),
+            recall: (no > 0).then(|| Fixed::rounded(point.tp as f64 / no as f64)),
         }
     }
 

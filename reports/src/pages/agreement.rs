@@ -4,7 +4,7 @@ use maud::html;
 
 use super::document::Section;
 use super::markup::titled_tables;
-use super::run_facts::RunFacts;
+use crate::facts::run_facts::RunFacts;
 use crate::tables::agreement_table::AgreementOfDetectors;
 use crate::tables::sheet::Tabular as _;
 

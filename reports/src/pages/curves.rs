@@ -4,7 +4,7 @@ use maud::html;
 
 use super::document::Section;
 use super::markup::{Figure, FigureMarkup};
-use super::run_facts::{DatasetCurves, RunFacts};
+use crate::facts::run_facts::{DatasetCurves, RunFacts};
 use crate::numbers::calibration::{CalibrationBin, calibration_error, calibration_of_scores};
 use crate::plots::recall_plot::recall_plot;
 use crate::plots::reliability_plot::{LEAST_IN_BIN, reliability_plot};

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::document::Section;
 use super::markup::{Figure, FigureMarkup, sentences, table};
-use super::run_facts::RunFacts;
+use crate::facts::run_facts::RunFacts;
 use crate::plots::loss_plot::{Losses, loss_plot};
 use crate::plots::themed_panel::ThemedPanel;
 use crate::rows::error_row::ErrorRow;

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::document::Section;
 use super::markup::{Figure, wide_picture};
-use super::run_facts::RunFacts;
+use crate::facts::run_facts::RunFacts;
 use crate::plots::box_points_plot::box_points_plot;
 
 pub(super) fn labels(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Section> {

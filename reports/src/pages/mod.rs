@@ -2,8 +2,6 @@
 //!
 //! It is made of the files of the run directory alone, so that it can be made again at any time.
 
-mod of_some_runs;
-mod run_facts;
 mod markup;
 mod again;
 mod document;

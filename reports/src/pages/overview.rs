@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::document::Section;
 use super::markup::{Figure, FigureMarkup};
-use super::run_facts::{FailedDetector, PoolFacts, RunFacts};
+use crate::facts::run_facts::{FailedDetector, PoolFacts, RunFacts};
 use crate::plots::ranking_plot::{RankingRow, ranking_plot};
 use crate::rows::scan_name::ScanName;
 use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, Recordings};

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::document::Section;
 use super::markup::{sentences, table};
-use super::run_facts::RunFacts;
+use crate::facts::run_facts::RunFacts;
 use crate::tables::protocol_table::{ProtocolLines, ProtocolTable};
 use crate::tables::sheet::Tabular as _;
 

@@ -4,7 +4,7 @@ use maud::html;
 
 use super::document::Section;
 use super::markup::{Figure, FigureMarkup};
-use super::run_facts::{RunFacts, TaskRanges};
+use crate::facts::run_facts::{RunFacts, TaskRanges};
 use crate::plots::range_plot::range_plot;
 use crate::plots::series::key_of;
 

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::again::Made;
 use super::document::Section;
 use super::markup::commands;
-use super::run_facts::RunFacts;
+use crate::facts::run_facts::RunFacts;
 use crate::run_folder::command_line::shell_word;
 use crate::run_folder::manifest::{DatasetEntry, ForeignEntry, Manifest};
 

@@ -13,21 +13,15 @@ use super::parameters::parameters;
 use super::protocols::protocols;
 use super::ranges::ranges;
 use super::reproduction::reproduction;
-use super::run_facts::RunFacts;
 use super::task_tables::task_tables;
 use super::times::times;
 use super::worst::worst;
+use crate::facts::run_facts::RunFacts;
 use crate::files::archive::ArchiveError;
 use crate::files::new_file::make_folder;
 use crate::files::whole_file::write_whole;
 use crate::plots::pdf::figure_files;
-use crate::rows::error_row::ErrorRow;
 use crate::run_folder::run_directory::{FIGURES, REPORT_HTML};
-use crate::tables::protocol_in_short::ProtocolInShort;
-use crate::tables::run_in_short::RunInShort;
-use crate::tables::task_table::{TableError, TaskTable, task_tables as tables_of};
-use crate::verdicts::task_ranking::{Speeds, TaskRanking};
-use crate::verdicts::times_doubt::times_doubts;
 
 /// The page of a run, and its figures as files.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,51 +30,30 @@ pub struct RunPage {
     pub html: String,
     /// What goes into the folder [`FIGURES`].
     pub figures: Vec<Figure>,
-    /// What a terminal shows of it.
-    pub short: RunInShort,
-    /// The rows of `errors.csv`.
-    pub errors: Vec<ErrorRow>,
-}
-
-/// Why there is no page.
-#[derive(Debug, thiserror::Error)]
-pub enum PageError {
-    /// A file of the run cannot be read, or the page not be written.
-    #[error(transparent)]
-    Archive(#[from] ArchiveError),
-    /// The files of the run do not fit together.
-    #[error(transparent)]
-    Table(#[from] TableError),
 }
 
 impl RunPage {
-    /// The page of the run in `directory`, made of its files alone.
-    ///
-    /// # Errors
-    ///
-    /// [`PageError`] if a file is missing or damaged, or files do not fit together.
-    pub fn of(directory: &Path) -> Result<Self, PageError> {
-        let facts = RunFacts::read(directory)?;
-        let tables = tables_of(&facts.report, &facts.manifest)?;
+    /// The page of a run.
+    pub fn of(facts: &RunFacts) -> Self {
         let mut figures = Vec::new();
-        let mut sections = vec![verdict(&facts, &mut figures)];
+        let mut sections = vec![verdict(facts, &mut figures)];
         if facts.is_scored() {
-            sections.push(task_tables(&tables));
-            sections.extend(protocols(&facts));
-            sections.push(ranges(&facts, &mut figures));
-            sections.extend(curves(&facts, &mut figures));
+            sections.push(task_tables(&facts.tables));
+            sections.extend(protocols(facts));
+            sections.push(ranges(facts, &mut figures));
+            sections.extend(curves(facts, &mut figures));
         }
-        sections.extend(agreement(&facts));
-        sections.push(times(&facts, &mut figures));
+        sections.extend(agreement(facts));
+        sections.push(times(facts, &mut figures));
         if facts.is_scored() {
-            sections.extend(errors(&facts, &mut figures));
-            sections.extend(worst(&facts));
+            sections.extend(errors(facts, &mut figures));
+            sections.extend(worst(facts));
         }
-        sections.extend(labels(&facts, &mut figures));
-        sections.push(reproduction(&facts));
+        sections.extend(labels(facts, &mut figures));
+        sections.push(reproduction(facts));
         sections.push(parameters(&facts.manifest));
-        let html = document(&heading(&facts), &header(&facts), &sections);
-        Ok(Self { html, figures, short: short(&facts, tables), errors: facts.errors })
+        let html = document(&heading(facts), &header(facts), &sections);
+        Self { html, figures }
     }
 
     /// Writes the page and its figures into `directory`.
@@ -100,23 +73,6 @@ impl RunPage {
     }
 }
 
-/// What a terminal shows: tables of data sets that have labels, and who leads on these.
-fn short(facts: &RunFacts, tables: Vec<TaskTable>) -> RunInShort {
-    let verdict = facts.rankings.iter().map(TaskRanking::short_sentence);
-    RunInShort {
-        tables: if facts.is_scored() { tables } else { Vec::new() },
-        protocols: facts
-            .protocols
-            .as_ref()
-            .map_or_else(Vec::new, |it| ProtocolInShort::all(it, &facts.manifest, &facts.given)),
-        agreement: facts.agreement.clone(),
-        verdict: verdict
-            .chain(facts.speeds.iter().filter(|it| !it.is_doubted).filter_map(Speeds::sentence))
-            .chain(times_doubts(&facts.manifest, &facts.report))
-            .collect(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,8 +83,12 @@ mod tests {
 
     /// The page with blanks that may break.
     fn page(run: &SampleRun<'_>) -> RunPage {
-        let page = RunPage::of(run.write().path()).unwrap();
+        let page = page_in(run.write().path());
         RunPage { html: page.html.replace('\u{a0}', " "), ..page }
+    }
+
+    fn page_in(folder: &Path) -> RunPage {
+        RunPage::of(&RunFacts::read(folder).unwrap())
     }
 
     fn names(page: &RunPage) -> Vec<&str> {
@@ -228,11 +188,12 @@ mod tests {
 
     #[test]
     fn nothing_rests_on_times_of_a_busy_machine() {
-        let page = page(&SampleRun { processor_share: 0.6, ..USUAL });
+        let busy = SampleRun { processor_share: 0.6, ..USUAL };
+        let page = page(&busy);
         let said = "No statement on speed: the machine was busy, so times are unreliable.";
         check_holds(&page.html, &[said, "250<sup>‖</sup>", "‖ unreliable: the machine was busy."]);
         assert!(!page.html.contains("× faster"), "{}", page.html);
-        let verdict = page.short.verdict.join(" ");
+        let verdict = RunFacts::read(busy.write().path()).unwrap().in_short().verdict.join(" ");
         assert!(verdict.contains("Times are unreliable") && !verdict.contains("faster"), "{verdict}");
     }
 
@@ -313,18 +274,18 @@ mod tests {
     #[test]
     fn a_recording_is_linked_where_there_is_one() {
         let folder = USUAL.write();
-        assert!(!RunPage::of(folder.path()).unwrap().html.contains("run.rrd"));
+        assert!(!page_in(folder.path()).html.contains("run.rrd"));
         std::fs::write(folder.path().join("run.rrd"), "").unwrap();
-        let html = RunPage::of(folder.path()).unwrap().html;
+        let html = page_in(folder.path()).html;
         check_holds(&html, &["href=\"run.rrd\"", "rerun --web-viewer run.rrd"]);
     }
 
     #[test]
     fn the_same_run_gives_the_same_bytes() {
         let folder = USUAL.write();
-        let page = RunPage::of(folder.path()).unwrap();
+        let page = page_in(folder.path());
         page.write(folder.path()).unwrap();
-        assert_eq!(RunPage::of(folder.path()).unwrap(), page);
+        assert_eq!(page_in(folder.path()), page);
         let written = std::fs::read_to_string(folder.path().join(REPORT_HTML)).unwrap();
         assert_eq!(written, page.html);
         for name in ["ranking.svg", "ranking.pdf"] {
@@ -336,7 +297,7 @@ mod tests {
     fn a_missing_file_is_an_error_that_names_it() {
         let folder = USUAL.write();
         std::fs::remove_file(folder.path().join(MATCHES_CSV)).unwrap();
-        let error = RunPage::of(folder.path()).unwrap_err();
+        let error = RunFacts::read(folder.path()).unwrap_err();
         assert!(error.to_string().contains(MATCHES_CSV), "{error}");
     }
 }

@@ -4,7 +4,7 @@ use maud::html;
 
 use super::document::Section;
 use super::markup::{Figure, FigureMarkup, sentences, table};
-use super::run_facts::RunFacts;
+use crate::facts::run_facts::RunFacts;
 use crate::plots::latency_plot::latency_plot;
 use crate::plots::series::key_of;
 use crate::plots::stage_plot::stage_plot;

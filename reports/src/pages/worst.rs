@@ -4,7 +4,8 @@ use maud::{Markup, PreEscaped, html};
 
 use super::document::Section;
 use super::markup::key;
-use super::run_facts::{RunFacts, SeenBox, scan_name};
+use crate::facts::run_facts::RunFacts;
+use crate::facts::seen_boxes::{SeenBox, scan_name};
 use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
 use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::task::Task;
@@ -56,7 +57,7 @@ fn scene(
     task: Task,
     detector: &str,
     kind: Option<MistakeKind>,
-    worst: &WorstObject<()>,
+    worst: &WorstObject<usize>,
 ) -> Markup {
     let word = kind.map_or("matched", MistakeKind::name);
     let boxes = facts.boxes.get(&scan_name(worst)).map_or(&[][..], Vec::as_slice);

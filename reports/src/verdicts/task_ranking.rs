@@ -6,7 +6,7 @@ use crate::numbers::pools::Pool;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::numbers::tally::Tally;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
-use crate::uncertainty::sample::Question;
+use crate::uncertainty::sample::{Draw, Question};
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::verdicts::times_doubt::share_on_busy_machine;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
@@ -67,8 +67,7 @@ pub fn origin_of_run(manifest: &Manifest) -> Origin {
 }
 
 /// The rankings in all tasks of a run: one for the recorded data sets, and one for the simulated ones.
-pub fn rankings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<TaskRanking> {
-    let draws = tally.draw();
+pub fn rankings(tally: &Tally, draws: &[Draw], manifest: &Manifest, report: &RunReport) -> Vec<TaskRanking> {
     let pools = tally.pools();
     let ranking = |task: Task, pool: &Pool| {
         let dataset = pool.extent.name();
@@ -99,7 +98,7 @@ pub fn rankings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<T
         });
         let lead = detectors.get(1).and_then(|second| {
             let sample =
-                |detector| tally.sample(&Question { dataset, task, detector, slice: Slice::All }, &draws);
+                |detector| tally.sample(&Question { dataset, task, detector, slice: Slice::All }, draws);
             paired_difference(&sample(&second.detector)?, &sample(&detectors[0].detector)?, &metric)
         });
         let suspect = those_with(manifest, pool, |it| &it.doubts);

@@ -109,8 +109,8 @@ pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<Sca
 
 /// Writes the files that only an ablation has into `directory`.
 pub fn write_ablation(directory: &RunDirectory, run: &WholeRun) -> Result<Printed, Failure> {
-    let of_task = run.numbers.short.tables.iter().filter(|it| it.task == TASK);
-    let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &run.numbers.report)).collect();
+    let of_task = run.facts.tables.iter().filter(|it| it.task == TASK);
+    let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &run.facts.report)).collect();
     tables.iter().try_for_each(|it| write_files(directory, it))?;
     let texts: Vec<String> = tables.iter().map(|it| terminal().text(it)).collect();
     Ok(Printed { files: "Ablation", text: texts.join("\n") })

@@ -23,7 +23,6 @@ use evaluation::sweep::sweep_plan::SweepPlanError;
 use reports::files::archive::ArchiveError;
 use reports::files::causes::with_causes;
 use reports::numbers::run_report::RunReportError;
-use reports::pages::run_page::PageError;
 use reports::run_folder::run_target::RunDirectoryError;
 use reports::run_folder::shard_check::ShardMismatch;
 use reports::tables::task_table::TableError;
@@ -305,15 +304,6 @@ impl From<ArchiveError> for Failure {
             | ArchiveError::Csv { .. }
             | ArchiveError::Contradiction { .. }
             | ArchiveError::Columns { .. } => Self::Internal(error.into()),
-        }
-    }
-}
-
-impl From<PageError> for Failure {
-    fn from(error: PageError) -> Self {
-        match error {
-            PageError::Archive(error) => error.into(),
-            PageError::Table(error) => error.into(),
         }
     }
 }

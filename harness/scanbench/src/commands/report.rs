@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use evaluation::partial::methods::OURS;
+use reports::facts::run_facts::RunFacts;
 use reports::files::archive::ArchiveError;
 use reports::pages::partial_page::PartialPage;
 use reports::pages::run_page::RunPage;
@@ -46,13 +47,13 @@ pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
         let page = PartialPage::of(directory, OURS);
         page.map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
     } else {
-        let page = RunPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?;
-        page.write(directory).map_err(|error| match error {
+        let facts = RunFacts::read(directory).map_err(|error| Failure::damaged_run(directory, error))?;
+        RunPage::of(&facts).write(directory).map_err(|error| match error {
             ArchiveError::Write { .. } => error.into(),
             // What a figure shows comes from the run, too.
             error => Failure::damaged_run(directory, error),
         })?;
-        return print_result_in("Run directory", directory, in_short(&page.short));
+        return print_result_in("Run directory", directory, in_short(&facts.in_short()));
     }
     let page = directory.join(REPORT_HTML);
     if is_said(Verbosity::Usual) {

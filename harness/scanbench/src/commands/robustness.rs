@@ -121,11 +121,11 @@ fn with_other_training(directory: &Path, config: &RunConfig) -> Result<ComparedD
 /// Writes the files that only this study has into `directory`.
 pub fn write_robustness(directory: &RunDirectory, run: &WholeRun) -> Result<Printed, Failure> {
     let named: Vec<NamedCondition> = CONDITIONS.iter().map(named).collect();
-    let conditions = &condition_scores(&named, &run.numbers.short.tables)[..];
+    let conditions = &condition_scores(&named, &run.facts.tables)[..];
     let rows: Vec<ConditionRow> = conditions.iter().flat_map(ConditionRow::simulated).collect();
     directory.write_file("robustness.csv", &to_csv_bytes(&rows)?)?;
     write_figure(directory, "robustness", &robustness_plot(conditions))?;
-    let table = RobustnessTable { conditions, notes: &notes(&run.manifest) };
+    let table = RobustnessTable { conditions, notes: &notes(&run.facts.manifest) };
     write_table(directory, "robustness", &table)?;
     Ok(Printed { files: "Tables", text: terminal().text(&table) })
 }

@@ -1,13 +1,13 @@
-//! What a run leaves behind once all scans are judged: its numbers, their tables and the page.
+//! Files that a run leaves once all scans are judged: numbers, their tables, the page.
 
 use evaluation::metrics::counts::SCORING_VERSION;
+use reports::facts::run_facts::RunFacts;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::processor_time_row::ProcessorTimeRow;
 use reports::numbers::run_report::RunReport;
 use reports::numbers::tally::Tally;
 use reports::pages::run_page::RunPage;
 use reports::protocols::protocol_report::ProtocolReport;
-use reports::protocols::protocol_tally::ProtocolTally;
 use reports::rows::agreement_row::AgreementRow;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{
@@ -20,51 +20,30 @@ use reports::tables::formats::format::Format as _;
 use reports::tables::formats::lists::{TABLE_FORMATS, protocol_formats};
 use reports::tables::formats::markdown::Markdown;
 use reports::tables::protocol_table::{ProtocolLines, ProtocolTable};
-use reports::tables::run_in_short::RunInShort;
 use reports::tables::stage_table::StageTable;
-use reports::tables::task_table::task_tables;
 use reports::tables::times_table::TimesTable;
 
 use crate::commands::failure::Failure;
 use crate::commands::paper_files::write_table;
 use crate::commands::standard_streams::terminal;
 
-/// The numbers of a run, and their tables.
-pub struct RunNumbers {
-    /// The numbers.
-    pub report: RunReport,
-    /// What is printed of it.
-    pub short: RunInShort,
-    /// How long detection took.
-    pub times: TimesTable,
-}
-
-/// Makes the numbers of `tally` and writes them into `directory` in all their forms. The page is made of the files, so that
-/// `scanbench report` makes the same.
-pub fn write_numbers(
-    directory: &RunDirectory,
-    manifest: &Manifest,
-    tally: &Tally,
-) -> Result<RunNumbers, Failure> {
-    let report = tally.report(SCORING_VERSION)?;
+/// Writes numbers, tables and page of a run into `directory`.
+pub fn write_facts(directory: &RunDirectory, facts: &RunFacts) -> Result<(), Failure> {
+    let RunFacts { manifest, report, .. } = facts;
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     directory.write_file(REPORT_JSON, report.to_json().as_bytes())?;
-    let tables = task_tables(&report, manifest)?;
-    for table in &tables {
+    for table in &facts.tables {
         for format in TABLE_FORMATS {
             directory.write_file(&format.file_name(&table.file_stem()), format.text(table).as_bytes())?;
         }
     }
-    let times = TimesTable::new(&report, manifest);
-    directory.write_file("table_times.md", Markdown.text(&times).as_bytes())?;
-    if let Some(stages) = StageTable::new(&report, manifest) {
+    directory.write_file("table_times.md", Markdown.text(&TimesTable::new(report, manifest)).as_bytes())?;
+    if let Some(stages) = StageTable::new(report, manifest) {
         directory.write_file("table_stages.md", Markdown.text(&stages).as_bytes())?;
     }
-    directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&tally.precision_recall_rows())?)?;
-    let page = RunPage::of(directory.folder())?;
-    directory.write_file(ERRORS_CSV, &to_csv_bytes(&page.errors)?)?;
-    page.write(directory.folder())?;
-    Ok(RunNumbers { report, short: page.short, times })
+    directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&facts.tally.precision_recall_rows())?)?;
+    directory.write_file(ERRORS_CSV, &to_csv_bytes(&facts.errors)?)?;
+    Ok(RunPage::of(facts).write(directory.folder())?)
 }
 
 /// Writes how far detectors agree where nothing is labelled, and returns the table; `None` if everything is.
@@ -78,25 +57,20 @@ pub fn write_agreement(directory: &RunDirectory, rows: &[AgreementRow]) -> Resul
     Ok(Some(terminal().text(&table)))
 }
 
-/// Makes the numbers of rows under protocols and writes them into `directory` in all their forms. Returns what is printed:
-/// the short table of each protocol. Nothing where the run was evaluated under none.
+/// Writes the numbers of `manifest`'s run under protocols into `directory` in all their forms. Returns what is printed: the
+/// short table of each protocol.
 pub fn write_protocols(
     directory: &RunDirectory,
     manifest: &Manifest,
-    tally: &Tally,
-    rows: &ProtocolTally,
+    report: &ProtocolReport,
 ) -> Result<Vec<String>, Failure> {
-    if manifest.protocols.is_empty() {
-        return Ok(Vec::new());
-    }
-    let report = ProtocolReport::new(rows.numbers(tally));
     directory.write_file(PROTOCOLS_JSON, report.to_json().as_bytes())?;
-    for table in ProtocolTable::all(&report, manifest, ProtocolLines::Every) {
+    for table in ProtocolTable::all(report, manifest, ProtocolLines::Every) {
         for format in protocol_formats() {
             directory.write_file(&format.file_name(&table.file_stem()), format.text(&table).as_bytes())?;
         }
     }
-    let short = ProtocolTable::all(&report, manifest, ProtocolLines::Short);
+    let short = ProtocolTable::all(report, manifest, ProtocolLines::Short);
     for table in short.iter().filter(|it| it.is_short()) {
         write_table(directory, &table.file_stem(), table)?;
     }

@@ -8,6 +8,7 @@ use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ListedDetector, built_in_named};
 use evaluation::run::scan_recorder::FigureView;
+use reports::facts::run_facts::RunFacts;
 use reports::files::archive::{ArchiveError, SCHEMA};
 use reports::files::csv_rows::csv_of_cells;
 use reports::pages::reproduction_page::{PageFigure, ReproductionPage};
@@ -113,7 +114,7 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
 
 /// Judges the claims by the run that shards came to, on the scans that their command names.
 pub fn merge_reproduction(whole: &WholeRun, directory: RunDirectory) -> Result<(), Failure> {
-    let manifest = &whole.manifest;
+    let manifest = &whole.facts.manifest;
     let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
     let Ok(Command::Reproduce(arguments)) = parsed else {
         let line = manifest.argv.join(" ");
@@ -143,10 +144,10 @@ fn judge(
     whole: &WholeRun,
 ) -> Result<Vec<JudgedClaim>, Failure> {
     let settings = SettingsStudy::run(arguments, config, interruption_flag())?;
-    let WholeRun { tally, numbers, .. } = whole;
+    let RunFacts { tally, report, .. } = &whole.facts;
     let leads = LeadsOf::new(tally);
     let rates = RateTables { tally, leads: &leads };
-    let of_run = (tally, &leads, &numbers.report);
+    let of_run = (tally, &leads, report);
     let papers = papers(arguments.paper);
     let of_bg = papers.contains(&Paper::BagOfGraphs);
     let objects =

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use reports::tables::formats::format::Format as _;
 use reports::tables::run_in_short::RunInShort;
+use reports::tables::times_table::TimesTable;
 
 use crate::commands::failure::Failure;
 use crate::commands::shards::whole_run::WholeRun;
@@ -11,14 +12,15 @@ use crate::commands::standard_streams::{Verbosity, is_said, print_result, print_
 
 /// Prints what `run` came to, which has been written to `finished`; with `--verbose` all its tables before that.
 pub fn print_ending(run: &WholeRun, finished: &Path) -> Result<(), Failure> {
-    let WholeRun { numbers, more, .. } = run;
+    let (facts, short) = (&run.facts, run.facts.in_short());
     let mut printed = Ok(());
     if is_said(Verbosity::Verbose) {
-        let tables = numbers.short.tables.iter().map(|it| terminal().text(it));
-        let texts = tables.chain(more.iter().cloned()).chain([terminal().text(&numbers.times)]);
+        let times = TimesTable::new(&facts.report, &facts.manifest);
+        let tables = short.tables.iter().map(|it| terminal().text(it));
+        let texts = tables.chain(run.more.iter().cloned()).chain([terminal().text(&times)]);
         printed = { texts }.try_for_each(print_result);
     }
-    print_result_in("Run directory", finished, in_short(&numbers.short)).and(printed)
+    print_result_in("Run directory", finished, in_short(&short)).and(printed)
 }
 
 /// Tables, and the verdict last.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::io::{self, Read, Write as _};
 use std::path::PathBuf;
 
+use reports::facts::gathered_run::GatheredRun;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::{CsvRow, csv_head, each_row_of};
 use reports::files::whole_file::WholeFile;
@@ -22,7 +23,6 @@ use reports::run_folder::run_directory::{
 };
 use reports::run_folder::shard_check::ShardMismatch;
 use reports::run_folder::shard_record::processors_of;
-use reports::worst::objects::WorstObjects;
 
 use super::shard_directory::{FileOfShard, ShardDirectory};
 use crate::commands::failure::Failure;
@@ -30,12 +30,10 @@ use crate::commands::progress::progress_over_results;
 
 /// What rows of shards come to.
 pub struct MergedRows {
-    /// Their sums.
-    pub tally: Tally,
-    /// Those of rows under protocols of others.
+    /// Their sums and their worst mistakes.
+    pub gathered: GatheredRun,
+    /// The sums of rows under protocols of others.
     pub protocols: ProtocolTally,
-    /// The worst mistakes, with the index of the shard that each is in.
-    pub worst: WorstObjects<usize>,
     /// The times of each kind of processor by themselves, where these are unlike.
     pub of_processors: Vec<(String, Tally)>,
 }
@@ -49,9 +47,8 @@ pub fn merge_rows(
     let processors = processors_of(&manifest.shards);
     let unlike = processors.iter().filter(|_| processors.len() > 1);
     let mut merged = MergedRows {
-        tally: manifest.tally(),
+        gathered: GatheredRun::of(manifest),
         protocols: ProtocolTally::default(),
-        worst: WorstObjects::default(),
         of_processors: unlike.map(|it| ((*it).to_owned(), Tally::default())).collect(),
     };
     let progress = progress_over_results(3 * shards.len(), 0, "files");
@@ -63,17 +60,13 @@ pub fn merge_rows(
     output.finish()?;
     let mut output = Output::begin::<MatchRow>(directory, MATCHES_CSV)?;
     for (shard_idx, shard) in shards.iter().enumerate() {
-        let MergedRows { tally, worst, .. } = &mut merged;
-        copy_rows(shard, &mut output, |row: MatchRow| {
-            tally.add_match(&row);
-            worst.add(&row, |_| shard_idx);
-        })?;
+        copy_rows(shard, &mut output, |row: MatchRow| merged.gathered.add_match(&row, shard_idx))?;
         progress.inc(1);
     }
     output.finish()?;
     let mut output = Output::begin::<StageRow>(directory, STAGES_CSV)?;
     for shard in shards {
-        copy_rows(shard, &mut output, |row: StageRow| merged.tally.add_stage(&row))?;
+        copy_rows(shard, &mut output, |row: StageRow| merged.gathered.add_stage(&row))?;
         progress.inc(1);
     }
     output.finish()?;
@@ -90,7 +83,7 @@ impl MergedRows {
         manifest: &Manifest,
         directory: &RunDirectory,
     ) -> Result<(), Failure> {
-        let tally = &mut self.protocols;
+        let Self { gathered, protocols: tally, .. } = self;
         let names: BTreeSet<&str> = manifest.protocols.iter().map(|it| protocol_file(*it)).collect();
         for name in PROTOCOL_FILES.into_iter().filter(|it| names.contains(it)) {
             let mut output = match name {
@@ -100,8 +93,14 @@ impl MergedRows {
             };
             for shard in shards {
                 match name {
-                    PROTOCOL_BOXES_CSV => copy_rows(shard, &mut output, |row| tally.add_ranked_box(&row))?,
-                    KITTI_OBJECT_CSV => copy_rows(shard, &mut output, |row| tally.add_kitti_object(&row))?,
+                    PROTOCOL_BOXES_CSV => copy_rows(shard, &mut output, |row| {
+                        gathered.add_ranked_box(&row);
+                        tally.add_ranked_box(&row);
+                    })?,
+                    KITTI_OBJECT_CSV => copy_rows(shard, &mut output, |row| {
+                        gathered.add_kitti_object(&row);
+                        tally.add_kitti_object(&row);
+                    })?,
                     _ => copy_rows(shard, &mut output, |row| tally.add_label_score(&row))?,
                 }
                 tally.check().map_err(|problem| shard.damaged(problem))?;
@@ -118,12 +117,12 @@ impl MergedRows {
         copy_rows(shard, output, |row: ScanRow| {
             let scan = (row.dataset.clone(), row.sequence.clone(), row.scan);
             if last.as_ref() != Some(&scan) {
-                if twice.is_none() && self.tally.has_scan(&row.dataset, &row.sequence, row.scan) {
+                if twice.is_none() && self.gathered.tally.has_scan(&row.dataset, &row.sequence, row.scan) {
                     twice = Some(scan.clone());
                 }
                 last = Some(scan);
             }
-            self.tally.add_scan(&row);
+            self.gathered.add_scan(&row);
             while n_left == 0 && stretch_idx + 1 < stretches.len() {
                 stretch_idx += 1;
                 n_left = stretches[stretch_idx].n_scan_rows;

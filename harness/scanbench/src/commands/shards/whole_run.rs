@@ -1,7 +1,10 @@
 //! A run, or a study that is one, made of the rows of its shards: all in one piece is the only shard.
 
+use evaluation::metrics::counts::SCORING_VERSION;
+use reports::facts::run_facts::{BesideRows, RunFacts};
 use reports::files::csv_rows::read_rows;
 use reports::numbers::tally::Tally;
+use reports::protocols::protocol_report::ProtocolReport;
 use reports::rows::agreement_row::{AgreementRow, add_agreement};
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{
@@ -15,23 +18,19 @@ use reports::worst::points::{Patch, WorstPoints};
 use reports::worst::recorded::{RecordedObject, Recordings};
 
 use super::executor::WholeResult;
-use super::rows_of_shards::merge_rows;
+use super::rows_of_shards::{MergedRows, merge_rows};
 use super::shard_directory::ShardDirectory;
 use super::whole_manifest::{Pieces, merged_manifest, path_from};
 use crate::commands::failure::Failure;
 use crate::commands::run_numbers::{
-    RunNumbers, write_agreement, write_numbers, write_protocols, write_times_of_processors,
+    write_agreement, write_facts, write_protocols, write_times_of_processors,
 };
 use crate::commands::watched_run::{Labels, report_nothing_to_find};
 
-/// A run in which all scans are judged, and its numbers, which are written.
+/// A run in which all scans are judged, and which is written.
 pub struct WholeRun {
-    /// How it came about.
-    pub manifest: Manifest,
-    /// Its sums.
-    pub tally: Tally,
-    /// Its numbers.
-    pub numbers: RunNumbers,
+    /// All that is said about it.
+    pub facts: RunFacts,
     /// Tables that are printed beside those of tasks.
     pub more: Vec<String>,
 }
@@ -46,28 +45,37 @@ impl WholeResult for WholeRun {
         pieces: Pieces,
     ) -> Result<Self, Failure> {
         let mut manifest = merged_manifest(manifests, directory.target(), pieces);
-        let merged = merge_rows(shards, &manifest, directory)?;
-        write_worst(shards, &merged.worst, directory, pieces)?;
+        let MergedRows { gathered, protocols, of_processors } = merge_rows(shards, &manifest, directory)?;
+        let (points, recordings) = write_worst(shards, &gathered.worst, directory, pieces)?;
         let agreement = if study == Study::Run { agreement_of(shards, &manifest)? } else { Vec::new() };
-        refuse_nothing(study, &manifest, &merged.tally)?;
-        if pieces == Pieces::One && merged.of_processors.is_empty() {
+        refuse_nothing(study, &manifest, &gathered.tally)?;
+        if pieces == Pieces::One && of_processors.is_empty() {
             manifest.shards.clear();
         }
-        let mut more = write_protocols(directory, &manifest, &merged.tally, &merged.protocols)?;
+        let is_evaluated = !manifest.protocols.is_empty();
+        let protocols = is_evaluated.then(|| ProtocolReport::new(protocols.numbers(&gathered.tally)));
+        let mut more = match &protocols {
+            Some(report) => write_protocols(directory, &manifest, report)?,
+            None => Vec::new(),
+        };
         more.extend(write_agreement(directory, &agreement)?);
-        let numbers = write_numbers(directory, &manifest, &merged.tally)?;
-        write_times_of_processors(directory, &manifest, &merged.of_processors)?;
-        Ok(Self { manifest, tally: merged.tally, numbers, more })
+        let report = gathered.tally.report(SCORING_VERSION)?;
+        let has_recording = directory.path_of(RUN_RRD).is_file();
+        let beside = BesideRows { points: Some(points), recordings, protocols, agreement, has_recording };
+        let facts = RunFacts::of(gathered, beside, manifest, report)?;
+        write_facts(directory, &facts)?;
+        write_times_of_processors(directory, &facts.manifest, &of_processors)?;
+        Ok(Self { facts, more })
     }
 }
 
-/// Writes what was seen around the worst mistakes, and where they are recorded.
+/// Writes the points around the worst mistakes, and where these are recorded if one recording does not have all.
 fn write_worst(
     shards: &[ShardDirectory<'_>],
     worst: &WorstObjects<usize>,
     directory: &RunDirectory,
     pieces: Pieces,
-) -> Result<(), Failure> {
+) -> Result<(WorstPoints, Option<Recordings>), Failure> {
     let seen = shards.iter().map(ShardDirectory::worst_points).collect::<Result<Vec<WorstPoints>, _>>()?;
     let objects: Vec<(&ObjectName, usize)> =
         worst.lists().flat_map(|(_, objects)| objects).map(|it| (&it.object, it.kept)).collect();
@@ -76,7 +84,8 @@ fn write_worst(
         let cells = seen[*shard_idx].around(object).ok_or_else(|| shards[*shard_idx].lacks(object))?;
         patches.push(Patch { object: (*object).clone(), cells: cells.clone() });
     }
-    directory.write_file(WORST_POINTS_JSON, WorstPoints::of_patches(patches).to_json().as_bytes())?;
+    let points = WorstPoints::of_patches(patches);
+    directory.write_file(WORST_POINTS_JSON, points.to_json().as_bytes())?;
     let mut recorded: Vec<RecordedObject> = Vec::new();
     for (object, shard_idx) in objects {
         let shard = &shards[shard_idx];
@@ -91,10 +100,12 @@ fn write_worst(
     }
     // Of one recording the number of the scan says enough.
     let is_one = |it: &ShardDirectory<'_>| it.record.recordings.iter().all(|it| it.file == RUN_RRD);
-    if !(recorded.is_empty() || pieces == Pieces::One && shards.iter().all(is_one)) {
-        directory.write_file(RECORDINGS_JSON, Recordings::new(recorded).to_json().as_bytes())?;
+    if recorded.is_empty() || pieces == Pieces::One && shards.iter().all(is_one) {
+        return Ok((points, None));
     }
-    Ok(())
+    let recordings = Recordings::new(recorded);
+    directory.write_file(RECORDINGS_JSON, recordings.to_json().as_bytes())?;
+    Ok((points, Some(recordings)))
 }
 
 /// How far detectors agree in the data sets of which no shard has found a labelled scan.

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use super::gathered_run::GatheredRun;
 use crate::files::archive::ArchiveError;
 use crate::files::csv_rows::{each_row, read_rows};
-use crate::protocols::given_classes::GivenClasses;
 use crate::protocols::protocol_report::ProtocolReport;
 use crate::rows::agreement_row::AgreementRow;
 use crate::rows::kitti_object_row::KittiObjectRow;
@@ -23,17 +23,20 @@ pub(super) fn protocols_of(
     is_evaluated.then(|| ProtocolReport::read(&directory.join(PROTOCOLS_JSON))).transpose()
 }
 
-/// The classes that detectors give under the protocols that have classes.
-pub(super) fn given_classes(directory: &Path, manifest: &Manifest) -> Result<GivenClasses, ArchiveError> {
-    let mut given = GivenClasses::default();
+/// Adds the rows of protocols that have classes to `gathered`.
+pub(super) fn read_given_classes(
+    directory: &Path,
+    manifest: &Manifest,
+    gathered: &mut GatheredRun,
+) -> Result<(), ArchiveError> {
     let has = |family| manifest.protocols.iter().any(|it| it.family() == family);
     if has(ProtocolFamily::RankedBoxes) {
-        each_row(&directory.join(PROTOCOL_BOXES_CSV), |row: RankedBoxRow| given.add_ranked_box(&row))?;
+        each_row(&directory.join(PROTOCOL_BOXES_CSV), |row: RankedBoxRow| gathered.add_ranked_box(&row))?;
     }
     if has(ProtocolFamily::KittiObjects) {
-        each_row(&directory.join(KITTI_OBJECT_CSV), |row: KittiObjectRow| given.add_kitti_object(&row))?;
+        each_row(&directory.join(KITTI_OBJECT_CSV), |row: KittiObjectRow| gathered.add_kitti_object(&row))?;
     }
-    Ok(given)
+    Ok(())
 }
 
 /// Nothing where everything is labelled.

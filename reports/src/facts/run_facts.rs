@@ -1,11 +1,13 @@
-//! All that a page says about a run, gathered from its directory without holding all rows at once.
+//! All that is said about a run: on its page, in `errors.csv` and on a terminal.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::of_some_runs::{agreement_of, given_classes, protocols_of, scored};
+use super::gathered_run::GatheredRun;
+use super::of_some_runs::{agreement_of, protocols_of, read_given_classes, scored};
+use super::seen_boxes::SeenBox;
 use crate::files::archive::ArchiveError;
-use crate::files::csv_rows::{each_row, read_rows};
+use crate::files::csv_rows::each_row;
 use crate::numbers::average_precision::OperatingPoint;
 use crate::numbers::blocks::BlockCount;
 use crate::numbers::pools::Pool;
@@ -18,188 +20,215 @@ use crate::protocols::given_classes::GivenClasses;
 use crate::protocols::protocol_report::ProtocolReport;
 use crate::rows::agreement_row::AgreementRow;
 use crate::rows::error_row::ErrorRow;
-use crate::rows::match_outcome::{BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_name::ScanName;
-use crate::rows::scan_row::{ScanOutcome, ScanRow};
+use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_directory::{
-    MATCHES_CSV, PRECISION_RECALL_CSV, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
+    MATCHES_CSV, RECORDINGS_JSON, REPORT_JSON, RUN_RRD, SCANS_CSV, WORST_POINTS_JSON,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
+use crate::tables::protocol_in_short::ProtocolInShort;
+use crate::tables::run_in_short::RunInShort;
+use crate::tables::task_table::{TableError, TaskTable, task_tables};
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::{Draw, Question};
-use crate::verdicts::reason_gains::ReasonTally;
 use crate::verdicts::task_ranking::{Speeds, TaskRanking, rankings, speeds};
+use crate::verdicts::times_doubt::times_doubts;
 use crate::vocabulary::formula::Term;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
-use crate::worst::objects::{WorstObject, WorstObjects};
+use crate::worst::objects::WorstObjects;
 use crate::worst::points::WorstPoints;
 use crate::worst::recorded::Recordings;
 
-/// What a page is made of.
-#[derive(Debug)]
-pub(super) struct RunFacts {
-    pub(super) manifest: Manifest,
-    pub(super) report: RunReport,
-    /// In the tasks on data sets that have labels.
-    pub(super) rankings: Vec<TaskRanking>,
-    pub(super) speeds: Vec<Speeds>,
-    /// What is shown of the recorded data sets, and of the simulated ones.
-    pub(super) pools: Vec<PoolFacts>,
-    /// Data set by data set.
-    pub(super) curves: Vec<DatasetCurves>,
-    pub(super) worst: WorstObjects<()>,
-    /// All boxes of the scans that a worst mistake is in.
-    pub(super) boxes: BTreeMap<ScanName, Vec<SeenBox>>,
-    pub(super) points: Option<WorstPoints>,
-    /// Why detectors are wrong.
-    pub(super) errors: Vec<ErrorRow>,
-    /// Detectors that gave no answer to some scans, in the order of the run.
-    pub(super) failures: Vec<FailedDetector>,
+/// What a run leaves beside rows and numbers.
+#[derive(Debug, Default)]
+pub struct BesideRows {
+    /// Points around the worst mistakes.
+    pub points: Option<WorstPoints>,
     /// Where the worst mistakes are recorded, of a run that was made in parts.
-    pub(super) recordings: Option<Recordings>,
+    pub recordings: Option<Recordings>,
     /// Its numbers under protocols of others; `None` if it was evaluated under none.
-    pub(super) protocols: Option<ProtocolReport>,
-    /// Which of their classes any detector gives.
-    pub(super) given: GivenClasses,
+    pub protocols: Option<ProtocolReport>,
     /// How far detectors agree where nothing is labelled.
-    pub(super) agreement: Vec<AgreementRow>,
+    pub agreement: Vec<AgreementRow>,
     /// Whether there is a recording for the viewer.
-    pub(super) has_recording: bool,
+    pub has_recording: bool,
+}
+
+/// Why a directory is not that of a run.
+#[derive(Debug, thiserror::Error)]
+pub enum FactsError {
+    /// A file of the run cannot be read.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// The files of the run do not fit together.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
+/// All that is said about a run.
+#[derive(Debug)]
+pub struct RunFacts {
+    /// How it came about.
+    pub manifest: Manifest,
+    /// The sums.
+    pub tally: Tally,
+    /// The numbers.
+    pub report: RunReport,
+    /// A table of them for each task.
+    pub tables: Vec<TaskTable>,
+    /// In the tasks on data sets that have labels.
+    pub(crate) rankings: Vec<TaskRanking>,
+    pub(crate) speeds: Vec<Speeds>,
+    /// What is shown of the recorded data sets, and of the simulated ones.
+    pub(crate) pools: Vec<PoolFacts>,
+    /// Data set by data set.
+    pub(crate) curves: Vec<DatasetCurves>,
+    pub(crate) worst: WorstObjects<usize>,
+    /// All boxes of the scans that a worst mistake is in.
+    pub(crate) boxes: BTreeMap<ScanName, Vec<SeenBox>>,
+    pub(crate) points: Option<WorstPoints>,
+    /// Why detectors are wrong: the rows of `errors.csv`.
+    pub errors: Vec<ErrorRow>,
+    /// Detectors that gave no answer to some scans, in the order of the run.
+    pub(crate) failures: Vec<FailedDetector>,
+    /// Where the worst mistakes are recorded, of a run that was made in parts.
+    pub(crate) recordings: Option<Recordings>,
+    /// Its numbers under protocols of others; `None` if it was evaluated under none.
+    pub(crate) protocols: Option<ProtocolReport>,
+    /// Which of their classes any detector gives.
+    pub(crate) given: GivenClasses,
+    /// How far detectors agree where nothing is labelled.
+    pub(crate) agreement: Vec<AgreementRow>,
+    /// Whether there is a recording for the viewer.
+    pub(crate) has_recording: bool,
 }
 
 /// What is shown of all data sets of one origin together.
 #[derive(Debug)]
-pub(super) struct PoolFacts {
-    pub(super) pool: Pool,
+pub(crate) struct PoolFacts {
+    pub(crate) pool: Pool,
     /// The blocks of scans that their intervals are drawn from.
     blocks: Option<BlockCount>,
     /// Task by task.
-    pub(super) ranges: Vec<TaskRanges>,
+    pub(crate) ranges: Vec<TaskRanges>,
     /// Times of all scans in milliseconds, ascending, of every detector.
-    pub(super) times_ms: Vec<(String, Vec<f64>)>,
+    pub(crate) times_ms: Vec<(String, Vec<f64>)>,
     /// Median times of the stages in milliseconds, of every detector.
-    pub(super) stages_ms: Vec<(String, Vec<(String, f64)>)>,
+    pub(crate) stages_ms: Vec<(String, Vec<(String, f64)>)>,
 }
 
 /// A detector that gave no answer to some scans.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct FailedDetector {
-    pub(super) detector: String,
+pub(crate) struct FailedDetector {
+    pub(crate) detector: String,
     /// The first of these scans, and why.
-    pub(super) first: (ScanName, String),
-    pub(super) n_failed: u64,
+    pub(crate) first: (ScanName, String),
+    pub(crate) n_failed: u64,
     /// All its scans.
-    pub(super) n_scans: u64,
+    pub(crate) n_scans: u64,
 }
 
 /// Rates over range in one task.
 #[derive(Debug)]
-pub(super) struct TaskRanges {
-    pub(super) task: Task,
+pub(crate) struct TaskRanges {
+    pub(crate) task: Task,
     /// Names of the bins in metres, the nearest first.
-    pub(super) bins: Vec<String>,
+    pub(crate) bins: Vec<String>,
     /// Number of annotations that count in each.
-    pub(super) n_annotations: Vec<u64>,
+    pub(crate) n_annotations: Vec<u64>,
     /// Name of the rate, and its values in percent of every detector over the bins.
-    pub(super) rates: Vec<(&'static str, Vec<Series>)>,
+    pub(crate) rates: Vec<(&'static str, Vec<Series>)>,
 }
 
 /// Precision over recall on one data set.
 #[derive(Debug)]
-pub(super) struct DatasetCurves {
-    pub(super) dataset: String,
-    pub(super) task: Task,
+pub(crate) struct DatasetCurves {
+    pub(crate) dataset: String,
+    pub(crate) task: Task,
     /// Recall and precision, from the highest score on, of every detector.
-    pub(super) of_detectors: Vec<(String, Vec<(f64, f64)>)>,
+    pub(crate) of_detectors: Vec<(String, Vec<(f64, f64)>)>,
     /// What remains from each score on, of every detector.
-    pub(super) operating: Vec<(String, Vec<OperatingPoint>)>,
-}
-
-/// A box in a scan.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct SeenBox {
-    pub(super) task: Task,
-    /// Whose detection; `None` for an annotation.
-    pub(super) detector: Option<String>,
-    pub(super) id: u64,
-    pub(super) bounding_box: BoxFacts,
+    pub(crate) operating: Vec<(String, Vec<OperatingPoint>)>,
 }
 
 impl RunFacts {
     /// Reads the run in `directory`.
-    pub(super) fn read(directory: &Path) -> Result<Self, ArchiveError> {
+    ///
+    /// # Errors
+    ///
+    /// [`FactsError`] if a file is missing or damaged, or files do not fit together.
+    pub fn read(directory: &Path) -> Result<Self, FactsError> {
         let manifest = Manifest::read(&directory.join(MANIFEST_JSON))?;
         let report = RunReport::read(&directory.join(REPORT_JSON))?;
+        let mut gathered = GatheredRun::of(&manifest);
+        each_row(&directory.join(SCANS_CSV), |row: ScanRow| gathered.add_scan(&row))?;
+        each_row(&directory.join(MATCHES_CSV), |row: MatchRow| gathered.add_match(&row, 0))?;
+        read_given_classes(directory, &manifest, &mut gathered)?;
+        let beside = BesideRows {
+            points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,
+            recordings: Recordings::read(&directory.join(RECORDINGS_JSON))?,
+            protocols: protocols_of(directory, &manifest)?,
+            agreement: agreement_of(directory)?,
+            has_recording: directory.join(RUN_RRD).is_file(),
+        };
+        Ok(Self::of(gathered, beside, manifest, report)?)
+    }
+
+    /// Puts together what was gathered, and the numbers that were made of it.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if the numbers are not those of the run of `manifest`.
+    pub fn of(
+        gathered: GatheredRun,
+        beside: BesideRows,
+        manifest: Manifest,
+        report: RunReport,
+    ) -> Result<Self, TableError> {
+        let GatheredRun { tally, worst, pools, times_ms, mut failures, reasons, boxes, given, .. } = gathered;
         let detectors: Vec<String> = manifest.detectors.iter().map(|it| it.name.clone()).collect();
-        let mut tally = manifest.tally();
-        let pools = manifest.pools();
-        let no_times: Vec<(String, Vec<f64>)> = detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
-        let mut times_ms = vec![no_times; pools.len()];
-        let mut first_task = None;
-        let mut failures: BTreeMap<String, (ScanName, String)> = BTreeMap::new();
-        each_row(&directory.join(SCANS_CSV), |row: ScanRow| {
-            tally.add_scan(&row);
-            // Every task has a row about the same detection.
-            let is_first = *first_task.get_or_insert(row.task) == row.task;
-            if let Some(reason) = row.numbers().and_then(|it| it.failure.clone()) {
-                failures.entry(row.detector.clone()).or_insert_with(|| (row.scan_name(), reason));
-            }
-            let is_timed = is_first && manifest.is_of_like_processors();
-            let pool_idx = pools.iter().position(|it| it.datasets.contains(&row.dataset));
-            let of_pool = pool_idx.filter(|_| is_timed).map(|it| &mut times_ms[it]);
-            let times = of_pool.and_then(|it| it.iter_mut().find(|(name, _)| *name == row.detector));
-            if let (Some((_, times)), ScanOutcome::Evaluated(numbers)) = (times, &row.outcome) {
-                times.extend(numbers.latency_ms.filter(|it| *it > 0.0));
-            }
-        })?;
         let failed_detector = |name: &String| {
             let [n_failed, n_scans] = report.failed_scans(|_| true, report.first_task()?, name)?;
             Some(FailedDetector { detector: name.clone(), first: failures.remove(name)?, n_failed, n_scans })
         };
         let failures = detectors.iter().filter_map(failed_detector).collect();
-        let matches = directory.join(MATCHES_CSV);
-        let (mut worst, mut reasons) = (WorstObjects::default(), ReasonTally::default());
-        each_row(&matches, |row: MatchRow| {
-            tally.add_match(&row);
-            worst.add(&row, |_| ());
-            reasons.add_match(&row);
-        })?;
         let draws = tally.draw();
         let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, &tally, &draws, &report);
-        let agreement = agreement_of(directory)?;
-        let rankings = rankings(&tally, &manifest, &report);
+        let BesideRows { points, recordings, protocols, agreement, has_recording } = beside;
         Ok(Self {
-            rankings: scored(rankings, &agreement),
+            tables: task_tables(&report, &manifest)?,
+            rankings: scored(rankings(&tally, &draws, &manifest, &report), &agreement),
             speeds: speeds(&manifest, &report),
             pools: pools.into_iter().zip(times_ms).map(of_pool).collect(),
-            curves: curves(&read_rows(&directory.join(PRECISION_RECALL_CSV))?, &detectors),
-            boxes: boxes_of(&matches, &worst)?,
-            points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,
+            curves: curves(&tally.precision_recall_rows(), &detectors),
+            boxes: boxes.finish(&worst),
+            points,
             errors: reasons.rows(&tally),
             failures,
-            recordings: Recordings::read(&directory.join(RECORDINGS_JSON))?,
-            protocols: protocols_of(directory, &manifest)?,
-            given: given_classes(directory, &manifest)?,
+            recordings,
+            protocols,
+            given,
             agreement,
-            has_recording: directory.join("run.rrd").is_file(),
+            has_recording,
             worst,
+            tally,
             manifest,
             report,
         })
     }
 
     /// Whether any data set has labels.
-    pub(super) fn is_scored(&self) -> bool {
+    pub(crate) fn is_scored(&self) -> bool {
         let is_compared = |it: &DatasetEntry| self.agreement.iter().any(|row| row.dataset == it.id);
         !self.manifest.datasets.iter().all(is_compared)
     }
 
     /// What is to be said of intervals, after `before`; nothing if there is nothing to be said.
-    pub(super) fn caveat(&self, before: &str) -> String {
+    pub(crate) fn caveat(&self, before: &str) -> String {
         let caveats = self.pools.iter().filter_map(|it| {
             let on = if self.pools.len() > 1 { format!(" on {}", it.pool.in_words()) } else { String::new() };
             Some(format!("{}{on}", it.caveat_of_intervals()?))
@@ -209,7 +238,7 @@ impl RunFacts {
     }
 
     /// The name of `pool` in file names and in titles: nothing if there is no other.
-    pub(super) fn of_pool(&self, pool: &Pool) -> [String; 2] {
+    pub(crate) fn of_pool(&self, pool: &Pool) -> [String; 2] {
         if self.pools.len() > 1 {
             let origin = pool.origin.name();
             [format!("_{}", origin.replace(' ', "_")), format!(", {}", pool.in_words())]
@@ -218,13 +247,30 @@ impl RunFacts {
         }
     }
 
+    /// What a terminal shows: tables of data sets that have labels, and which detector leads on these.
+    pub fn in_short(&self) -> RunInShort {
+        let verdict = self.rankings.iter().map(TaskRanking::short_sentence);
+        RunInShort {
+            tables: if self.is_scored() { self.tables.clone() } else { Vec::new() },
+            protocols: self
+                .protocols
+                .as_ref()
+                .map_or_else(Vec::new, |it| ProtocolInShort::all(it, &self.manifest, &self.given)),
+            agreement: self.agreement.clone(),
+            verdict: verdict
+                .chain(self.speeds.iter().filter(|it| !it.is_doubted).filter_map(Speeds::sentence))
+                .chain(times_doubts(&self.manifest, &self.report))
+                .collect(),
+        }
+    }
+
     /// Index of `detector` in the order of the run.
-    pub(super) fn detector_idx(&self, detector: &str) -> usize {
+    pub(crate) fn detector_idx(&self, detector: &str) -> usize {
         self.manifest.detectors.iter().position(|it| it.name == detector).unwrap_or(0)
     }
 
     /// Names of the detectors in the order of the run.
-    pub(super) fn detectors(&self) -> Vec<&str> {
+    pub(crate) fn detectors(&self) -> Vec<&str> {
         self.manifest.detectors.iter().map(|it| it.name.as_str()).collect()
     }
 }
@@ -254,12 +300,12 @@ impl PoolFacts {
     }
 
     /// What is to be said of intervals; `None` if nothing is.
-    pub(super) fn caveat_of_intervals(&self) -> Option<String> {
+    pub(crate) fn caveat_of_intervals(&self) -> Option<String> {
         self.blocks.and_then(BlockCount::caveat_of_conclusions)
     }
 
     /// The same after `before`; nothing if there is nothing to be said.
-    pub(super) fn caveat(&self, before: &str) -> String {
+    pub(crate) fn caveat(&self, before: &str) -> String {
         self.caveat_of_intervals().map_or_else(String::new, |it| format!("{before} {it}"))
     }
 }
@@ -339,47 +385,4 @@ fn stages_of(report: &RunReport, pool: &Pool, detector: &str) -> Vec<(String, f6
         _ => None,
     });
     stage.collect()
-}
-
-/// The boxes of all scans that a mistake of `worst` is in; each once for every task.
-fn boxes_of(
-    matches: &Path,
-    worst: &WorstObjects<()>,
-) -> Result<BTreeMap<ScanName, Vec<SeenBox>>, ArchiveError> {
-    let objects = worst.lists().flat_map(|(_, objects)| objects);
-    let mut boxes: BTreeMap<ScanName, Vec<SeenBox>> = objects.map(|it| (scan_name(it), Vec::new())).collect();
-    each_row(matches, |row: MatchRow| {
-        let name = ScanName { dataset: row.dataset.clone(), sequence: row.sequence.clone(), scan: row.scan };
-        let Some(boxes) = boxes.get_mut(&name) else { return };
-        let (annotation, detection) = match row.outcome {
-            MatchOutcome::Matched { annotation, detection, .. } => (Some(annotation), Some(detection)),
-            MatchOutcome::Missed { annotation, .. } | MatchOutcome::IgnoredAnnotation { annotation, .. } => {
-                (Some(annotation), None)
-            }
-            MatchOutcome::Tall { annotation, found_by } => {
-                (Some(annotation), found_by.map(|it| it.detection))
-            }
-            MatchOutcome::False { detection, .. }
-            | MatchOutcome::IgnoredDetection { detection, .. }
-            | MatchOutcome::Unknowable { detection } => (None, Some(detection)),
-        };
-        if let Some((id, bounding_box)) = annotation.and_then(|it| Some((it.id, it.bounding_box?))) {
-            // Every detector has a row about it.
-            let seen = SeenBox { task: row.task, detector: None, id, bounding_box };
-            if !boxes.contains(&seen) {
-                boxes.push(seen);
-            }
-        }
-        if let Some(detection) = detection {
-            let (id, bounding_box) = (detection.id, detection.bounding_box);
-            boxes.push(SeenBox { task: row.task, detector: Some(row.detector), id, bounding_box });
-        }
-    })?;
-    Ok(boxes)
-}
-
-/// The scan of a mistake.
-pub(super) fn scan_name(worst: &WorstObject<()>) -> ScanName {
-    let object = &worst.object;
-    ScanName { dataset: object.dataset.clone(), sequence: object.sequence.clone(), scan: object.scan }
 }
