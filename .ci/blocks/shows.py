@@ -388,7 +388,10 @@ STATISTICS = {
     "ring_density": "density, rings 5 to 50 m",
     "points_per_car": "points a car, by range",
     "points_per_track": "points a track",
+    "points_on_sides": "points on sides",
+    "rough_points": "rough points",
     "clusters_per_scan": "clusters a scan",
+    "clusters_by_range": "clusters by range",
     "height_histogram": "heights",
 }
 
@@ -402,8 +405,8 @@ def realism_agreement(results: list[Result]) -> str:
             is_near = row["statistic"] != "ring_density" or (float(row["bin_from_m"]) >= 5 and float(row["bin_to_m"]) <= 50)
             if row["ratio"] and is_near:
                 ratios[row["statistic"]].append(float(row["ratio"]))
-        lines[found[0]["left"],] = [agreement(ratios[it]) for it in STATISTICS]
-    return table(["", *STATISTICS.values()], lines)
+        lines[found[0]["left"], found[0]["right"]] = [agreement(ratios[it]) for it in STATISTICS]
+    return table(["simulated", "recorded", *STATISTICS.values()], lines)
 
 
 def agreement(ratios: list[float]) -> str:

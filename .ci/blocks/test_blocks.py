@@ -268,9 +268,9 @@ BOX_ERRORS = """by,slice,fit,error,n_pairs,value
 all,,hull box,BEV IoU >= 0.7,9,46.04\nall,,hull box,yaw within 10 deg,9,70
 all,,reported box,BEV IoU >= 0.7,9,85.4\nclass,bus,reported box,BEV IoU >= 0.7,0,
 """
-REALISM = """statistic,bin,bin_from_m,bin_to_m,left,ratio
-ring_density,5-6 m,5,6,street,1.4\nring_density,6-7 m,6,7,street,0.5
-ring_density,60-61 m,60,61,street,9.0\nring_density,7-8 m,7,8,street,
+REALISM = """statistic,bin,bin_from_m,bin_to_m,left,right,ratio
+ring_density,5-6 m,5,6,street,kitti,1.4\nring_density,6-7 m,6,7,street,kitti,0.5
+ring_density,60-61 m,60,61,street,kitti,9.0\nring_density,7-8 m,7,8,street,kitti,
 """
 # What is shown: the words of `shows: …`, files that a command left, the lines that are shown at the end, or what is refused.
 SHOWN = {
@@ -320,7 +320,7 @@ SHOWN = {
         "fitness-by-sensor objects", {"cell_fitness.csv": FITNESS},
         "| --: |\n| vlp-16 | 7 | 0.4 | 50.0 to 62.5 | 1.0 to 1.2 | 25.0 | 5.0 to 6.2 |"),
     "alike is within a factor either way": (
-        "realism-agreement", {"realism.csv": REALISM}, "| street | – | – | 50 %, 0.50 | – | – | – | – |"),
+        "realism-agreement", {"realism.csv": REALISM}, "| street | kitti | – | – | 50 %, 0.50 | – | – | – | – | – | – | – |"),
     "a missing file is named": ("gap-shares", {}, CommandError("scanbench compare a b left no gaps.csv")),
 }  # fmt: skip
 
