@@ -206,10 +206,11 @@ def rates_with_intervals(results: list[Result], task: str) -> str:
     lines, detectors = defaultdict(list), {}
     for row in (row for it in results for row in rows(it, f"table_{task}.csv", source="measured")):
         metric = "f_rate" if row["f_rate"] else "recall"
-        low, high = (percent(row[f"{metric}_{end}"]) for end in ("low", "high"))
+        ends = [percent(row[f"{metric}_{end}"]) for end in ("low", "high") if row[f"{metric}_{end}"]]
+        within = f" ({' to '.join(ends)})" if ends else ""
         name = "all" if row["dataset"] == "overall" else row["dataset"]
         key = f"{name}{', recall' * (metric == 'recall')}", row["n_scans"], row["no"]
-        lines[key].append(f"{percent(row[metric])} ({low} to {high}){'§' * (row['few_blocks'] == 'true')}")
+        lines[key].append(f"{percent(row[metric])}{within}{'§' * (row['few_blocks'] == 'true')}")
         detectors[row["detector"]] = None
     return noted(table(["", "scans", task, *detectors], lines))
 

@@ -40,7 +40,7 @@ fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
     let before = run.archive();
     let better = judge(&before, &USUAL.archive(), &Tolerances::built_in(&before)).unwrap();
     let text = brief(&better);
-    let (_, gains) = text.split_once("\nAll gains:\n").unwrap();
+    let (_, gains) = text.split_once("\nThe 3 largest of 4 gains, in tolerances:\n").unwrap();
     assert!(gains.starts_with("- recall, pca, objects: 50.0 → 60.0 %, +10.00 (95 % +10.00 to +10.00, tolerated\n  1.00): better\n"), "{gains}");
     assert!(!text.contains("losses:"), "{text}");
     assert!(Markdown.text(&better).contains("| better |"), "{}", Markdown.text(&better));
