@@ -56,7 +56,7 @@ impl Sums {
         self.0[term as usize]
     }
 
-    /// Adds `value`, rounded to a multiple of [`STEP`], to the sum of `term`. So the order of additions changes nothing: sums
+    /// Adds `value`, rounded to a multiple of `STEP`, to the sum of `term`. So the order of additions changes nothing: sums
     /// of up to two million have no other rounding.
     pub fn add(&mut self, term: Term, value: f64) {
         self.0[term as usize] += (value / STEP).round() * STEP;
