@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-MOST_LINES = {"README.md": 150, "ARCHITECTURE.md": 150}
+MOST_LINES = {"README.md": 130, "ARCHITECTURE.md": 150}
 FENCE = re.compile(r"^(```|~~~).*?^\1[ \t]*$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\[(?:[^\[\]]|\[[^\[\]]*\]\([^()]*\))*\]\(([^()\s]+)(?:\s+\"[^\"]*\")?\)")
 IMAGE = re.compile(r"!\[[^\[\]]*\]\(([^()\s]+)\)")
@@ -31,7 +31,7 @@ WRONG = {
     "there is no `docs/pages.md`": ("README.md", "`docs/page.md`", "`docs/pages.md`"),
     "the link docs/pictur.png": ("README.md", "[![within](docs/picture.png)]", "[![within](docs/pictur.png)]"),
     "no page leads here": ("docs/left.md", "", "# Left alone\n"),
-    "lines, 150 at most": ("README.md", "# Top\n", "# Top\n" + 150 * "\n"),
+    "lines, 130 at most": ("README.md", "# Top\n", "# Top\n" + 130 * "\n"),
 }
 
 
