@@ -152,24 +152,25 @@ impl Journal {
         Ok(Self { end, path: path.to_owned(), n_entries: n_entries.into(), damaged_line })
     }
 
-    /// Hands all results to `on_entry` once more.
+    /// Hands the results in the file at `path` to `on_entry`, as long as that returns true. Returns the number of the first
+    /// line that is damaged, or that `on_entry` did not take.
     ///
     /// # Errors
     ///
-    /// [`JournalError::Io`] if the file cannot be read.
-    pub fn each_entry<Entry: DeserializeOwned>(
-        &self,
-        mut on_entry: impl FnMut(Entry),
-    ) -> Result<(), JournalError> {
-        let file = RegularFile::open(&self.path).map_err(|source| self.refused(source))?;
-        let mut lines = SoundLines::of(file);
-        let read = lines.next_line().and_then(|_| {
-            lines.each_entry(|entry| {
-                on_entry(entry);
-                true
-            })
-        });
-        read.map_err(|source| self.refused(source))
+    /// If the file cannot be read.
+    pub fn read<Entry: DeserializeOwned>(
+        path: &Path,
+        on_entry: impl FnMut(Entry) -> bool,
+    ) -> io::Result<Option<usize>> {
+        let mut lines = SoundLines::of(RegularFile::open(path)?);
+        lines.next_line()?;
+        lines.each_entry(on_entry)?;
+        Ok(lines.damaged_line())
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Adds a result.
@@ -377,7 +378,11 @@ mod tests {
         let (journal, entries) = open(&path, 1).unwrap();
         assert_eq!(entries, [entry(0), entry(1)]);
         let mut again: Vec<String> = Vec::new();
-        journal.each_entry(|it| again.push(it)).unwrap();
+        let damaged_line = Journal::read(journal.path(), |it| {
+            again.push(it);
+            true
+        });
+        assert_eq!(damaged_line.unwrap(), None);
         assert_eq!(again, entries);
         journal.add(&entry(2)).unwrap();
         assert_eq!(journal.n_entries(), 3);

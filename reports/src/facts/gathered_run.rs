@@ -16,14 +16,15 @@ use crate::run_folder::manifest::Manifest;
 use crate::verdicts::reason_gains::ReasonTally;
 use crate::vocabulary::task::Task;
 use crate::worst::objects::WorstObjects;
+use crate::worst::points::PlanCells;
 
-/// Rows of a run, gathered one by one: those of scans first, and those of matches scan by scan.
+/// Rows of a run, gathered one by one: those of a scan before its matches, and these scan by scan.
 #[derive(Debug)]
 pub struct GatheredRun {
     /// The sums.
     pub tally: Tally,
-    /// The worst mistakes, each with the number of the shard that it was seen in.
-    pub worst: WorstObjects<usize>,
+    /// The worst mistakes, with what was seen around them.
+    pub worst: WorstObjects<Surroundings>,
     pub(crate) pools: Vec<Pool>,
     /// Times of all scans in milliseconds, of every pool and detector.
     pub(crate) times_ms: Vec<Vec<(String, Vec<f64>)>>,
@@ -34,6 +35,17 @@ pub struct GatheredRun {
     pub(crate) given: GivenClasses,
     has_like_processors: bool,
     first_task: Option<Task>,
+}
+
+/// What was seen around an object, and in which scan.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Surroundings {
+    /// Cells with points around it.
+    pub cells: PlanCells,
+    /// Number of its scan among all scans of the run.
+    pub scan_number: u64,
+    /// Index of the shard that has seen it.
+    pub shard_idx: usize,
 }
 
 impl GatheredRun {
@@ -74,11 +86,11 @@ impl GatheredRun {
         }
     }
 
-    /// Adds what became of an object, as the shard of this number has seen it.
-    pub fn add_match(&mut self, row: &MatchRow, shard_idx: usize) {
+    /// Adds what became of an object; `surroundings` is asked if it is among the worst.
+    pub fn add_match(&mut self, row: &MatchRow, surroundings: impl FnOnce() -> Surroundings) {
         self.tally.add_match(row);
         self.boxes.add(row, &self.worst);
-        self.worst.add(row, |_| shard_idx);
+        self.worst.add(row, |_| surroundings());
         self.reasons.add_match(row);
     }
 

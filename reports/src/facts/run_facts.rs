@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::gathered_run::GatheredRun;
+use super::gathered_run::{GatheredRun, Surroundings};
 use super::of_some_runs::{agreement_of, protocols_of, read_given_classes, scored};
 use super::seen_boxes::SeenBox;
 use crate::files::archive::ArchiveError;
@@ -87,7 +87,7 @@ pub struct RunFacts {
     pub(crate) pools: Vec<PoolFacts>,
     /// Data set by data set.
     pub(crate) curves: Vec<DatasetCurves>,
-    pub(crate) worst: WorstObjects<usize>,
+    pub(crate) worst: WorstObjects<Surroundings>,
     /// All boxes of the scans that a worst mistake is in.
     pub(crate) boxes: BTreeMap<ScanName, Vec<SeenBox>>,
     pub(crate) points: Option<WorstPoints>,
@@ -166,7 +166,9 @@ impl RunFacts {
         let report = RunReport::read(&directory.join(REPORT_JSON))?;
         let mut gathered = GatheredRun::of(&manifest);
         each_row(&directory.join(SCANS_CSV), |row: ScanRow| gathered.add_scan(&row))?;
-        each_row(&directory.join(MATCHES_CSV), |row: MatchRow| gathered.add_match(&row, 0))?;
+        each_row(&directory.join(MATCHES_CSV), |row: MatchRow| {
+            gathered.add_match(&row, Surroundings::default);
+        })?;
         read_given_classes(directory, &manifest, &mut gathered)?;
         let beside = BesideRows {
             points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,

@@ -144,6 +144,42 @@ pub fn to_csv_lines<'a, Row: CsvRow + 'a>(
     Ok(writer.into_inner().expect("memory takes all that is written"))
 }
 
+/// Rows within other data, as the text of their lines: `#[serde(with = "csv_text")]`.
+pub mod csv_text {
+    use serde::de::Error as _;
+    use serde::ser::Error as _;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use super::{CsvRow, csv_head, each_row_of, to_csv_lines};
+    use crate::files::causes::with_causes;
+
+    /// Writes `rows`.
+    ///
+    /// # Errors
+    ///
+    /// If a number of a row is not finite.
+    pub fn serialize<Row: CsvRow, S: Serializer>(rows: &[Row], serializer: S) -> Result<S::Ok, S::Error> {
+        let lines = to_csv_lines(rows).map_err(S::Error::custom)?;
+        serializer.serialize_str(&String::from_utf8(lines).map_err(S::Error::custom)?)
+    }
+
+    /// Reads rows.
+    ///
+    /// # Errors
+    ///
+    /// If a line is damaged.
+    pub fn deserialize<'de, Row: CsvRow, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<Row>, D::Error> {
+        let lines = String::deserialize(deserializer)?;
+        let (mut rows, mut text) = (Vec::new(), csv_head::<Row>());
+        text.extend(lines.into_bytes());
+        let read = each_row_of(&*text, "rows".as_ref(), |row| rows.push(row));
+        read.map_err(|error| D::Error::custom(with_causes(&error)))?;
+        Ok(rows)
+    }
+}
+
 /// The content of a CSV file whose columns are known when it is written, with the cells of every row.
 pub fn csv_of_cells(columns: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());

@@ -1,5 +1,6 @@
 //! Files that are written whole or not at all.
 
+use std::ffi::OsStr;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -7,6 +8,14 @@ use tempfile::NamedTempFile;
 
 use crate::files::archive::ArchiveError;
 use crate::files::unfinished::{Kind, Unfinished};
+
+/// How the names of hidden files begin.
+const UNFINISHED_PREFIX: &str = ".partial-";
+
+/// Whether a file of this name is one that was never completed, as where a program was killed.
+pub fn is_unfinished_file(name: &OsStr) -> bool {
+    name.as_encoded_bytes().starts_with(UNFINISHED_PREFIX.as_bytes())
+}
 
 /// A file that appears under its name once it is complete.
 ///
@@ -27,7 +36,7 @@ impl WholeFile {
     /// [`ArchiveError::Write`] if nothing can be written there.
     pub fn create(path: &Path) -> Result<Self, ArchiveError> {
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".partial-");
+        builder.prefix(UNFINISHED_PREFIX);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt as _;

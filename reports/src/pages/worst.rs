@@ -4,6 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::document::Section;
 use super::markup::key;
+use crate::facts::gathered_run::Surroundings;
 use crate::facts::run_facts::RunFacts;
 use crate::facts::seen_boxes::{SeenBox, scan_name};
 use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
@@ -57,7 +58,7 @@ fn scene(
     task: Task,
     detector: &str,
     kind: Option<MistakeKind>,
-    worst: &WorstObject<usize>,
+    worst: &WorstObject<Surroundings>,
 ) -> Markup {
     let word = kind.map_or("matched", MistakeKind::name);
     let boxes = facts.boxes.get(&scan_name(worst)).map_or(&[][..], Vec::as_slice);

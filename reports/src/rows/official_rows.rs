@@ -1,39 +1,25 @@
 //! The rows of protocols of others that come of one scan, or of several.
 
-use std::path::Path;
+use serde::{Deserialize, Serialize};
 
-use serde::ser::Error as _;
-use serde::{Deserialize, Serialize, Serializer};
-
-use crate::files::archive::ArchiveError;
-use crate::files::causes::with_causes;
-use crate::files::csv_rows::{CsvRow, csv_head, each_row_of, to_csv_lines};
+use crate::files::csv_rows::csv_text;
 use crate::rows::kitti_object_row::KittiObjectRow;
 use crate::rows::label_score_row::LabelScoreRow;
 use crate::rows::ranked_box_row::RankedBoxRow;
 
 /// Rows of all kinds, each in the order of its file.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(try_from = "OfficialLines")]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct OfficialRows {
     /// Of protocols that rank boxes by the distance of centres.
+    #[serde(with = "csv_text")]
     pub boxes: Vec<RankedBoxRow>,
     /// Of KITTI's evaluation of objects.
+    #[serde(with = "csv_text")]
     pub kitti: Vec<KittiObjectRow>,
     /// Of protocols that score labels of points.
+    #[serde(with = "csv_text")]
     pub labels: Vec<LabelScoreRow>,
-}
-
-/// The same as lines of their files.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OfficialLines {
-    /// Those of `protocol_boxes.csv`.
-    pub boxes: String,
-    /// Those of `protocol_kitti_object.csv`.
-    pub kitti: String,
-    /// Those of `protocol_labels.csv`.
-    pub labels: String,
 }
 
 impl OfficialRows {
@@ -47,50 +33,6 @@ impl OfficialRows {
         self.boxes.extend(other.boxes);
         self.kitti.extend(other.kitti);
         self.labels.extend(other.labels);
-    }
-
-    /// The rows as lines.
-    ///
-    /// # Errors
-    ///
-    /// If a number of a row is not finite.
-    pub fn to_lines(&self) -> Result<OfficialLines, csv::Error> {
-        Ok(OfficialLines {
-            boxes: lines(&self.boxes)?,
-            kitti: lines(&self.kitti)?,
-            labels: lines(&self.labels)?,
-        })
-    }
-}
-
-fn lines<Row: CsvRow>(rows: &[Row]) -> Result<String, csv::Error> {
-    Ok(String::from_utf8(to_csv_lines(rows)?).expect("rows are text"))
-}
-
-fn rows<Row: CsvRow>(lines: &str, name: &str) -> Result<Vec<Row>, ArchiveError> {
-    let mut text = csv_head::<Row>();
-    text.extend(lines.as_bytes());
-    let mut rows = Vec::new();
-    each_row_of(&*text, Path::new(name), |row| rows.push(row))?;
-    Ok(rows)
-}
-
-impl Serialize for OfficialRows {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.to_lines().map_err(S::Error::custom)?.serialize(serializer)
-    }
-}
-
-impl TryFrom<OfficialLines> for OfficialRows {
-    type Error = String;
-
-    fn try_from(it: OfficialLines) -> Result<Self, String> {
-        let words = |error: ArchiveError| with_causes(&error);
-        Ok(Self {
-            boxes: rows(&it.boxes, "boxes").map_err(words)?,
-            kitti: rows(&it.kitti, "kitti").map_err(words)?,
-            labels: rows(&it.labels, "labels").map_err(words)?,
-        })
     }
 }
 

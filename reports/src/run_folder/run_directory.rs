@@ -70,10 +70,8 @@ pub const SWEEP_TIMES_CSV: &str = "times.csv";
 pub const SWEEP_PROTOCOLS_CSV: &str = "sweep_protocols.csv";
 /// The same, with all that is needed to read them.
 pub const SWEEP_PROTOCOLS_JSON: &str = "sweep_protocols.json";
-/// What a shard of a sweep has counted: a line for every scan and point.
-pub const SWEPT_SCANS_JSONL: &str = "swept_scans.jsonl";
-/// The scans that a shard of a sweep has timed, a line each.
-pub const TIMED_SCANS_JSONL: &str = "timed_scans.jsonl";
+/// All that happened in a shard: an event a line.
+pub const SHARD_LOG: &str = "shard.log";
 
 /// The predicted classes of partly seen objects: one row for every object, step and method.
 pub const PARTIAL_CSV: &str = "partial.csv";

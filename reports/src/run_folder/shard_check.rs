@@ -184,9 +184,8 @@ mod tests {
             cut_by: WorkMeasure::Scans,
             parts: (0..3).map(part).collect(),
             processors: Vec::new(),
-            files: Vec::new(),
+            log: None,
             recordings: Vec::new(),
-            worst_recorded: Vec::new(),
         };
         let manifest = Manifest { shard: Some(record), ..sample::manifest() };
         NamedShard { name: format!("{index}-of-{count}"), manifest }

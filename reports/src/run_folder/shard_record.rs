@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::vocabulary::shard::{Shard, ShardError};
 use crate::vocabulary::study::Study;
-use crate::worst::recorded::RecordedObject;
 
 /// A part of a run or of a study that was made by itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,14 +26,12 @@ pub struct ShardRecord {
     pub parts: Vec<ShardPart>,
     /// Where it ran: the processors in the order of its rows, more than one if it was continued elsewhere.
     pub processors: Vec<ProcessorRows>,
-    /// Its rows, for whoever puts it together with the others.
-    pub files: Vec<ShardFile>,
+    /// Its log, of which everything is made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub log: Option<ShardFile>,
     /// Its recordings, in the order of their scans.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub recordings: Vec<ShardRecording>,
-    /// Those of its worst mistakes whose scans are in them.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub worst_recorded: Vec<RecordedObject>,
 }
 
 /// By what the work of scans is measured before they are read.
@@ -105,6 +102,13 @@ pub struct ShardRecording {
     pub end: u64,
     /// Every so many scans are in it: those whose number this divides.
     pub every: u64,
+}
+
+impl ShardRecording {
+    /// Whether the scan of this number is in it.
+    pub fn holds(&self, number: u64) -> bool {
+        (self.first..self.end).contains(&number) && number.is_multiple_of(self.every)
+    }
 }
 
 impl ShardRecord {

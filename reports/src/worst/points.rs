@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::files::archive::{ArchiveError, SCHEMA, read_json};
-use crate::worst::objects::{ObjectName, WorstObjects};
+use crate::worst::objects::ObjectName;
 
 /// Side of a cell in metres.
 pub const PLAN_CELL_M: f32 = 0.1;
@@ -45,14 +45,6 @@ pub struct PlanCells {
 }
 
 impl WorstPoints {
-    /// The cells that were kept with each object, each object once.
-    pub fn new(objects: &WorstObjects<PlanCells>) -> Self {
-        let of_lists = objects.lists().flat_map(|(_, objects)| objects);
-        Self::of_patches(
-            of_lists.map(|it| Patch { object: it.object.clone(), cells: it.kept.clone() }).collect(),
-        )
-    }
-
     /// These cells, each object once.
     pub fn of_patches(mut patches: Vec<Patch>) -> Self {
         patches.sort_by(|a, b| a.object.cmp(&b.object));

@@ -17,8 +17,7 @@ use crate::commands::partial::whole_partial::WholePartial;
 use crate::commands::reproduce::papers_run::merge_reproduction;
 use crate::commands::run::ending::print_ending;
 use crate::commands::shards::executor::WholeResult;
-use crate::commands::shards::shard_directory::ShardDirectory;
-use crate::commands::shards::whole_manifest::Pieces;
+use crate::commands::shards::shard_log::ShardLog;
 use crate::commands::shards::whole_run::WholeRun;
 use crate::commands::shards::work_output::WorkOutput;
 use crate::commands::sweep::print_sweep;
@@ -82,11 +81,11 @@ fn put_together<Whole: WholeResult>(
     output: &OutputArgs,
 ) -> Result<Merged<Whole>, Failure> {
     let order = check_shards(shards)?;
-    let directories = ShardDirectory::in_order(shards, &order);
+    let logs = ShardLog::in_order(shards, &order);
     let manifests: Vec<&Manifest> = order.iter().map(|&idx| &shards[idx].manifest).collect();
     let study = study_of(shards);
     let directory = RunDirectory::begin(claim(study, manifests[0], output)?)?;
-    let whole = Whole::write(study, &directories, &manifests, &directory, Pieces::Shards)?;
+    let whole = Whole::of_shards(study, &logs, &manifests, &directory)?;
     Ok(Merged { study, directory, whole })
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use test_data::test_data;
 
 use crate::program::{Prepared, Workplace};
@@ -40,6 +40,31 @@ fn change_manifest(workplace: &Workplace, folder: &str, change: impl FnOnce(&mut
     let mut manifest = workplace.json(&name);
     change(&mut manifest);
     workplace.write(&name, &manifest.to_string());
+}
+
+/// The lines of a log, each with the checksum that belongs before it.
+fn with_checksums(log: &str) -> String {
+    let mut checksum = crc32fast::Hasher::new();
+    let mut line = |it: &str| {
+        let content = &it[9..];
+        checksum.update(content.as_bytes());
+        format!("{:08x} {content}\n", checksum.clone().finalize())
+    };
+    log.lines().map(&mut line).collect()
+}
+
+/// Makes this the log of the second half in `folder`, as its manifest says.
+fn write_log(workplace: &Workplace, folder: &str, log: &str) {
+    let name = format!("{folder}/shard-2-of-2/shard.log");
+    workplace.write(&name, log);
+    let sum = Command::new("sha256sum").arg(workplace.path(&name)).output().expect("it runs").stdout;
+    let sum = String::from_utf8(sum).expect("it is text");
+    let written = json!({
+        "name": "shard.log",
+        "n_bytes": log.len(),
+        "sha256": sum.split(' ').next(),
+    });
+    change_manifest(workplace, folder, |it| it["shard"]["log"] = written);
 }
 
 /// The shard `other` in the place of the second half in `folder` is refused in these words.
@@ -127,16 +152,8 @@ fn shards_of_which_the_manifests_do_not_make_a_run_are_refused() {
 #[test]
 fn damaged_shards_are_refused() {
     let workplace = halves();
-    for (folder, name) in [
-        ("run", "scans.csv"),
-        ("run", "matches.csv"),
-        ("run", "stages.csv"),
-        ("run", "worst_points.json"),
-        ("sweep", "swept_scans.jsonl"),
-        ("sweep", "timed_scans.jsonl"),
-        ("partial", "partial.csv"),
-    ] {
-        let name = format!("{folder}/shard-2-of-2/{name}");
+    for folder in ["run", "sweep", "partial"] {
+        let name = format!("{folder}/shard-2-of-2/shard.log");
         let sound = workplace.read(&name);
         let without_last_line = sound.trim_end().rsplit_once('\n').map(|(it, _)| format!("{it}\n"));
         let half_a_line = sound[..sound.len() - 20].to_owned();
@@ -145,12 +162,24 @@ fn damaged_shards_are_refused() {
             workplace.write(&name, &damaged);
             check_merge_refused(&workplace, folder, 3, "shard-2-of-2 cannot be read");
         }
-        // Without it, nobody would take the shard for one of objects.
-        if folder != "partial" {
-            std::fs::remove_file(workplace.path(&name)).expect("it is there");
-            check_merge_refused(&workplace, folder, 3, "shard-2-of-2 cannot be read");
-        }
+        std::fs::remove_file(workplace.path(&name)).expect("it is there");
+        check_merge_refused(&workplace, folder, 3, "shard-2-of-2 cannot be read");
         workplace.write(&name, &sound);
+        // With a checksum of its own, a log that is damaged is still found out.
+        let lines: Vec<&str> = sound.lines().collect();
+        let swapped = [&lines[..1], &lines[2..3], &lines[1..2], &lines[3..]].concat().join("\n") + "\n";
+        write_log(&workplace, folder, &swapped);
+        check_merge_refused(&workplace, folder, 3, "line 2 of ");
+        write_log(&workplace, folder, &sound);
+        // As of a version before.
+        change_manifest(&workplace, folder, |it| it["shard"]["log"] = Value::Null);
+        check_merge_refused(
+            &workplace,
+            folder,
+            3,
+            "if another version of scanbench made it, make the shard again",
+        );
+        write_log(&workplace, folder, &sound);
     }
 }
 
@@ -180,10 +209,14 @@ fn a_shard_is_no_result_and_is_made_once() {
 #[test]
 fn times_of_unlike_processors_are_never_put_together() {
     let workplace = halves();
+    let manifest = workplace.json("sweep/shard-2-of-2/manifest.json");
+    let model = manifest["shard"]["processors"][0]["cpu_model"].as_str().expect("a name");
     for folder in ["run", "sweep"] {
         change_manifest(&workplace, folder, |it| {
             it["shard"]["processors"][0]["cpu_model"] = "Abacus 3".into();
         });
+        let log = workplace.read(&format!("{folder}/shard-2-of-2/shard.log"));
+        write_log(&workplace, folder, &with_checksums(&log.replace(model, "Abacus 3")));
     }
     merge_whole(&workplace, "run", "in-one");
     let report = workplace.json("in-one/report.json");
@@ -202,19 +235,6 @@ fn times_of_unlike_processors_are_never_put_together() {
     assert_eq!((n("Abacus 3") > 8, n("Abacus 3") * 2), (true, times.lines().count() - 1), "{times}");
     workplace.check_file("in-one/table_times.md", &["on Abacus 3"]);
 
-    // A shard of a sweep says of every time which processor it is of.
-    let name = "sweep/shard-2-of-2/timed_scans.jsonl";
-    let timed = workplace.read(name);
-    let first: Value = timed.lines().next().and_then(|it| serde_json::from_str(it).ok()).expect("a line");
-    let model = first["processor"].as_str().expect("a name");
-    let other = timed.replace(model, "Abacus 3");
-    workplace.write(name, &other);
-    let sum = Command::new("sha256sum").arg(workplace.path(name)).output().expect("it runs").stdout;
-    let sum = String::from_utf8(sum).expect("it is text");
-    change_manifest(&workplace, "sweep", |it| {
-        it["shard"]["files"][1]["sha256"] = sum.split(' ').next().into();
-        it["shard"]["files"][1]["n_bytes"] = other.len().into();
-    });
     merge_whole(&workplace, "sweep", "swept");
     let names: Vec<String> =
         files_of(&workplace, "swept").iter().map(|it| it.display().to_string()).collect();
@@ -229,10 +249,10 @@ fn an_empty_shard_is_a_sound_result() {
     let workplace = Workplace::new();
     let run = "run street-narrow --simulated-scans 3 --sensor vlp-16 -d pca --no-rrd";
     make_shards(&workplace, run, 4, "shards");
-    let n_lines: Vec<usize> =
-        (1..=4).map(|it| workplace.n_lines(&format!("shards/shard-{it}-of-4/scans.csv"))).collect();
-    // Each scan is of a street of its own. Beside the names of columns it has a row for each task.
-    assert_eq!((n_lines.iter().filter(|it| **it == 1).count(), n_lines.iter().sum::<usize>()), (1, 4 + 6));
+    let log = |index: u32| workplace.read(&format!("shards/shard-{index}-of-4/shard.log"));
+    let n_scans: Vec<usize> = (1..=4).map(|it| log(it).matches("{\"scan\":{").count()).collect();
+    // Each scan is of a street of its own.
+    assert_eq!((n_scans.iter().filter(|it| **it == 0).count(), n_scans.iter().sum::<usize>()), (1, 3));
     merge_whole(&workplace, "shards", "in-one");
 }
 

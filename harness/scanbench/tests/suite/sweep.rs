@@ -180,7 +180,8 @@ fn scans_of_a_sweep_are_timed_in_the_shards_that_have_them() {
         }
         check_same_bytes(workplace, whole, merged);
     });
-    let n_timed = |it: u32| workplace.n_lines(&format!("shards-3/shard-{it}-of-3/timed_scans.jsonl"));
+    let log = |index: u32| workplace.read(&format!("shards-3/shard-{index}-of-3/shard.log"));
+    let n_timed = |index: u32| log(index).matches("{\"times\":{").count();
     assert_eq!((1..=3).map(n_timed).sum::<usize>(), 4);
     merge_whole(&workplace, "shards-3", "merged");
     // Two of each data set, and four of both, for two detectors at two points.

@@ -4,6 +4,7 @@ pub mod sets;
 pub mod growths;
 pub mod files;
 pub mod experiment;
+pub mod object_event;
 pub mod whole_partial;
 pub mod shared_objects;
 

@@ -2,24 +2,20 @@
 
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use detector::partial::partial_model::PartialModel;
 use evaluation::journal::Journal;
 use evaluation::partial::experiment::run;
-use reports::files::csv_rows::{csv_head, each_row_of, to_csv_lines};
 use reports::numbers::blocks::DriveSecond;
 use reports::numbers::shard_cut::{ScanToCut, scans_of_shard};
-use reports::rows::partial_row::PartialRow;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::partial_entry::PartialEntry;
-use reports::run_folder::run_directory::{PARTIAL_CSV, PARTIAL_RRD, RunDirectory};
+use reports::run_folder::run_directory::{PARTIAL_RRD, RunDirectory};
 use reports::run_folder::shard_record::{ShardPart, ShardRecord, WorkMeasure};
 use reports::vocabulary::shard::Shard;
 use scans::dataset::checksum::sha256;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::cli::PartialArgs;
@@ -28,11 +24,11 @@ use crate::commands::interruption::interruption_flag;
 use crate::commands::partial::experiment::{peer_rows, with_experiment};
 use crate::commands::partial::files::manifest;
 use crate::commands::partial::growths::first_growths;
+use crate::commands::partial::object_event::{Answer, ObjectEvent, answers_in};
 use crate::commands::partial::sets::{Compared, Known, open_all};
 use crate::commands::partial::whole_partial::WholePartial;
 use crate::commands::progress::progress_over_results;
 use crate::commands::recorder::{record_growths, records_growths};
-use crate::commands::shards::checksummed_file::write_checksummed;
 use crate::commands::shards::executor::SharedWork;
 use crate::commands::shards::share_of_work::ShareOfWork;
 use crate::commands::shards::unfinished_work::{Remains, UnfinishedWork};
@@ -49,17 +45,6 @@ pub struct SharedObjects<'a> {
     done: Vec<BTreeSet<(usize, usize)>>,
     // What our method has learned for each set, where objects are recorded as they grow.
     models: Vec<Option<Arc<PartialModel>>>,
-}
-
-/// What one method said of an object: an entry of the journal. Their order is that of rows.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ObjectEntry {
-    set_idx: usize,
-    method_idx: usize,
-    object_idx: usize,
-    // Lines of `partial.csv`.
-    lines: String,
 }
 
 /// Somebody asked for an end.
@@ -109,9 +94,13 @@ impl<'a> SharedObjects<'a> {
             let progress = progress_over_results(experiment.n_answered_objects(), done.len(), name);
             let is_done = |method_idx, object_idx| done.contains(&(method_idx, object_idx));
             let ended = run(experiment, is_done, wanted, |it| {
-                let lines = lines_of(&it.rows)?;
                 let (method_idx, object_idx) = (it.method_idx, it.object_idx);
-                journal.add(&ObjectEntry { set_idx, method_idx, object_idx, lines })?;
+                journal.add(&ObjectEvent::Answer(Answer {
+                    set_idx,
+                    method_idx,
+                    object_idx,
+                    rows: it.rows,
+                }))?;
                 progress.inc(1);
                 if interruption_flag().load(Ordering::Relaxed) {
                     return Err(Interrupted { object_idx, set: name.clone() }.into());
@@ -125,7 +114,7 @@ impl<'a> SharedObjects<'a> {
 }
 
 impl SharedWork for SharedObjects<'_> {
-    type Entry = ObjectEntry;
+    type Event = ObjectEvent;
     type Whole = WholePartial;
 
     fn take_share(&mut self, shard: Shard) -> ShareOfWork {
@@ -149,9 +138,10 @@ impl SharedWork for SharedObjects<'_> {
         format!("{} objects", self.n_objects())
     }
 
-    fn add_done(&mut self, entry: ObjectEntry) -> bool {
-        let of_set = self.done.get_mut(entry.set_idx);
-        of_set.is_some_and(|it| it.insert((entry.method_idx, entry.object_idx)))
+    fn add_done(&mut self, event: ObjectEvent) -> bool {
+        let ObjectEvent::Answer(answer) = event else { return true };
+        let of_set = self.done.get_mut(answer.set_idx);
+        of_set.is_some_and(|it| it.insert((answer.method_idx, answer.object_idx)))
     }
 
     fn done(&self) -> Option<String> {
@@ -159,32 +149,21 @@ impl SharedWork for SharedObjects<'_> {
         (n_done > 0).then(|| format!("{n_done} of all objects of all methods"))
     }
 
-    fn go_on(&mut self, unfinished: &UnfinishedWork, part: Option<Shard>) -> Result<(), Failure> {
-        let wanted = part.is_none() && records_growths(self.arguments);
+    fn go_on(&mut self, unfinished: &UnfinishedWork, _: &ShardRecord) -> Result<(), Failure> {
+        let journal = &unfinished.journal;
+        let wanted = unfinished.is_in_one_piece() && records_growths(self.arguments);
         for set_idx in 0..self.sets.len() {
-            let model = self.judge(set_idx, &unfinished.journal, wanted)?;
+            let model = self.judge(set_idx, journal, wanted)?;
             self.models.push(model.filter(|_| wanted));
+        }
+        let ours = answers_in(journal)?;
+        if !ours.is_empty() || !unfinished.is_in_one_piece() {
+            journal.add(&ObjectEvent::Peers { rows: peer_rows(self.arguments, &ours)? })?;
         }
         Ok(())
     }
 
-    fn write_files(
-        &mut self,
-        journal: &Journal,
-        folder: &Path,
-        mut record: ShardRecord,
-    ) -> Result<Manifest, Failure> {
-        let mut done: Vec<ObjectEntry> = Vec::new();
-        journal.each_entry(|it| done.push(it))?;
-        done.sort();
-        let head = String::from_utf8_lossy(&csv_head::<PartialRow>()).into_owned();
-        let mut text: String = std::iter::once(head).chain(done.into_iter().map(|it| it.lines)).collect();
-        let mut rows: Vec<PartialRow> = Vec::new();
-        each_row_of(text.as_bytes(), &folder.join(PARTIAL_CSV), |row| rows.push(row))?;
-        if !rows.is_empty() || record.count > 1 {
-            text.push_str(&lines_of(&peer_rows(self.arguments, &rows)?)?);
-        }
-        record.files = vec![write_checksummed(folder, PARTIAL_CSV, text.as_bytes())?];
+    fn finished_manifest(&mut self, _: &Journal, record: ShardRecord) -> Result<Manifest, Failure> {
         Ok(SharedWork::manifest(self, Some(record)))
     }
 
@@ -243,10 +222,6 @@ fn parts(sets: &[Compared], ranges: &[Range<usize>]) -> Vec<ShardPart> {
         }
     };
     sets.iter().zip(ranges).map(part).collect()
-}
-
-fn lines_of(rows: &[PartialRow]) -> Result<String, Failure> {
-    Ok(String::from_utf8_lossy(&to_csv_lines(rows)?).into_owned())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What all objects of `scanbench partial` come to, of the rows of shards.
 
 use evaluation::partial::methods::OURS;
-use reports::files::csv_rows::{each_row_of, read_rows, to_csv_bytes};
+use reports::files::csv_rows::{read_rows, to_csv_bytes};
 use reports::pages::partial_page::PartialPage;
 use reports::rows::partial_row::PartialRow;
 use reports::run_folder::manifest::Manifest;
@@ -10,8 +10,9 @@ use reports::vocabulary::study::Study;
 
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::partial::files::write_files;
+use crate::commands::partial::object_event::ObjectRows;
 use crate::commands::shards::executor::WholeResult;
-use crate::commands::shards::shard_directory::ShardDirectory;
+use crate::commands::shards::shard_log::ShardLog;
 use crate::commands::shards::whole_manifest::{Pieces, merged_manifest};
 
 /// A result of which all files are written.
@@ -21,24 +22,25 @@ pub struct WholePartial {
 }
 
 impl WholeResult for WholePartial {
-    fn write(
+    fn of_shards(
         _: Study,
-        shards: &[ShardDirectory<'_>],
+        shards: &[ShardLog<'_>],
         manifests: &[&Manifest],
         directory: &RunDirectory,
-        pieces: Pieces,
     ) -> Result<Self, Failure> {
+        let pieces = shards[0].pieces();
         let mut manifest = merged_manifest(manifests, directory.target(), pieces);
         if pieces == Pieces::One {
             manifest.shards.clear();
         }
         let mut rows: Vec<PartialRow> = Vec::new();
         for shard in shards {
-            let mut file = shard.open(PARTIAL_CSV)?;
-            let path = file.path.clone();
-            let read = each_row_of(&mut file, &path, |row| rows.push(row));
-            read.map_err(|error| Failure::damaged_run(&shard.folder, error))?;
-            file.check(shard)?;
+            let mut of_shard = ObjectRows::default();
+            shard.each_event(|event| {
+                of_shard.add(event);
+                Ok(())
+            })?;
+            rows.extend(of_shard.finish());
         }
         if rows.is_empty() {
             return Err(

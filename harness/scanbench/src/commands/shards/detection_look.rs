@@ -1,14 +1,14 @@
 //! A look at the boxes of detectors of others: do they lie where the points are?
 
 use detector::{DetectedClass, Detections};
-use evaluation::journal::Journal;
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
 use reports::run_folder::manifest::Manifest;
 use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::{Annotation, LabeledScan};
 use scans::data_check::label_look::LabelLook;
 
-use super::shard_entry::ShardEntry;
+use super::run_event::RunEvent;
+use super::run_log::RunLog;
 use crate::commands::failure::Failure;
 use crate::commands::first_look::thinned;
 use crate::commands::progress::RunProgress;
@@ -19,9 +19,9 @@ const MOST_KEPT: usize = 16;
 const FIRST_KEPT: usize = 10;
 
 /// Looks at the boxes of detectors that are not built in: once after a few scans, and at the end. What is suspect is warned
-/// of and goes into the journal.
+/// of and goes into the log.
 pub struct DetectionLook<'a> {
-    journal: &'a Journal,
+    log: &'a RunLog<'a>,
     progress: &'a RunProgress,
     // Names of those that are looked at, and whether they are suspect on the present data set.
     detectors: Vec<(String, bool)>,
@@ -41,11 +41,11 @@ struct KeptScan {
 
 impl<'a> DetectionLook<'a> {
     /// Of the detectors in `manifest` that are not built in; `None` if all are.
-    pub fn new(journal: &'a Journal, progress: &'a RunProgress, manifest: &Manifest) -> Option<Self> {
+    pub fn new(log: &'a RunLog<'a>, progress: &'a RunProgress, manifest: &Manifest) -> Option<Self> {
         let foreign = manifest.detectors.iter().filter(|it| it.foreign.is_some());
         let detectors: Vec<(String, bool)> = foreign.map(|it| (it.name.clone(), false)).collect();
         (!detectors.is_empty()).then(|| Self {
-            journal,
+            log,
             progress,
             detectors,
             dataset: String::new(),
@@ -87,7 +87,7 @@ impl<'a> DetectionLook<'a> {
             for suspicion in suspicions {
                 let doubt = format!("on {}, {}", self.dataset, suspicion.about_results());
                 self.progress.warn(&format!("the boxes of the detector {name:?} are suspect: {doubt}"));
-                self.journal.add(&ShardEntry::Doubt { detector: name.clone(), doubt })?;
+                self.log.add(&RunEvent::Doubt { detector: name.clone(), doubt })?;
             }
         }
         Ok(())

@@ -1,9 +1,9 @@
 //! Does work that can be shared out: all in one piece, or a shard.
 //!
-//! Finished work is kept at once, and all results are made of what was kept. Work in one piece is the only shard, merged
-//! with no other. Interrupted work continues when the same command is run again.
+//! Finished work is kept at once as events in a journal. A shard leaves these for `merge`, which makes the result of them.
+//! Interrupted work continues when the same command is run again.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use evaluation::journal::Journal;
 use reports::run_folder::manifest::Manifest;
@@ -15,10 +15,9 @@ use reports::vocabulary::study::Study;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::shard_directory::ShardDirectory;
+use super::shard_log::{ShardLog, leave_log};
 use super::share_of_work::ShareOfWork;
 use super::unfinished_work::{Remains, UnfinishedWork, identity_of};
-use super::whole_manifest::Pieces;
 use super::work_output::WorkOutput;
 use crate::commands::failure::Failure;
 use crate::commands::standard_streams::{Verbosity, is_said, print_diagnostic, print_result};
@@ -26,19 +25,18 @@ use crate::commands::standard_streams::{Verbosity, is_said, print_diagnostic, pr
 /// What all shards come to, with its files.
 pub trait WholeResult: Sized {
     /// Makes that of `shards`, whose manifests are `manifests`, both in order, in `directory`.
-    fn write(
+    fn of_shards(
         study: Study,
-        shards: &[ShardDirectory<'_>],
+        shards: &[ShardLog<'_>],
         manifests: &[&Manifest],
         directory: &RunDirectory,
-        pieces: Pieces,
     ) -> Result<Self, Failure>;
 }
 
-/// What is done part by part, with a line in the journal for each, and put together of shards.
+/// What is done part by part, with an event in the journal for each.
 pub trait SharedWork {
     /// A line of the journal.
-    type Entry: DeserializeOwned;
+    type Event: DeserializeOwned;
     /// What comes of it.
     type Whole: WholeResult;
 
@@ -65,26 +63,34 @@ pub trait SharedWork {
     }
 
     /// Takes in what was done before, unless it cannot be of this work, or cannot come next.
-    fn add_done(&mut self, entry: Self::Entry) -> bool;
+    fn add_done(&mut self, event: Self::Event) -> bool;
 
     /// How much was done before, such as `7 of 60 scans`; `None` if nothing was.
     fn done(&self) -> Option<String>;
 
-    /// Does what is left; `part` says which shard it is.
-    fn go_on(&mut self, unfinished: &UnfinishedWork, part: Option<Shard>) -> Result<(), Failure>;
+    /// Does what is left of the shard that `record` is of, or of work in one piece.
+    fn go_on(&mut self, unfinished: &UnfinishedWork, record: &ShardRecord) -> Result<(), Failure>;
 
     /// What is said of work in one piece that `failure` has ended, and what is left of it.
-    fn ended_by(&mut self, failure: Failure, unfinished: UnfinishedWork, _: ShardRecord) -> Failure {
+    fn ended_by(&mut self, failure: Failure, unfinished: UnfinishedWork) -> Failure {
         if unfinished.is_begun() { unfinished.ended_by(failure) } else { unfinished.discarded_by(failure) }
     }
 
-    /// Writes what `journal` holds into `folder` as the files of a shard, and says in `record` which these are.
-    fn write_files(
+    /// How it came about, now that all is done and in `journal`; its shard becomes `record`.
+    fn finished_manifest(&mut self, journal: &Journal, record: ShardRecord) -> Result<Manifest, Failure>;
+
+    /// Makes the result of work in one piece, whose manifest is `manifest`, in `directory`.
+    fn whole(
         &mut self,
-        journal: &Journal,
-        folder: &Path,
-        record: ShardRecord,
-    ) -> Result<Manifest, Failure>;
+        study: Study,
+        remains: &Remains,
+        manifest: &Manifest,
+        directory: &RunDirectory,
+    ) -> Result<Self::Whole, Failure> {
+        let record = manifest.shard.as_ref().expect("its shard was just written into it");
+        let log = ShardLog::of_journal(&remains.folder, record, &remains.journal);
+        Self::Whole::of_shards(study, &[log], &[manifest], directory)
+    }
 
     /// Has `directory` take what else lies beside the journal and belongs to the result.
     fn carry_over(
@@ -131,10 +137,10 @@ pub fn execute<W: SharedWork>(
     if let Some(done) = work.done() {
         unfinished.report_continuing(&done);
     }
-    if let Err(failure) = work.go_on(&unfinished, part) {
+    if let Err(failure) = work.go_on(&unfinished, &record) {
         return Err(match part {
             Some(_) => unfinished.ended_by(failure),
-            None => work.ended_by(failure, unfinished, record),
+            None => work.ended_by(failure, unfinished),
         });
     }
     if part.is_some() {
@@ -163,7 +169,8 @@ fn leave_shard<W: SharedWork>(
     let words = unfinished.part_in_words();
     let (claimed, remains) = unfinished.into_parts();
     let directory = RunDirectory::begin(claimed)?;
-    let manifest = work.write_files(&remains.journal, directory.folder(), record)?;
+    let record = ShardRecord { log: Some(leave_log(&remains.journal, &directory)?), ..record };
+    let manifest = work.finished_manifest(&remains.journal, record)?;
     work.carry_over(&remains, &manifest, &directory)?;
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     let finished = directory.finish()?;
@@ -183,9 +190,7 @@ fn put_in_one_piece<W: SharedWork>(
     remains: &Remains,
     directory: &RunDirectory,
 ) -> Result<W::Whole, Failure> {
-    let manifest = work.write_files(&remains.journal, &remains.folder, record)?;
+    let manifest = work.finished_manifest(&remains.journal, record)?;
     work.carry_over(remains, &manifest, directory)?;
-    let record = manifest.shard.as_ref().expect("its files were just written into it");
-    let shards = [ShardDirectory { folder: remains.folder.clone(), record }];
-    W::Whole::write(study, &shards, &[&manifest], directory, Pieces::One)
+    work.whole(study, remains, &manifest, directory)
 }

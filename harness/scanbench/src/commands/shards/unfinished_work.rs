@@ -9,6 +9,7 @@ use evaluation::run::config::DETECTOR_TABLE;
 use reports::files::archive::ArchiveError;
 use reports::files::hidden_folder::HiddenFolder;
 use reports::files::new_file::make_folder;
+use reports::files::whole_file::is_unfinished_file;
 use reports::run_folder::run_target::ClaimedTarget;
 use reports::vocabulary::shard::Shard;
 use reports::vocabulary::study::Study;
@@ -28,7 +29,7 @@ const GRACE: Duration = Duration::from_secs(25);
 const JOURNAL: &str = "journal";
 
 /// Endings of the other files that are left there.
-const ENDINGS: [&str; 5] = ["csv", "json", "jsonl", "rrd", "mcap"];
+const ENDINGS: [&str; 4] = ["csv", "json", "rrd", "mcap"];
 
 /// What decides the rows of a result: its `manifest`, without what may differ when it is continued, and `rules` that this
 /// lacks.
@@ -81,16 +82,16 @@ pub struct UnfinishedWork {
 
 impl UnfinishedWork {
     /// Opens what there is in `output`, called after the data sets `ids` unless it is named, or begins it; `extent` says
-    /// what it has, such as `60 scans`. What was done before is handed to `on_entry`, which says
+    /// what it has, such as `60 scans`. What was done before is handed to `on_event`, which says
     /// whether it can be of this work.
     ///
     /// A shard takes its time from now on when it is asked to end.
-    pub fn open<Entry: DeserializeOwned>(
+    pub fn open<Event: DeserializeOwned>(
         mut output: WorkOutput,
         ids: &str,
         identity: &JournalIdentity,
         extent: String,
-        on_entry: impl FnMut(Entry) -> bool,
+        on_event: impl FnMut(Event) -> bool,
     ) -> Result<Self, Failure> {
         let claimed = output.target(ids)?;
         let kept = kept_beside(&claimed);
@@ -109,12 +110,13 @@ impl UnfinishedWork {
             (None, _) => "run",
         };
         let had_journal = folder.join(JOURNAL).is_file();
-        let journal = Journal::open(&folder.join(JOURNAL), kind, identity, other, on_entry);
+        let journal = Journal::open(&folder.join(JOURNAL), kind, identity, other, on_event);
         if journal.is_err() && !had_journal {
             // Nobody could continue from a journal that the disk does not take.
             let _ = std::fs::remove_file(folder.join(JOURNAL)).and_then(|()| std::fs::remove_dir(&folder));
         }
         let journal = journal?;
+        remove_leftovers(&folder);
         if let Some(line) = journal.damaged_line() {
             let path = folder.join(JOURNAL);
             print_diagnostic(format_args!(
@@ -158,6 +160,16 @@ impl UnfinishedWork {
             self.extent,
             self.folder.display()
         )
+    }
+
+    /// Whether it is all in one piece, and no shard.
+    pub fn is_in_one_piece(&self) -> bool {
+        self.shard.is_none()
+    }
+
+    /// The journal of a shard, and of work that can be continued; `None` of work in a directory without a name.
+    pub fn kept_journal(&self) -> Option<&Journal> {
+        (self.passing.is_none() || self.shard.is_some()).then_some(&self.journal)
     }
 
     /// Which part it is and what that has, such as `Shard 3/8: 60 scans`.
@@ -216,6 +228,14 @@ fn make_beside(claimed: &ClaimedTarget, kept: &Path) -> Result<(), ArchiveError>
     let beside = claimed.target().parent().unwrap_or(Path::new(""));
     let made = make_folder(beside, kept.file_name().unwrap_or_default());
     made.map(|_| ()).map_err(|source| ArchiveError::Write { path: kept.to_owned(), source })
+}
+
+/// Removes what programs that were killed did not complete. Only who has the journal writes to `folder`.
+fn remove_leftovers(folder: &Path) {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    for path in entries.filter(|it| is_unfinished_file(&it.file_name())).map(|it| it.path()) {
+        remove(std::fs::remove_file(&path), &path);
+    }
 }
 
 /// The files of results in `folder`.

@@ -11,15 +11,17 @@ use reports::files::archive::ArchiveError;
 use reports::files::new_file::add_name;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::shard_record::{ShardRecord, ShardRecording};
+use reports::run_folder::shard_record::{ProcessorRows, ShardRecord, ShardRecording};
 use reports::vocabulary::shard::Shard;
+use reports::vocabulary::study::Study;
 use serde_json::{Value, json};
 
 use super::detection_look::DetectionLook;
 use super::executor::{Made, SharedWork, execute};
-use super::shard_entry::{ShardEntry, ShardProgress};
-use super::shard_files::write_shard_files;
-use super::shard_journal::ShardJournal;
+use super::run_event::{EventProgress, RunEvent};
+use super::run_log::{EventsMade, RunLog};
+use super::run_rows::RunRows;
+use super::scan_events::ScanEvents;
 use super::share_of_work::{ShareOfWork, take_share};
 use super::unfinished_work::{Remains, UnfinishedWork};
 use super::whole_run::WholeRun;
@@ -77,7 +79,13 @@ pub fn execute_watched(
     study: &mut impl WatchedStudy,
     output: WorkOutput,
 ) -> Result<Option<MadeRun>, Failure> {
-    let mut work = Watched { study, progress: ShardProgress::default(), end: Cell::new(None), served: None };
+    let mut work = Watched {
+        study,
+        progress: EventProgress::default(),
+        made: EventsMade::default(),
+        end: Cell::new(None),
+        served: None,
+    };
     let made = execute(&mut work, output)?;
     Ok(made.map(|it| (it, work.served)))
 }
@@ -85,14 +93,15 @@ pub fn execute_watched(
 /// A study, and how far it is.
 struct Watched<'a, S> {
     study: &'a mut S,
-    progress: ShardProgress,
+    progress: EventProgress,
+    made: EventsMade,
     // The number behind that of the last scan that was judged now.
     end: Cell<Option<u64>>,
     served: Option<Box<dyn Served>>,
 }
 
 impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
-    type Entry = ShardEntry;
+    type Event = RunEvent;
     type Whole = WholeRun;
 
     fn take_share(&mut self, shard: Shard) -> ShareOfWork {
@@ -126,11 +135,12 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
         self.study.sees_all()
     }
 
-    fn add_done(&mut self, entry: ShardEntry) -> bool {
+    fn add_done(&mut self, event: RunEvent) -> bool {
         let parts: Vec<_> = self.study.datasets().iter().map(|it| it.part.clone()).collect();
-        let is_next = self.progress.allows(&entry, &parts);
+        let is_next = self.progress.allows(&event, &parts);
         if is_next {
-            self.progress.add(&entry);
+            self.progress.add(&event);
+            self.made.summary.add(&event);
         }
         is_next
     }
@@ -140,37 +150,52 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
         (n_done > 0).then(|| format!("{n_done} of {} scans", self.n_scans()))
     }
 
-    fn go_on(&mut self, unfinished: &UnfinishedWork, part: Option<Shard>) -> Result<(), Failure> {
-        unfinished.journal.add(&ShardEntry::Began { cpu_model: machine().cpu_model })?;
+    fn go_on(&mut self, unfinished: &UnfinishedWork, record: &ShardRecord) -> Result<(), Failure> {
+        if unfinished.is_in_one_piece() {
+            self.made.rows = Some(self.rows_so_far(unfinished, record.clone())?);
+        }
         leave_out_what_is_done(self.study.datasets_mut(), &self.progress);
-        self.served = self.pass(unfinished, part.is_none())?;
+        let log = RunLog::new(unfinished.kept_journal(), std::mem::take(&mut self.made));
+        let ended = self.pass(unfinished, &log);
+        self.made = log.into_made();
+        self.served = ended?;
         Ok(())
     }
 
-    fn ended_by(&mut self, failure: Failure, unfinished: UnfinishedWork, record: ShardRecord) -> Failure {
+    fn ended_by(&mut self, failure: Failure, unfinished: UnfinishedWork) -> Failure {
         let has_scans = self.progress.n_scans > 0 || self.end.get().is_some();
+        // Its files go before their folder.
+        let rows = self.made.rows.take();
         match failure {
             // The disk is full, or somebody needs the machine: the same command goes on.
             Failure::Interrupted(_) | Failure::Internal(_) | Failure::Unwritten(_) if has_scans => {
                 unfinished.ended_by(failure)
             }
             // Whoever mends a detector starts again.
-            Failure::Detector(_) if has_scans => self.leave_rows(unfinished, record).err().unwrap_or(failure),
-            failure => unfinished.discarded_by(failure),
+            Failure::Detector(_) if has_scans => leave_rows(rows, unfinished).err().unwrap_or(failure),
+            failure => {
+                drop(rows);
+                unfinished.discarded_by(failure)
+            }
         }
     }
 
-    fn write_files(
-        &mut self,
-        journal: &Journal,
-        folder: &Path,
-        mut record: ShardRecord,
-    ) -> Result<Manifest, Failure> {
+    fn finished_manifest(&mut self, _: &Journal, record: ShardRecord) -> Result<Manifest, Failure> {
         // Programs of others have introduced themselves by now.
         let mut manifest = self.study.manifest();
-        write_shard_files(journal, folder, &mut manifest, &mut record)?;
-        manifest.shard = Some(record);
+        std::mem::take(&mut self.made.summary).write_to(&mut manifest, record);
         Ok(manifest)
+    }
+
+    fn whole(
+        &mut self,
+        study: Study,
+        _: &Remains,
+        manifest: &Manifest,
+        directory: &RunDirectory,
+    ) -> Result<WholeRun, Failure> {
+        let rows = self.made.rows.take().expect("work in one piece has rows");
+        WholeRun::in_one_piece(study, rows, manifest, directory)
     }
 
     fn carry_over(
@@ -199,11 +224,34 @@ impl<S: WatchedStudy> Watched<'_, S> {
         self.study.datasets().iter().map(|it| it.part.len()).sum()
     }
 
-    /// Goes over the scans that are left; `has_all` says whether these are all.
-    fn pass(&self, unfinished: &UnfinishedWork, has_all: bool) -> Result<Option<Box<dyn Served>>, Failure> {
+    /// The rows of the scans that are done, to be added to on this processor.
+    fn rows_so_far(&self, unfinished: &UnfinishedWork, mut record: ShardRecord) -> Result<RunRows, Failure> {
+        let here = ProcessorRows { cpu_model: machine().cpu_model, n_scan_rows: 0 };
+        record.processors = self.made.summary.processors().iter().cloned().chain([here]).collect();
+        let manifest = Manifest { shards: vec![record], ..self.study.manifest() };
+        let mut rows = RunRows::begin(&manifest, &unfinished.folder)?;
+        let (journal, mut written) = (&unfinished.journal, Ok(()));
+        if journal.n_entries() > 0 {
+            Journal::read(journal.path(), |event| {
+                written = rows.add(&event, 0);
+                written.is_ok()
+            })
+            .map_err(|source| ArchiveError::Read { path: journal.path().to_owned(), source })?;
+        }
+        written?;
+        Ok(rows)
+    }
+
+    /// Goes over the scans that are left.
+    fn pass(
+        &self,
+        unfinished: &UnfinishedWork,
+        log: &RunLog<'_>,
+    ) -> Result<Option<Box<dyn Served>>, Failure> {
+        log.add(&RunEvent::Began { cpu_model: machine().cpu_model })?;
         let (study, mut served) = (&*self.study, None);
         let Some(first) = first_number(study.datasets()) else { return Ok(served) };
-        let UnfinishedWork { folder, journal, claimed, .. } = unfinished;
+        let UnfinishedWork { folder, claimed, .. } = unfinished;
         let progress = RunProgress::new();
         let file = match self.progress.n_starts {
             n if n > 0 && self.progress.n_scans > 0 => format!("run-{}.rrd", n + 1),
@@ -213,30 +261,30 @@ impl<S: WatchedStudy> Watched<'_, S> {
         let recorder = study.begin_recording(&name, folder.join(&file))?;
         let every = recorder.as_ref().map(|(_, every)| *every);
         let manifest = study.manifest();
-        let mut sinks = if has_all { study.sinks(folder)? } else { Vec::new() };
+        let mut sinks = if unfinished.is_in_one_piece() { study.sinks(folder)? } else { Vec::new() };
         sinks.push(Box::new(recorder.map(|(it, _)| RerunRecording::new(it, &progress, &mut served))));
-        sinks.push(Box::new(ShardJournal::new(journal, study.datasets(), &manifest.protocols, &self.end)));
-        sinks.push(Box::new(DetectionLook::new(journal, &progress, &manifest)));
+        sinks.push(Box::new(ScanEvents::new(log, study.datasets(), &manifest.protocols, &self.end)));
+        sinks.push(Box::new(DetectionLook::new(log, &progress, &manifest)));
         sinks.push(Box::new(Terminal::new(&progress)));
         let ended = study.watched(&progress).run(sinks);
         let is_complete = matches!(ended, Ok(()) | Err(Failure::Interrupted(_) | Failure::Detector(_)));
         if let Some((end, every)) = self.end.get().zip(every).filter(|_| is_complete) {
-            journal.add(&ShardEntry::Recorded(ShardRecording { file, first, end, every }))?;
+            log.add(&RunEvent::Recorded(ShardRecording { file, first, end, every }))?;
         }
         ended.map(|()| served)
     }
+}
 
-    /// Leaves the rows of the scans before a failure, but nothing to go on with.
-    fn leave_rows(&mut self, unfinished: UnfinishedWork, record: ShardRecord) -> Result<(), Failure> {
-        self.write_files(&unfinished.journal, &unfinished.folder, record)?;
-        let folder = unfinished.leave_files()?;
-        print_diagnostic(format_args!("Rows of the scans before the failure: {}", folder.display()));
-        Ok(())
-    }
+/// Leaves the rows of the scans before a failure, but nothing to go on with.
+fn leave_rows(rows: Option<RunRows>, unfinished: UnfinishedWork) -> Result<(), Failure> {
+    rows.map_or(Ok(()), |it| it.files.finish())?;
+    let folder = unfinished.leave_files()?;
+    print_diagnostic(format_args!("Rows of the scans before the failure: {}", folder.display()));
+    Ok(())
 }
 
 /// Begins each data set behind the last scan that was judged.
-fn leave_out_what_is_done(datasets: &mut [OpenedDataset], progress: &ShardProgress) {
+fn leave_out_what_is_done(datasets: &mut [OpenedDataset], progress: &EventProgress) {
     for (dataset_idx, index) in &progress.next_indices {
         let part = &mut datasets[*dataset_idx].part;
         part.start = (*index).clamp(part.start, part.end);

@@ -1,27 +1,28 @@
-//! A run, or a study that is one, made of the rows of its shards: all in one piece is the only shard.
+//! A run, or a study that is one, made of its rows: in one piece, or of the events of its shards.
 
 use evaluation::metrics::counts::SCORING_VERSION;
+use reports::facts::gathered_run::Surroundings;
 use reports::facts::run_facts::{BesideRows, RunFacts};
-use reports::files::csv_rows::read_rows;
 use reports::numbers::tally::Tally;
 use reports::protocols::protocol_report::ProtocolReport;
-use reports::rows::agreement_row::{AgreementRow, add_agreement};
+use reports::rows::scan_row::ScanRow;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{
-    AGREEMENT_CSV, RECORDINGS_JSON, RUN_RRD, RunDirectory, WORST_POINTS_JSON,
-};
-use reports::run_folder::shard_record::ShardPart;
+use reports::run_folder::run_directory::{RECORDINGS_JSON, RUN_RRD, RunDirectory, WORST_POINTS_JSON};
+use reports::run_folder::shard_check::ShardMismatch;
+use reports::run_folder::shard_record::{ShardPart, ShardRecord};
 use reports::vocabulary::study::Study;
 use reports::vocabulary::task::Task;
-use reports::worst::objects::{ObjectName, WorstObjects};
+use reports::worst::objects::{WorstObject, WorstObjects};
 use reports::worst::points::{Patch, WorstPoints};
 use reports::worst::recorded::{RecordedObject, Recordings};
 
 use super::executor::WholeResult;
-use super::rows_of_shards::{MergedRows, merge_rows};
-use super::shard_directory::ShardDirectory;
+use super::run_event::RunEvent;
+use super::run_rows::{RowSums, RunRows};
+use super::shard_log::ShardLog;
 use super::whole_manifest::{Pieces, merged_manifest, path_from};
 use crate::commands::failure::Failure;
+use crate::commands::progress::progress_over_results;
 use crate::commands::run_numbers::{
     write_agreement, write_facts, write_protocols, write_times_of_processors,
 };
@@ -36,20 +37,64 @@ pub struct WholeRun {
 }
 
 impl WholeResult for WholeRun {
-    /// Puts the rows of `shards` one after the other, and writes these and all numbers that are made of them.
-    fn write(
+    fn of_shards(
         study: Study,
-        shards: &[ShardDirectory<'_>],
+        shards: &[ShardLog<'_>],
         manifests: &[&Manifest],
         directory: &RunDirectory,
-        pieces: Pieces,
     ) -> Result<Self, Failure> {
-        let mut manifest = merged_manifest(manifests, directory.target(), pieces);
-        let MergedRows { gathered, protocols, of_processors } = merge_rows(shards, &manifest, directory)?;
-        let (points, recordings) = write_worst(shards, &gathered.worst, directory, pieces)?;
-        let agreement = if study == Study::Run { agreement_of(shards, &manifest)? } else { Vec::new() };
+        let manifest = merged_manifest(manifests, directory.target(), Pieces::Shards);
+        let mut rows = RunRows::begin(&manifest, directory.folder())?;
+        let progress = progress_over_results(shards.len(), 0, "shards");
+        for (shard_idx, shard) in shards.iter().enumerate() {
+            shard.each_event(|event: RunEvent| {
+                refuse_twice(&event, &rows, shard)?;
+                Ok(rows.add(&event, shard_idx)?)
+            })?;
+            rows.sums.protocols.check().map_err(|problem| shard.damaged(problem))?;
+            progress.inc(1);
+        }
+        progress.finish_and_clear();
+        Self::of_rows(study, rows, manifest, directory, shards)
+    }
+}
+
+impl WholeRun {
+    /// The run of `manifest` in one piece.
+    pub fn in_one_piece(
+        study: Study,
+        rows: RunRows,
+        manifest: &Manifest,
+        directory: &RunDirectory,
+    ) -> Result<Self, Failure> {
+        let manifest = merged_manifest(&[manifest], directory.target(), Pieces::One);
+        Self::of_rows(study, rows, manifest, directory, &[])
+    }
+
+    /// Writes `rows` of these `shards`, none if it is in one piece, and all numbers that are made of them.
+    fn of_rows(
+        study: Study,
+        rows: RunRows,
+        mut manifest: Manifest,
+        directory: &RunDirectory,
+        shards: &[ShardLog<'_>],
+    ) -> Result<Self, Failure> {
+        let RunRows { files, sums, .. } = rows;
+        files.finish_in(directory)?;
+        let RowSums { gathered, protocols, of_processors, mut agreement } = sums;
+        let points = points_of(&gathered.worst);
+        directory.write_file(WORST_POINTS_JSON, points.to_json().as_bytes())?;
+        let path_of = |shard_idx: usize, file: &str| match shards.get(shard_idx) {
+            Some(shard) => path_from(directory.target(), &shard.folder.join(file)),
+            None => file.to_owned(),
+        };
+        let recordings = recordings_of(&gathered.worst, &manifest.shards, path_of);
+        if let Some(recordings) = &recordings {
+            directory.write_file(RECORDINGS_JSON, recordings.to_json().as_bytes())?;
+        }
+        agreement.retain(|it| study == Study::Run && labels_of(&manifest, &it.dataset) == Labels::None);
         refuse_nothing(study, &manifest, &gathered.tally)?;
-        if pieces == Pieces::One && of_processors.is_empty() {
+        if shards.is_empty() && of_processors.is_empty() {
             manifest.shards.clear();
         }
         let is_evaluated = !manifest.protocols.is_empty();
@@ -69,57 +114,50 @@ impl WholeResult for WholeRun {
     }
 }
 
-/// Writes the points around the worst mistakes, and where these are recorded if one recording does not have all.
-fn write_worst(
-    shards: &[ShardDirectory<'_>],
-    worst: &WorstObjects<usize>,
-    directory: &RunDirectory,
-    pieces: Pieces,
-) -> Result<(WorstPoints, Option<Recordings>), Failure> {
-    let seen = shards.iter().map(ShardDirectory::worst_points).collect::<Result<Vec<WorstPoints>, _>>()?;
-    let objects: Vec<(&ObjectName, usize)> =
-        worst.lists().flat_map(|(_, objects)| objects).map(|it| (&it.object, it.kept)).collect();
-    let mut patches = Vec::new();
-    for (object, shard_idx) in &objects {
-        let cells = seen[*shard_idx].around(object).ok_or_else(|| shards[*shard_idx].lacks(object))?;
-        patches.push(Patch { object: (*object).clone(), cells: cells.clone() });
+/// Refuses a scan that a shard before has, too.
+fn refuse_twice(event: &RunEvent, rows: &RunRows, shard: &ShardLog<'_>) -> Result<(), Failure> {
+    let RunEvent::Scan(scan) = event else { return Ok(()) };
+    let Some(ScanRow { dataset, sequence, scan, .. }) = scan.scans.first() else { return Ok(()) };
+    if !rows.sums.gathered.tally.has_scan(dataset, sequence, *scan) {
+        return Ok(());
     }
-    let points = WorstPoints::of_patches(patches);
-    directory.write_file(WORST_POINTS_JSON, points.to_json().as_bytes())?;
-    let mut recorded: Vec<RecordedObject> = Vec::new();
-    for (object, shard_idx) in objects {
-        let shard = &shards[shard_idx];
-        let source = shard.record.worst_recorded.iter().find(|it| it.object == *object);
-        if let Some(source) = source.filter(|_| recorded.iter().all(|it| it.object != *object)) {
-            let recording = match pieces {
-                Pieces::One => source.recording.clone(),
-                Pieces::Shards => path_from(directory.target(), &shard.folder.join(&source.recording)),
-            };
-            recorded.push(RecordedObject { recording, ..source.clone() });
-        }
-    }
-    // Of one recording the number of the scan says enough.
-    let is_one = |it: &ShardDirectory<'_>| it.record.recordings.iter().all(|it| it.file == RUN_RRD);
-    if recorded.is_empty() || pieces == Pieces::One && shards.iter().all(is_one) {
-        return Ok((points, None));
-    }
-    let recordings = Recordings::new(recorded);
-    directory.write_file(RECORDINGS_JSON, recordings.to_json().as_bytes())?;
-    Ok((points, Some(recordings)))
+    let (name, scan) = (shard.folder.display().to_string(), format!("{dataset} {sequence} {scan}"));
+    Err(ShardMismatch::same_scan(&name, &scan).into())
 }
 
-/// How far detectors agree in the data sets of which no shard has found a labelled scan.
-fn agreement_of(shards: &[ShardDirectory<'_>], manifest: &Manifest) -> Result<Vec<AgreementRow>, Failure> {
-    let mut sums = Vec::new();
-    for shard in shards {
-        let path = shard.folder.join(AGREEMENT_CSV);
-        if path.is_file() {
-            let rows = read_rows(&path).map_err(|error| Failure::damaged_run(&shard.folder, error))?;
-            add_agreement(&mut sums, rows);
+/// Points around the worst mistakes.
+fn points_of(worst: &WorstObjects<Surroundings>) -> WorstPoints {
+    let objects = worst.lists().flat_map(|(_, objects)| objects);
+    let patch =
+        |it: &WorstObject<Surroundings>| Patch { object: it.object.clone(), cells: it.kept.cells.clone() };
+    WorstPoints::of_patches(objects.map(patch).collect())
+}
+
+/// Where the worst mistakes are recorded, unless one recording in `run.rrd` has all: of that the number of the scan says
+/// enough.
+fn recordings_of(
+    worst: &WorstObjects<Surroundings>,
+    shards: &[ShardRecord],
+    path_of: impl Fn(usize, &str) -> String,
+) -> Option<Recordings> {
+    let is_beside = |(shard_idx, shard): (usize, &ShardRecord)| {
+        shard.recordings.iter().all(|it| it.file == RUN_RRD && path_of(shard_idx, RUN_RRD) == RUN_RRD)
+    };
+    if shards.iter().enumerate().all(is_beside) {
+        return None;
+    }
+    let mut recorded: Vec<RecordedObject> = Vec::new();
+    for WorstObject { object, kept, .. } in worst.lists().flat_map(|(_, objects)| objects) {
+        let recording = shards[kept.shard_idx].recordings.iter().find(|it| it.holds(kept.scan_number));
+        if let Some(recording) = recording.filter(|_| recorded.iter().all(|it| it.object != *object)) {
+            recorded.push(RecordedObject {
+                object: object.clone(),
+                recording: path_of(kept.shard_idx, &recording.file),
+                step: kept.scan_number,
+            });
         }
     }
-    sums.retain(|it: &AgreementRow| labels_of(manifest, &it.dataset) == Labels::None);
-    Ok(sums)
+    (!recorded.is_empty()).then(|| Recordings::new(recorded))
 }
 
 /// Labels in the scans of the data set called `id`.

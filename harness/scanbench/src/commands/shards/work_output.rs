@@ -65,9 +65,8 @@ impl WorkOutput {
             cut_by: share.cut_by,
             parts: share.parts,
             processors: Vec::new(),
-            files: Vec::new(),
+            log: None,
             recordings: Vec::new(),
-            worst_recorded: Vec::new(),
         }
     }
 }

@@ -1,18 +1,14 @@
 //! How a sweep is shared out.
 
-use std::path::Path;
-
-use evaluation::journal::{Journal, JournalError};
-use evaluation::sweep::scan_at_point::JournalEntry;
+use evaluation::journal::Journal;
+use evaluation::sweep::scan_at_point::{JournalEntry, TimedScan};
 use reports::files::archive::ArchiveError;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{SWEPT_SCANS_JSONL, TIMED_SCANS_JSONL};
 use reports::run_folder::shard_record::{ProcessorRows, ShardRecord};
 use reports::vocabulary::shard::Shard;
 
 use crate::commands::failure::Failure;
 use crate::commands::open_datasets::{OpenedDataset, ids_of};
-use crate::commands::shards::checksummed_file::ChecksummedFile;
 use crate::commands::shards::executor::SharedWork;
 use crate::commands::shards::share_of_work::{ShareOfWork, take_share};
 use crate::commands::shards::unfinished_work::UnfinishedWork;
@@ -20,7 +16,7 @@ use crate::commands::sweep::setup::Sweep;
 use crate::commands::sweep::whole_sweep::WholeSweep;
 
 impl SharedWork for Sweep<'_> {
-    type Entry = JournalEntry;
+    type Event = JournalEntry;
     type Whole = WholeSweep;
 
     fn take_share(&mut self, shard: Shard) -> ShareOfWork {
@@ -51,59 +47,30 @@ impl SharedWork for Sweep<'_> {
         (n_done > 0).then(|| format!("{n_done} of {} results", self.n_results()))
     }
 
-    fn go_on(&mut self, unfinished: &UnfinishedWork, _: Option<Shard>) -> Result<(), Failure> {
+    fn go_on(&mut self, unfinished: &UnfinishedWork, _: &ShardRecord) -> Result<(), Failure> {
         self.run(&unfinished.journal)?;
         self.datasets.iter().for_each(OpenedDataset::warn_of_points_left_out);
         Ok(())
     }
 
-    fn write_files(
-        &mut self,
-        journal: &Journal,
-        folder: &Path,
-        mut record: ShardRecord,
-    ) -> Result<Manifest, Failure> {
-        let mut files = SweepFiles {
-            swept: ChecksummedFile::begin(folder, SWEPT_SCANS_JSONL)?,
-            timed: ChecksummedFile::begin(folder, TIMED_SCANS_JSONL)?,
-            processors: Vec::new(),
-        };
-        let mut written = Ok(());
-        let each = journal.each_entry(|it| {
-            if written.is_ok() {
-                written = files.add(it);
-            }
-        });
-        each.map_err(|it: JournalError| Failure::from(it))?;
-        written?;
-        record.files = vec![files.swept.finish()?, files.timed.finish()?];
-        record.processors = files.processors;
+    fn finished_manifest(&mut self, journal: &Journal, mut record: ShardRecord) -> Result<Manifest, Failure> {
+        record.processors = processors_in(journal)?;
         // Programs of others have introduced themselves by now.
         Ok(SharedWork::manifest(self, Some(record)))
     }
 }
 
-/// The files of a shard of a sweep: what is in its journal, each kind by itself.
-struct SweepFiles {
-    swept: ChecksummedFile,
-    timed: ChecksummedFile,
-    processors: Vec<ProcessorRows>,
-}
-
-impl SweepFiles {
-    fn add(&mut self, entry: JournalEntry) -> Result<(), ArchiveError> {
-        match entry {
-            JournalEntry::Quality(scan) => self.swept.write_json(&scan),
-            JournalEntry::Times(scan) => {
-                if self.processors.last().is_none_or(|it| it.cpu_model != scan.processor) {
-                    let cpu_model = scan.processor.clone();
-                    self.processors.push(ProcessorRows { cpu_model, n_scan_rows: 0 });
-                }
-                if let Some(last) = self.processors.last_mut() {
-                    last.n_scan_rows += 1;
-                }
-                self.timed.write_json(&scan)
-            }
+/// The processors that scans were timed on, in the order of the journal.
+fn processors_in(journal: &Journal) -> Result<Vec<ProcessorRows>, ArchiveError> {
+    let mut processors: Vec<ProcessorRows> = Vec::new();
+    let read = Journal::read(journal.path(), |entry| {
+        let JournalEntry::Times(TimedScan { processor, .. }) = entry else { return true };
+        match processors.last_mut().filter(|it| it.cpu_model == processor) {
+            Some(last) => last.n_scan_rows += 1,
+            None => processors.push(ProcessorRows { cpu_model: processor, n_scan_rows: 1 }),
         }
-    }
+        true
+    });
+    read.map_err(|source| ArchiveError::Read { path: journal.path().to_owned(), source })?;
+    Ok(processors)
 }

@@ -1,12 +1,12 @@
 //! A sweep made of the results of its shards.
 
 use evaluation::metrics::counts::Counts;
-use evaluation::sweep::scan_at_point::{ScanAtPoint, TimedScan};
+use evaluation::sweep::scan_at_point::{JournalEntry, ScanAtPoint, TimedScan};
 use evaluation::sweep::sweep_tally::SweepTally;
 use reports::numbers::sweep_score::SweepScores;
 use reports::pages::sweep_page::SweepPage;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{RunDirectory, SWEPT_SCANS_JSONL, TIMED_SCANS_JSONL};
+use reports::run_folder::run_directory::{RunDirectory, SHARD_LOG};
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::run_folder::sweep_entry::SweepEntry;
 use reports::vocabulary::study::Study;
@@ -15,7 +15,7 @@ use reports::vocabulary::task::Task;
 use crate::commands::failure::Failure;
 use crate::commands::progress::progress_over_results;
 use crate::commands::shards::executor::WholeResult;
-use crate::commands::shards::shard_directory::ShardDirectory;
+use crate::commands::shards::shard_log::ShardLog;
 use crate::commands::shards::whole_manifest::{Pieces, merged_manifest};
 use crate::commands::standard_streams::terminal;
 use crate::commands::sweep::files::{
@@ -31,13 +31,13 @@ pub struct WholeSweep {
 }
 
 impl WholeResult for WholeSweep {
-    fn write(
+    fn of_shards(
         _: Study,
-        shards: &[ShardDirectory<'_>],
+        shards: &[ShardLog<'_>],
         manifests: &[&Manifest],
         directory: &RunDirectory,
-        pieces: Pieces,
     ) -> Result<Self, Failure> {
+        let pieces = shards[0].pieces();
         let mut manifest = merged_manifest(manifests, directory.target(), pieces);
         let no_sweep = || shards[0].damaged("its manifest does not say what was swept".to_owned());
         let mut tally = SweepTally::of(&manifest).ok_or_else(no_sweep)?;
@@ -69,36 +69,34 @@ impl WholeResult for WholeSweep {
 }
 
 /// Adds the results of `shard` to those of the sweep of `manifest`.
-fn add_shard(
-    tally: &mut SweepTally<'_>,
-    shard: &ShardDirectory<'_>,
-    manifest: &Manifest,
-) -> Result<(), Failure> {
+fn add_shard(tally: &mut SweepTally<'_>, shard: &ShardLog<'_>, manifest: &Manifest) -> Result<(), Failure> {
     let Some(entry) = &manifest.sweep else { return Ok(()) };
     let expected = Expected { shard, entry, n_detectors: manifest.detectors.len() };
-    let mut scans: Vec<ScanAtPoint> = Vec::new();
-    shard.each_line(SWEPT_SCANS_JSONL, |mut scan: ScanAtPoint| {
-        expected.check(&scan)?;
-        // All rows of a sweep take more memory than there may be.
-        tally.add_official(scan.point_idx, &std::mem::take(&mut scan.official));
-        scans.push(scan);
+    let (mut scans, mut timed): (Vec<ScanAtPoint>, Vec<TimedScan>) = Default::default();
+    shard.each_event(|entry| {
+        match entry {
+            JournalEntry::Quality(mut scan) => {
+                expected.check(&scan).map_err(|problem| shard.damaged(problem))?;
+                // All rows of a sweep take more memory than there may be.
+                tally.add_official(scan.point_idx, &std::mem::take(&mut scan.official));
+                scans.push(scan);
+            }
+            JournalEntry::Times(scan) => {
+                expected.check_times(&scan, timed.last()).map_err(|problem| shard.damaged(problem))?;
+                timed.push(scan);
+            }
+        }
         Ok(())
     })?;
     tally.check_official().map_err(|problem| shard.damaged(problem))?;
     // Threads leave them in any order.
     scans.sort_unstable_by_key(ScanAtPoint::key);
     if let Some(difference) = expected.first_difference(scans.iter().map(ScanAtPoint::key)) {
-        return Err(shard.damaged(format!("{SWEPT_SCANS_JSONL} has {difference}")));
+        return Err(shard.damaged(format!("{SHARD_LOG} has {difference}")));
     }
     for scan in &scans {
         tally.add(scan);
     }
-    let mut timed: Vec<TimedScan> = Vec::new();
-    shard.each_line(TIMED_SCANS_JSONL, |scan: TimedScan| {
-        expected.check_times(&scan, timed.last())?;
-        timed.push(scan);
-        Ok(())
-    })?;
     for scan in timed {
         tally.add_times(scan);
     }
@@ -107,7 +105,7 @@ fn add_shard(
 
 /// What a shard has to have.
 struct Expected<'a> {
-    shard: &'a ShardDirectory<'a>,
+    shard: &'a ShardLog<'a>,
     entry: &'a SweepEntry,
     n_detectors: usize,
 }

@@ -1,29 +1,28 @@
-//! Keeps every scan of a shard as soon as it is judged.
+//! Makes an event of every scan as soon as it is judged.
 
 use std::cell::Cell;
 
-use evaluation::journal::Journal;
 use evaluation::run::rows::TaskRows;
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
-use reports::files::csv_rows::to_csv_lines;
-use reports::rows::official_rows::OfficialLines;
+use reports::rows::official_rows::OfficialRows;
 use reports::vocabulary::protocol::Protocol;
 use reports::worst::objects::{ObjectName, WorstObjects};
 use reports::worst::points::Patch;
 
-use super::shard_entry::{ShardEntry, ShardScan};
+use super::run_event::{RunEvent, ScanEvent};
+use super::run_log::RunLog;
 use crate::commands::failure::Failure;
 use crate::commands::official_evaluation::OfficialEvaluation;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::scan_agreement::agreement_of;
 use crate::commands::sinks::plan_cells::plan_cells;
 
-/// Writes scans to the journal, each in a line of its own.
-pub struct ShardJournal<'a> {
-    journal: &'a Journal,
+/// Adds an event to the log for each scan that is judged or left out.
+pub struct ScanEvents<'a> {
+    log: &'a RunLog<'a>,
     datasets: &'a [OpenedDataset],
     dataset_idx: usize,
-    // Of each data set, how many of the scans that were skipped are in the journal.
+    // Of each data set, how many of the scans that were skipped are in the log.
     n_skipped: Vec<usize>,
     // Which mistakes may be among the worst, and which matches among the best.
     worst: WorstObjects<()>,
@@ -33,11 +32,11 @@ pub struct ShardJournal<'a> {
     end: &'a Cell<Option<u64>>,
 }
 
-impl<'a> ShardJournal<'a> {
-    /// Writes what happens in `datasets`, also under `protocols` of others, and sets `end` to the number after that of the
+impl<'a> ScanEvents<'a> {
+    /// Of what happens in `datasets`, also under `protocols` of others, and sets `end` to the number after that of the
     /// last scan.
     pub fn new(
-        journal: &'a Journal,
+        log: &'a RunLog<'a>,
         datasets: &'a [OpenedDataset],
         protocols: &[Protocol],
         end: &'a Cell<Option<u64>>,
@@ -45,7 +44,7 @@ impl<'a> ShardJournal<'a> {
         // What opening a data set left out is reported again when it is opened again.
         let n_skipped = datasets.iter().map(|it| it.skipped.borrow().len()).collect();
         Self {
-            journal,
+            log,
             datasets,
             dataset_idx: 0,
             n_skipped,
@@ -60,15 +59,14 @@ impl<'a> ShardJournal<'a> {
         let n_known = &mut self.n_skipped[self.dataset_idx];
         for it in &skipped[*n_known..] {
             let (scan, reason) = (it.scan.clone(), it.reason.clone());
-            self.journal.add(&ShardEntry::Skipped { dataset_idx: self.dataset_idx, scan, reason })?;
+            self.log.add(&RunEvent::Skipped { dataset_idx: self.dataset_idx, scan, reason })?;
         }
         *n_known = skipped.len();
         Ok(())
     }
 
-    fn official_lines(&mut self, judged: &JudgedScan<'_>) -> Result<OfficialLines, Failure> {
-        let Some(official) = &mut self.official else { return Ok(OfficialLines::default()) };
-        Ok(official.rows(judged)?.to_lines()?)
+    fn official_rows(&mut self, judged: &JudgedScan<'_>) -> Result<OfficialRows, Failure> {
+        self.official.as_mut().map_or(Ok(OfficialRows::default()), |it| it.rows(judged))
     }
 
     /// What the sensor saw around the mistakes that are worse than those before, and the matches that are better.
@@ -89,7 +87,7 @@ impl<'a> ShardJournal<'a> {
     }
 }
 
-impl RunSink<Failure> for ShardJournal<'_> {
+impl RunSink<Failure> for ScanEvents<'_> {
     fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), Failure> {
         let id = &watched.dataset.description().id;
         let dataset_idx = self.datasets.iter().position(|it| it.dataset.description().id == *id);
@@ -101,23 +99,22 @@ impl RunSink<Failure> for ShardJournal<'_> {
         self.add_skipped()?;
         let scan = judged.results.scan;
         let tasks: Vec<&TaskRows> = judged.rows.iter().flat_map(|it| &it.tasks).collect();
-        let entry = ShardScan {
+        let event = ScanEvent {
             dataset_idx: self.dataset_idx,
             place: judged.results.run_idx,
             number: judged.number() as u64,
             is_labeled: scan.is_labeled(),
             n_labels: scan.annotations.len() as u64,
             n_points_left_out: scan.points_left_out.len() as u64,
-            scans: text(to_csv_lines(tasks.iter().map(|it| &it.scan))?),
-            n_scan_rows: tasks.len() as u64,
-            matches: text(to_csv_lines(tasks.iter().flat_map(|it| &it.matches))?),
-            stages: text(to_csv_lines(judged.rows.iter().flat_map(|it| &it.stages))?),
-            official: self.official_lines(judged)?,
+            scans: tasks.iter().map(|it| it.scan.clone()).collect(),
+            matches: tasks.iter().flat_map(|it| &it.matches).cloned().collect(),
+            stages: judged.rows.iter().flat_map(|it| &it.stages).cloned().collect(),
+            official: self.official_rows(judged)?,
             agreement: if scan.is_labeled() { Vec::new() } else { agreement_of(judged) },
             patches: self.patches(judged),
         };
-        self.end.set(Some(entry.number + 1));
-        Ok(self.journal.add(&ShardEntry::Scan(Box::new(entry)))?)
+        self.end.set(Some(event.number + 1));
+        self.log.add(&RunEvent::Scan(Box::new(event)))
     }
 
     fn end_dataset(&mut self) -> Result<(), Failure> {
@@ -126,8 +123,4 @@ impl RunSink<Failure> for ShardJournal<'_> {
         }
         self.add_skipped()
     }
-}
-
-fn text(lines: Vec<u8>) -> String {
-    String::from_utf8(lines).expect("rows are text")
 }

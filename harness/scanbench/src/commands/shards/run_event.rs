@@ -1,25 +1,29 @@
-//! What the journal of a shard holds: everything about a scan that its files are made of.
+//! Events of a run: lines of its journal, and of the log of a shard.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use reports::files::csv_rows::csv_text;
 use reports::rows::agreement_row::AgreementRow;
-use reports::rows::official_rows::OfficialLines;
+use reports::rows::match_row::MatchRow;
+use reports::rows::official_rows::OfficialRows;
+use reports::rows::scan_row::ScanRow;
+use reports::rows::stage_row::StageRow;
 use reports::run_folder::shard_record::ShardRecording;
 use reports::worst::points::Patch;
 use serde::{Deserialize, Serialize};
 
-/// Something that happened.
+/// Something that happened in a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum ShardEntry {
+pub enum RunEvent {
     /// The program began, or began again, on this processor.
     Began {
         /// The processor's own name.
         cpu_model: String,
     },
     /// A scan was judged.
-    Scan(Box<ShardScan>),
+    Scan(Box<ScanEvent>),
     /// A scan was left out because it is damaged.
     Skipped {
         /// Index of its data set in the run.
@@ -42,7 +46,7 @@ pub enum ShardEntry {
 
 /// A scan that was judged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ShardScan {
+pub struct ScanEvent {
     /// Index of its data set in the run.
     pub dataset_idx: usize,
     /// Its index among the scans of the data set that were selected.
@@ -55,25 +59,26 @@ pub struct ShardScan {
     pub n_labels: u64,
     /// Points without a position.
     pub n_points_left_out: u64,
-    /// Lines of `scans.csv`.
-    pub scans: String,
-    /// How many these are.
-    pub n_scan_rows: u64,
-    /// Lines of `matches.csv`.
-    pub matches: String,
-    /// Lines of `stages.csv`.
-    pub stages: String,
-    /// Lines of the files of protocols of others.
-    pub official: OfficialLines,
+    /// Rows of `scans.csv`.
+    #[serde(with = "csv_text")]
+    pub scans: Vec<ScanRow>,
+    /// Rows of `matches.csv`.
+    #[serde(with = "csv_text")]
+    pub matches: Vec<MatchRow>,
+    /// Rows of `stages.csv`.
+    #[serde(with = "csv_text")]
+    pub stages: Vec<StageRow>,
+    /// Rows under protocols of others.
+    pub official: OfficialRows,
     /// How far detectors agree; nothing of a labelled scan.
     pub agreement: Vec<AgreementRow>,
-    /// What the sensor saw around those of its mistakes that may be among the worst.
+    /// Points around those of its mistakes that may be among the worst.
     pub patches: Vec<Patch>,
 }
 
-/// How far a shard is.
+/// How far a run or a shard is.
 #[derive(Debug, Clone, Default)]
-pub struct ShardProgress {
+pub struct EventProgress {
     /// Of each data set that has been begun, the index behind its last scan that was judged.
     pub next_indices: BTreeMap<usize, usize>,
     /// Scans that were judged.
@@ -82,28 +87,28 @@ pub struct ShardProgress {
     pub n_starts: usize,
 }
 
-impl ShardProgress {
-    /// Whether `entry` can come next, where of each data set the `parts` are to be done.
-    pub fn allows(&self, entry: &ShardEntry, parts: &[Range<usize>]) -> bool {
-        match entry {
-            ShardEntry::Began { .. } | ShardEntry::Doubt { .. } | ShardEntry::Recorded(_) => true,
-            ShardEntry::Skipped { dataset_idx, .. } => *dataset_idx < parts.len(),
-            ShardEntry::Scan(scan) => {
+impl EventProgress {
+    /// Whether `event` can come next, where of each data set the `parts` are to be done.
+    pub fn allows(&self, event: &RunEvent, parts: &[Range<usize>]) -> bool {
+        match event {
+            RunEvent::Began { .. } | RunEvent::Doubt { .. } | RunEvent::Recorded(_) => true,
+            RunEvent::Skipped { dataset_idx, .. } => *dataset_idx < parts.len(),
+            RunEvent::Scan(scan) => {
                 let is_new = self.next_indices.get(&scan.dataset_idx).is_none_or(|it| scan.place >= *it);
                 is_new && parts.get(scan.dataset_idx).is_some_and(|it| it.contains(&scan.place))
             }
         }
     }
 
-    /// Takes in what happened.
-    pub fn add(&mut self, entry: &ShardEntry) {
-        match entry {
-            ShardEntry::Began { .. } => self.n_starts += 1,
-            ShardEntry::Scan(scan) => {
+    /// Adds `event`.
+    pub fn add(&mut self, event: &RunEvent) {
+        match event {
+            RunEvent::Began { .. } => self.n_starts += 1,
+            RunEvent::Scan(scan) => {
                 self.n_scans += 1;
                 self.next_indices.insert(scan.dataset_idx, scan.place + 1);
             }
-            ShardEntry::Skipped { .. } | ShardEntry::Doubt { .. } | ShardEntry::Recorded(_) => {}
+            RunEvent::Skipped { .. } | RunEvent::Doubt { .. } | RunEvent::Recorded(_) => {}
         }
     }
 }
