@@ -177,10 +177,11 @@ impl RunFacts {
             agreement: agreement_of(directory)?,
             has_recording: directory.join(RUN_RRD).is_file(),
         };
-        Ok(Self::of(gathered, beside, manifest, report)?)
+        let draws = gathered.tally.draw();
+        Ok(Self::of(gathered, beside, manifest, report, &draws)?)
     }
 
-    /// Puts together what was gathered, and the numbers that were made of it.
+    /// Puts together what was gathered, and the numbers that were made of it with these draws.
     ///
     /// # Errors
     ///
@@ -190,6 +191,7 @@ impl RunFacts {
         beside: BesideRows,
         manifest: Manifest,
         report: RunReport,
+        draws: &[Draw],
     ) -> Result<Self, TableError> {
         let GatheredRun { tally, worst, pools, times_ms, mut failures, reasons, boxes, given, .. } = gathered;
         let detectors: Vec<String> = manifest.detectors.iter().map(|it| it.name.clone()).collect();
@@ -198,12 +200,11 @@ impl RunFacts {
             Some(FailedDetector { detector: name.clone(), first: failures.remove(name)?, n_failed, n_scans })
         };
         let failures = detectors.iter().filter_map(failed_detector).collect();
-        let draws = tally.draw();
-        let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, &tally, &draws, &report);
+        let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, &tally, draws, &report);
         let BesideRows { points, recordings, protocols, agreement, has_recording } = beside;
         Ok(Self {
             tables: task_tables(&report, &manifest)?,
-            rankings: scored(rankings(&tally, &draws, &manifest, &report), &agreement),
+            rankings: scored(rankings(&tally, draws, &manifest, &report), &agreement),
             speeds: speeds(&manifest, &report),
             pools: pools.into_iter().zip(times_ms).map(of_pool).collect(),
             curves: curves(&tally.precision_recall_rows(), &detectors),

@@ -75,7 +75,7 @@ impl SampleRun<'_> {
         write_rows(&folder.path().join(PRECISION_RECALL_CSV), &tally.precision_recall_rows());
         let of_datasets = self.datasets.iter().flat_map(|it| self.times(it));
         let rows = tally.metric_rows().into_iter().chain(of_datasets).collect();
-        let mut overall = tally.overall_rows();
+        let mut overall = tally.overall_rows(&tally.draw());
         for pool in manifest.pools().iter().filter(|it| it.is_of_several()) {
             overall.extend(self.times(pool.extent.name()));
         }

@@ -2,6 +2,7 @@
 
 use crate::files::archive::SCHEMA;
 use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+use crate::numbers::pools::pools;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
 use crate::run_folder::manifest::{
@@ -10,6 +11,7 @@ use crate::run_folder::manifest::{
 use crate::tables::task_table::{TaskTable, task_tables};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::metric::Metric;
+use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
 
 pub(crate) const DATASETS: [&str; 3] = ["main_road", "kitti_tracking", "kitti_object"];
@@ -110,7 +112,7 @@ pub(crate) fn report() -> RunReport {
 }
 
 pub(crate) fn report_where(is_kept: impl Fn(&MetricRow) -> bool) -> RunReport {
-    RunReport::new(1, rows().into_iter().filter(|it| is_kept(it)).collect()).unwrap()
+    with_overall(rows().into_iter().filter(|it| is_kept(it)).collect())
 }
 
 /// The report with another value in the first row about these.
@@ -121,7 +123,40 @@ pub(crate) fn report_with(dataset: &str, detector: &str, metric: &Metric, value:
         .find(|it| it.subject.dataset == dataset && it.subject.detector == detector && it.metric == *metric);
     let row = row.unwrap();
     *row = MetricRow::new(row.subject.clone(), metric.clone(), value, row.n);
-    RunReport::new(1, rows).unwrap()
+    with_overall(rows)
+}
+
+/// The report of these rows and of what those of data sets of one origin add up to.
+fn with_overall(rows: Vec<MetricRow>) -> RunReport {
+    let mut ids: Vec<&str> = rows.iter().map(|it| it.subject.dataset.as_str()).collect();
+    ids.dedup();
+    let origin = |id: &str| if id == "main_road" { Origin::Simulated } else { Origin::Recorded };
+    let pools = pools(DATASETS.into_iter().filter(|it| ids.contains(it)).map(|it| (it, origin(it))));
+    let mut overall: Vec<MetricRow> = Vec::new();
+    for pool in pools.iter().filter(|it| it.is_of_several()) {
+        for row in
+            rows.iter().filter(|it| it.metric != Metric::FRate && pool.datasets[0] == it.subject.dataset)
+        {
+            let is_of_same = |it: &&MetricRow| {
+                let (subject, other) = (&it.subject, &row.subject);
+                it.metric == row.metric
+                    && (subject.task, &subject.detector) == (other.task, &other.detector)
+                    && pool.datasets.contains(&subject.dataset)
+            };
+            let same: Vec<&MetricRow> = rows.iter().filter(is_of_same).collect();
+            let (mut value, mut n) =
+                (same.iter().map(|it| it.value()).sum(), same.iter().map(|it| it.n).sum());
+            if row.metric == Metric::FpsMean {
+                let timed = || same.iter().filter_map(|it| Some((it.n, it.value()?)));
+                n = timed().map(|it| it.0).sum();
+                let total_s: f64 = timed().map(|(n, fps)| n as f64 / fps).sum();
+                value = (n > 0).then(|| n as f64 / total_s);
+            }
+            let subject = Subject::of_all(pool.extent.name(), row.subject.task, &row.subject.detector);
+            overall.push(MetricRow::new(subject, row.metric.clone(), value, n));
+        }
+    }
+    RunReport::with_overall(1, rows, overall).unwrap()
 }
 
 /// The table of objects and the table of vehicles.

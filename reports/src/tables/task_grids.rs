@@ -179,7 +179,7 @@ fn percent_text(rate: f64) -> String {
 
 /// Scans per second, marked if a busy machine makes them unreliable.
 pub(crate) fn fps_cell(score: &Score) -> Cell {
-    match score.fps() {
+    match score.fps {
         None => Cell::undefined(Undefined::NotTimed),
         Some(fps) if score.on_busy_machine => Cell::marked(fps_text(fps), Mark::BusyMachine),
         Some(fps) => Cell::new(fps_text(fps)),

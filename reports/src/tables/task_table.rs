@@ -1,7 +1,7 @@
 //! What the table of a task says, before it is printed anywhere.
 
 use crate::numbers::blocks::{BlockKind, Interval};
-use crate::numbers::pools::pools;
+use crate::numbers::pools::{Pool, pools};
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
 use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
@@ -82,8 +82,8 @@ pub struct Score {
     pub n_ignored_detections: u64,
     /// Number of scans whose times count.
     pub n_timed_scans: u64,
-    /// Time of detection of those, in seconds.
-    pub total_time_s: f64,
+    /// Scans per second; `None` if no scan was timed.
+    pub fps: Option<f64>,
     /// A busy machine kept the detector waiting on some of these, so that they are unreliable.
     pub on_busy_machine: bool,
 }
@@ -97,23 +97,6 @@ pub struct RateIntervals {
     pub recall: Option<Interval>,
     /// Of 2 TP / (NO + ND).
     pub f_rate: Option<Interval>,
-}
-
-impl Score {
-    /// Scans per second; `None` if no scan was timed.
-    pub fn fps(&self) -> Option<f64> {
-        (self.n_timed_scans > 0).then(|| self.n_timed_scans as f64 / self.total_time_s)
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.n_scans += other.n_scans;
-        self.counts += other.counts;
-        self.n_ignored_annotations += other.n_ignored_annotations;
-        self.n_ignored_detections += other.n_ignored_detections;
-        self.n_timed_scans += other.n_timed_scans;
-        self.total_time_s += other.total_time_s;
-        self.on_busy_machine |= other.on_busy_machine;
-    }
 }
 
 impl TaskTable {
@@ -190,10 +173,17 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
     let of_task: Vec<&DetectorEntry> = manifest.detectors.iter().filter(is_asked).collect();
     let detectors: Vec<String> = of_task.iter().map(|it| it.name.clone()).collect();
     let entries = manifest.datasets.iter().filter(|it| is_about(|subject| &subject.dataset, &it.id));
+    let row_of = |extent, origin, ids: &[String]| measured_row(report, extent, origin, ids, task, &of_task);
     let datasets = entries
-        .map(|entry| Ok((entry, measured_row(report, entry, task, &of_task)?)))
+        .map(|it| {
+            let row = row_of(Extent::Dataset(it.id.clone()), it.origin(), std::slice::from_ref(&it.id))?;
+            Ok((it, row))
+        })
         .collect::<Result<Vec<_>, TableError>>()?;
-    let overall = overall_rows(report, task, &detectors, &datasets);
+    let pools = pools(datasets.iter().map(|(entry, row)| (entry.id.as_str(), row.origin)));
+    let several = pools.into_iter().filter(Pool::is_of_several);
+    let overall = several.map(|it| row_of(it.extent, it.origin, &it.datasets));
+    let overall = overall.collect::<Result<Vec<_>, TableError>>()?;
     let published = PAPER_TABLES.iter().find(|it| it.task == task);
     let published_rows = published.map_or_else(Vec::new, |it| rows_beside(it, &datasets));
     let has_paper = detectors.iter().any(|it| it == PAPER_DETECTOR);
@@ -277,63 +267,30 @@ fn counterpart(entry: &DatasetEntry) -> Option<Recordings> {
     }
 }
 
+/// The row of `extent`, which is about the data sets with these `ids`.
 fn measured_row(
     report: &RunReport,
-    entry: &DatasetEntry,
+    extent: Extent,
+    origin: Origin,
+    ids: &[String],
     task: Task,
     detectors: &[&DetectorEntry],
 ) -> Result<MeasuredRow, TableError> {
-    let scores = detectors
-        .iter()
-        .map(|detector| score(report, entry, task, detector))
-        .collect::<Result<Vec<_>, _>>()?;
+    let score_of = |detector: &&DetectorEntry| {
+        let on_busy_machine = ids.iter().any(|it| share_on_busy_machine(report, it, detector).is_some());
+        Ok(Score { on_busy_machine, ..score(report, extent.name(), task, detector)? })
+    };
+    let scores = detectors.iter().map(score_of).collect::<Result<Vec<_>, _>>()?;
     // A task in the report has at least one row, which has a detector.
     let no = scores[0].counts.no();
     if let Some(other) = scores.iter().position(|it| it.counts.no() != no) {
-        let (dataset, first, second) = (&entry.id, &detectors[0].name, &detectors[other].name);
+        let (dataset, first, second) = (extent.name(), &detectors[0].name, &detectors[other].name);
         let n_second = scores[other].counts.no();
         return Err(TableError(format!(
             "on {dataset}, {first} has {no} annotations that count, but {second} has {n_second}"
         )));
     }
-    Ok(MeasuredRow { extent: Extent::Dataset(entry.id.clone()), origin: entry.origin(), no, scores })
-}
-
-/// What several data sets of one origin add up to.
-fn overall_rows(
-    report: &RunReport,
-    task: Task,
-    detectors: &[String],
-    datasets: &[(&DatasetEntry, MeasuredRow)],
-) -> Vec<MeasuredRow> {
-    let pools = pools(datasets.iter().map(|(entry, row)| (entry.id.as_str(), row.origin)));
-    let several = pools.iter().filter(|it| it.is_of_several());
-    let rows = several.map(|pool| {
-        let rows = datasets.iter().map(|(_, row)| row).filter(|it| it.origin == pool.origin);
-        overall_row(report, task, detectors, &pool.extent, rows)
-    });
-    rows.flatten().collect()
-}
-
-/// Sums counts and times, so that every object and every scan weighs the same; `None` of no data sets.
-fn overall_row<'a>(
-    report: &RunReport,
-    task: Task,
-    detectors: &[String],
-    extent: &Extent,
-    mut datasets: impl Iterator<Item = &'a MeasuredRow>,
-) -> Option<MeasuredRow> {
-    let mut overall = MeasuredRow { extent: extent.clone(), ..datasets.next()?.clone() };
-    for dataset in datasets {
-        overall.no += dataset.no;
-        for (sum, score) in overall.scores.iter_mut().zip(&dataset.scores) {
-            sum.add(score);
-        }
-    }
-    for (score, detector) in overall.scores.iter_mut().zip(detectors) {
-        score.intervals = rate_intervals(report, &Subject::of_all(extent.name(), task, detector));
-    }
-    Some(overall)
+    Ok(MeasuredRow { extent, origin, no, scores })
 }
 
 fn rate_intervals(report: &RunReport, subject: &Subject) -> RateIntervals {
@@ -345,16 +302,16 @@ fn rate_intervals(report: &RunReport, subject: &Subject) -> RateIntervals {
     }
 }
 
-/// The numbers of one data set, task and detector.
+/// The numbers of one data set, or of several, in a task by a detector.
 fn score(
     report: &RunReport,
-    entry: &DatasetEntry,
+    extent: &str,
     task: Task,
     detector: &DetectorEntry,
 ) -> Result<Score, TableError> {
-    let subject = Subject::of_all(&entry.id, task, &detector.name);
+    let subject = Subject::of_all(extent, task, &detector.name);
     let what =
-        |metric: Metric| format!("{} of {} on {} in the task {task}", metric.id(), detector.name, entry.id);
+        |metric: Metric| format!("{} of {} on {extent} in the task {task}", metric.id(), detector.name);
     let row = |metric: Metric| {
         let found = report.row(&subject, &metric);
         found.ok_or_else(|| TableError(format!("the report has no {}", what(metric))))
@@ -374,20 +331,18 @@ fn score(
     let counts =
         Counts::new(known_count(Metric::No)?, tp, fo).ok_or_else(|| bad(Metric::Tp, Some(tp as f64)))?;
     let fps = row(Metric::FpsMean)?;
-    let (n_timed_scans, total_time_s) = match fps.value() {
-        Some(value) if value > 0.0 => (fps.n, fps.n as f64 / value),
-        Some(value) => return Err(bad(Metric::FpsMean, Some(value))),
-        None => (0, 0.0),
-    };
+    if let Some(value) = fps.value().filter(|it| *it <= 0.0) {
+        return Err(bad(Metric::FpsMean, Some(value)));
+    }
     Ok(Score {
         n_scans: row(Metric::No)?.n,
         counts,
         intervals: rate_intervals(report, &subject),
         n_ignored_annotations: known_count(Metric::IgnoredAnnotations)?,
         n_ignored_detections: known_count(Metric::IgnoredDetections)?,
-        n_timed_scans,
-        total_time_s,
-        on_busy_machine: share_on_busy_machine(report, &entry.id, detector).is_some(),
+        n_timed_scans: fps.value().map_or(0, |_| fps.n),
+        fps: fps.value(),
+        on_busy_machine: false,
     })
 }
 
@@ -447,7 +402,9 @@ mod tests {
             assert!(table.lacks_paper);
         }
         // Nothing is published of scans like these.
-        manifest.datasets.iter_mut().for_each(|it| (it.simulated, it.format) = (false, "folder".to_owned()));
+        manifest.datasets.iter_mut().for_each(|it| it.format = "folder".to_owned());
+        let of_others = |it: &Subject| it.detector != PAPER_DETECTOR && it.dataset != "main_road";
+        let others = sample::report_where(|it| of_others(&it.subject));
         assert!(tables(&others, &manifest).unwrap().iter().all(|it| !it.lacks_paper));
     }
 
@@ -466,7 +423,7 @@ mod tests {
     }
 
     #[test]
-    fn overall_rates_are_those_of_the_sums() {
+    fn the_overall_row_is_that_of_the_report() {
         let vehicles = &tables(&sample::report(), &sample::manifest()).unwrap()[1];
         let measured: Vec<_> = vehicles
             .rows
@@ -486,7 +443,8 @@ mod tests {
         let f_rate = 2.0 * sum(|it| it.counts.tp() as f64)
             / sum(|it| (it.counts.no() + it.counts.nd().unwrap()) as f64);
         assert_eq!(score.counts.f_rate(), Some(f_rate));
-        assert_eq!(score.fps(), Some(sum(|it| it.n_timed_scans as f64) / sum(|it| it.total_time_s)));
+        let total_s = sum(|it| it.fps.map_or(0.0, |fps| it.n_timed_scans as f64 / fps));
+        assert_eq!(score.fps, Some(sum(|it| it.n_timed_scans as f64) / total_s));
     }
 
     #[test]

@@ -74,6 +74,11 @@ impl Resamples {
         &self.times_drawn[resample_idx * n_blocks..][..n_blocks]
     }
 
+    /// How often each block was drawn, resample by resample.
+    pub fn all_times_drawn(&self) -> impl Iterator<Item = &[u16]> {
+        self.times_drawn.chunks(self.chunk_len())
+    }
+
     /// The sums of each resample, where `of_blocks` are the sums of blocks by their indices; those of all others are zero.
     pub fn sums(&self, of_blocks: &[(usize, Sums)]) -> Vec<Sums> {
         let sum = |times_drawn: &[u16]| {

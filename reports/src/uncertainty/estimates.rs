@@ -14,18 +14,18 @@ use crate::vocabulary::slice::Slice;
 impl Tally {
     /// The numbers of each data set: data set by data set, task by task, detector by detector, slice by slice.
     pub fn metric_rows(&self) -> Vec<MetricRow> {
-        let draws = self.draw();
-        self.datasets().iter().flat_map(|dataset| self.rows_about(dataset, &draws)).collect()
+        self.metric_rows_of(&self.draw())
+    }
+
+    /// The same with intervals of these draws.
+    pub(crate) fn metric_rows_of(&self, draws: &[Draw]) -> Vec<MetricRow> {
+        self.datasets().iter().flat_map(|dataset| self.rows_about(dataset, draws)).collect()
     }
 
     /// The numbers of all data sets of one origin together, where there are several.
-    pub fn overall_rows(&self) -> Vec<MetricRow> {
-        let pools: Vec<Pool> = self.pools().into_iter().filter(Pool::is_of_several).collect();
-        if pools.is_empty() {
-            return Vec::new();
-        }
-        let draws = self.draw();
-        pools.iter().flat_map(|it| self.rows_about(it.extent.name(), &draws)).collect()
+    pub fn overall_rows(&self, draws: &[Draw]) -> Vec<MetricRow> {
+        let pools = self.pools().into_iter().filter(Pool::is_of_several);
+        pools.flat_map(|it| self.rows_about(it.extent.name(), draws)).collect()
     }
 
     fn rows_about(&self, dataset: &str, draws: &[Draw]) -> Vec<MetricRow> {
@@ -469,9 +469,9 @@ mod tests {
     #[test]
     fn overall_numbers_are_those_of_the_sums() {
         let mut tally = scene();
-        assert!(tally.overall_rows().is_empty());
+        assert!(tally.overall_rows(&tally.draw()).is_empty());
         tally.add_scan(&ScanRow { dataset: "kitti".to_owned(), ..scan_row(3, 6, 1, Some(4)) });
-        let overall = tally.overall_rows();
+        let overall = tally.overall_rows(&tally.draw());
         let value = |metric| overall.iter().find(|it| it.metric == metric).unwrap().value();
         assert_eq!(
             (value(Metric::No), value(Metric::Tp), value(Metric::Fo)),
@@ -487,11 +487,11 @@ mod tests {
         let scan = |dataset: &str, no, fo| ScanRow { dataset: dataset.to_owned(), ..scan_row(3, no, 1, fo) };
         tally.add_scan(&scan("street", 4, Some(2)));
         tally.add_scan(&scan("kitti", 6, None));
-        assert!(tally.overall_rows().is_empty() && tally.overall_time_rows().is_empty());
+        assert!(tally.overall_rows(&tally.draw()).is_empty() && tally.overall_time_rows().is_empty());
         let of_all = Question { dataset: OVERALL, task: Task::Vehicles, detector: "pca", slice: Slice::All };
         assert!(tally.sample(&of_all, &tally.draw()).is_none());
         tally.add_scan(&scan("nuscenes", 10, None));
-        let overall = tally.overall_rows();
+        let overall = tally.overall_rows(&tally.draw());
         assert!(overall.iter().all(|it| it.subject.dataset == "overall-recorded"));
         assert_eq!(overall.iter().find(|it| it.metric == Metric::No).unwrap().value(), Some(16.0));
     }

@@ -2,6 +2,7 @@
 
 pub mod wilson_interval;
 pub mod bootstrap;
+pub mod value_interval;
 pub mod sample;
 pub mod estimates;
 mod time_estimates;

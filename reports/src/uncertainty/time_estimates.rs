@@ -5,6 +5,7 @@ use crate::numbers::pools::Pool;
 use crate::numbers::run_report::{MetricRow, RunReport, RunReportError, Subject};
 use crate::numbers::tally::Tally;
 use crate::numbers::times::{TimeKind, Times};
+use crate::uncertainty::sample::Draw;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 
 /// The statistics of a report, each with its percentile.
@@ -25,10 +26,10 @@ impl Tally {
     /// # Errors
     ///
     /// [`RunReportError`] if two numbers say the same thing.
-    pub fn report(&self, scoring_version: u32) -> Result<RunReport, RunReportError> {
-        let mut rows = self.metric_rows();
+    pub fn report(&self, scoring_version: u32, draws: &[Draw]) -> Result<RunReport, RunReportError> {
+        let mut rows = self.metric_rows_of(draws);
         rows.extend(self.time_rows());
-        let mut overall = self.overall_rows();
+        let mut overall = self.overall_rows(draws);
         overall.extend(self.overall_time_rows());
         RunReport::with_overall(scoring_version, rows, overall)
     }
@@ -128,7 +129,7 @@ mod tests {
                 tally.add_stage(&stage_row(dataset, scan, "grid", 5.0));
             }
         }
-        let report = tally.report(1).unwrap();
+        let report = tally.report(1, &tally.draw()).unwrap();
         let median = Metric::Latency(LatencyStatistic::P50);
         assert_eq!(value(report.rows(), "north", &Metric::FpsMean), Some((50.0, 2)));
         assert_eq!(value(report.rows(), "north", &median), Some((10.0, 2)));

@@ -2,7 +2,6 @@
 
 pub mod counts;
 pub mod box_errors;
-pub mod median_interval;
 pub mod segmentation_quality;
 pub mod pair_separation;
 pub mod agreement;

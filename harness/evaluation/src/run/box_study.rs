@@ -7,6 +7,8 @@ use rayon::prelude::*;
 use reports::numbers::blocks::{BlockCount, BlockKind, Blocks, DriveSecond, FEWEST_DRIVES};
 use reports::numbers::box_errors::{BoxError, BoxErrorLine};
 use reports::numbers::box_points::{BoxPoints, FramedPoints};
+use reports::uncertainty::bootstrap::Resamples;
+use reports::uncertainty::value_interval::{mean_within, median_within};
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
@@ -16,7 +18,6 @@ use crate::matching::assign::assign;
 use crate::matching::eligibility::counts_as_vehicle;
 use crate::matching::outcome::AnnotationOutcome;
 use crate::metrics::box_errors::BoxErrors;
-use crate::metrics::median_interval::{mean_within, median_within};
 use crate::object_box::ObjectBox;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
@@ -34,8 +35,6 @@ pub const RANGES_M: [[f64; 2]; 4] = [[0.0, 15.0], [15.0, 30.0], [30.0, 50.0], [5
 /// Occlusions, as annotated.
 const OCCLUSIONS: [Option<Occlusion>; 4] =
     [Some(Occlusion::None), Some(Occlusion::Partly), Some(Occlusion::Largely), None];
-/// Seed of the resampling.
-pub const RESAMPLING_SEED: u64 = 1;
 
 /// An annotated vehicle with a matched cluster, and the errors of boxes around the cluster.
 #[derive(Debug, Clone, PartialEq)]
@@ -210,13 +209,14 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
                 pairs.iter().copied().filter(|it| absolute(&it.1, N_FITS - 1, error).is_some()).collect();
             let n_tracks = blocks(&pairs, BlockKind::Tracks).1.n_blocks;
             let (block_of_pair, count) = blocks(&pairs, kind);
+            let resamples = Resamples::draw(data, count);
             let number = |fit_idx: usize| {
                 let errors = pairs.iter().map(|it| absolute(&it.1, fit_idx, error));
                 let of_blocks =
                     errors.zip(&block_of_pair).filter_map(|(error, block)| Some((error?, *block)));
                 let of_blocks: Vec<(f64, usize)> = of_blocks.collect();
                 let within = if error.is_share() { mean_within } else { median_within };
-                within(&of_blocks, count, RESAMPLING_SEED)
+                within(&of_blocks, &resamples)
             };
             BoxErrorLine {
                 data: data.to_owned(),

@@ -222,30 +222,42 @@ pub enum Command {
 pub const SCAN_STUDIES: [(Study, WriteStudy); 2] =
     [(Study::Ablation, ablation::write_ablation), (Study::Robustness, robustness::write_robustness)];
 
-impl Command {
-    /// Where a verb that has shards writes, and which of them it makes; `None` for other verbs.
-    pub fn outputs_of_shards(&self) -> Option<(&OutputArgs, &ShardArgs)> {
-        match self {
-            Self::Run(it) => Some((&it.output, &it.shard)),
-            Self::Sweep(it) => Some((&it.output, &it.shard)),
-            Self::Ablation(it) => Some((&it.output, &it.shard)),
-            Self::Robustness(it) => Some((&it.output, &it.shard)),
-            Self::Partial(it) => Some((&it.output, &it.shard)),
-            _ => None,
-        }
-    }
+/// A command whose work can be shared out.
+pub struct Shareable<'a> {
+    /// Where it writes.
+    pub output: &'a OutputArgs,
+    /// Which shard it makes.
+    pub shard: &'a ShardArgs,
+    /// Opens its data sets, detectors and models, and looks at nothing else.
+    pub open: Box<dyn Fn() -> Result<(), Failure> + 'a>,
+}
 
-    /// Opens data sets, detectors and models of a verb that has shards, and looks at nothing else.
-    pub fn open_shard(&self) -> Result<(), Failure> {
+impl Command {
+    /// `None` if the verb has no shards.
+    pub fn shareable(&self) -> Option<Shareable<'_>> {
         let now = Timestamp::now();
-        match self {
-            Self::Run(it) => run::setup::ChosenRun::of(it)?.open(it).map(drop),
-            Self::Sweep(it) => sweep::setup::Sweep::open(it, sweep::setup::sweep_plan(it)?, now).map(drop),
-            Self::Ablation(it) => ablation::open_ablation(it, now).map(drop),
-            Self::Robustness(it) => robustness::open_robustness(it, now).map(drop),
-            Self::Partial(it) => partial::sets::open_all(it).map(drop),
-            _ => unreachable!("others have no shards"),
-        }
+        let (output, shard, open): (_, _, Box<dyn Fn() -> Result<(), Failure> + '_>) = match self {
+            Self::Run(it) => {
+                (&it.output, &it.shard, Box::new(|| run::setup::ChosenRun::of(it)?.open(it).map(drop)))
+            }
+            Self::Sweep(it) => {
+                let open =
+                    move || sweep::setup::Sweep::open(it, sweep::setup::sweep_plan(it)?, now).map(drop);
+                (&it.output, &it.shard, Box::new(open))
+            }
+            Self::Ablation(it) => {
+                (&it.output, &it.shard, Box::new(move || ablation::open_ablation(it, now).map(drop)))
+            }
+            Self::Robustness(it) => {
+                (&it.output, &it.shard, Box::new(move || robustness::open_robustness(it, now).map(drop)))
+            }
+            Self::Reproduce(it) => {
+                (&it.output, &it.shard, Box::new(|| reproduce::papers_run::open(it).map(drop)))
+            }
+            Self::Partial(it) => (&it.output, &it.shard, Box::new(|| partial::sets::open_all(it).map(drop))),
+            _ => return None,
+        };
+        Some(Shareable { output, shard, open })
     }
 }
 

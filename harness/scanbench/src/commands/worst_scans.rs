@@ -12,6 +12,7 @@ use evaluation::run::foreign_detector::ForeignWork;
 use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
 use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::manifest::Manifest;
 use reports::vocabulary::reason::MistakeKind;
 use reports::worst::mistakes::ListedMistake;
@@ -106,17 +107,23 @@ fn refuse_addresses(arguments: &RunArgs) -> Result<(), Usage> {
     }
 }
 
-/// A configuration that the run names is not one that the user has chosen.
-fn refuse_programs(arguments: &RunArgs, detectors: &[ChosenDetector]) -> Result<(), Usage> {
+/// Shows the programs of a configuration that the run names, and refuses to start them unless the run is `trusted`: the user
+/// has not chosen them.
+fn show_programs(arguments: &RunArgs, detectors: &[ChosenDetector], trusted: bool) -> Result<(), Usage> {
     let Some(config) = &arguments.config.config else { return Ok(()) };
-    let is_program = |it: &&ChosenDetector| matches!(it, ChosenDetector::Foreign(it) if matches!(it.work, ForeignWork::Process(_)));
-    match detectors.iter().find(is_program) {
-        Some(detector) => Err(Usage(format!(
-            "the run names the detector {:?} of {config:?}, which is a program that is not started unless you trust the run: add --trust, or --no-rrd for the list alone",
-            detector.name()
-        ))),
-        None => Ok(()),
+    for detector in detectors {
+        let ChosenDetector::Foreign(foreign) = detector else { continue };
+        let ForeignWork::Process(process) = &foreign.work else { continue };
+        let command = process.command.iter().map(|it| shell_word(it)).collect::<Vec<_>>().join(" ");
+        let program = format!("the detector {:?} of {config:?}, the program `{command}`", detector.name());
+        if !trusted {
+            return Err(Usage(format!(
+                "the run names {program}, which is not started unless you trust the run: add --trust, or --no-rrd for the list alone"
+            )));
+        }
+        print_diagnostic(format_args!("Starting {program}"));
     }
+    Ok(())
 }
 
 impl RunAgain {
@@ -133,9 +140,7 @@ impl RunAgain {
             refuse_addresses(&arguments)?;
         }
         let (detectors, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
-        if !trusted {
-            refuse_programs(&arguments, &detectors)?;
-        }
+        show_programs(&arguments, &detectors, trusted)?;
         choose_criterion(&mut config, &arguments.matching);
         let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
         if resolved != manifest.config {

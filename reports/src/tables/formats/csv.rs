@@ -90,7 +90,7 @@ impl TaskRow {
             ignored_annotations: Some(score.n_ignored_annotations),
             ignored_detections: Some(score.n_ignored_detections),
             n_timed_scans: Some(score.n_timed_scans),
-            fps_mean: score.fps().map(|it| fixed_decimals(it, 3)),
+            fps_mean: score.fps.map(|it| fixed_decimals(it, 3)),
             precision_within: ends(precision),
             recall_within: ends(recall),
             f_rate_within: ends(f_rate),

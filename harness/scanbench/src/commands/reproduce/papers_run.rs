@@ -127,7 +127,8 @@ pub fn merge_reproduction(whole: &WholeRun, directory: RunDirectory) -> Result<(
     print_claims(&claims, &directory.finish()?)
 }
 
-fn open(arguments: &ReproduceArgs) -> Result<(RunConfig, Vec<OpenedDataset>), Failure> {
+/// Opens the data sets, and the configuration of all detectors.
+pub fn open(arguments: &ReproduceArgs) -> Result<(RunConfig, Vec<OpenedDataset>), Failure> {
     let values = BOXES_OF_PAPERS.iter().chain(&CHOSEN_OF_RIVALS);
     let values: Vec<_> = values.map(|it| it.parse().expect("the list is tested")).collect();
     let mut config = RunConfig::load(None)?.overridden(&values, &[])?;

@@ -104,10 +104,11 @@ impl WholeRun {
             None => Vec::new(),
         };
         more.extend(write_agreement(directory, &agreement)?);
-        let report = gathered.tally.report(SCORING_VERSION)?;
+        let draws = gathered.tally.draw();
+        let report = gathered.tally.report(SCORING_VERSION, &draws)?;
         let has_recording = directory.path_of(RUN_RRD).is_file();
         let beside = BesideRows { points: Some(points), recordings, protocols, agreement, has_recording };
-        let facts = RunFacts::of(gathered, beside, manifest, report)?;
+        let facts = RunFacts::of(gathered, beside, manifest, report, &draws)?;
         write_facts(directory, &facts)?;
         write_times_of_processors(directory, &facts.manifest, &of_processors)?;
         Ok(Self { facts, more })

@@ -1,9 +1,9 @@
 //! A command that is run as shards.
 
-use clap::Parser as _;
+use clap::{CommandFactory as _, Parser as _};
 
 use crate::commands::failure::{Failure, Usage};
-use crate::commands::{Cli, Command};
+use crate::commands::{Cli, Command, Shareable};
 
 /// A command of `scanbench` of which each task makes one shard.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,9 +21,10 @@ impl ShardedCommand {
                     Usage(format!("the command after -- is wrong\n{}", error.to_string().trim_end()))
                 })?;
         let (verb, arguments) = words.split_first().expect("clap wants a verb");
-        let Some((output, shard)) = parsed.command.outputs_of_shards() else {
+        let Some(Shareable { output, shard, .. }) = parsed.command.shareable() else {
             return Err(Usage(format!(
-                "{verb} has no shards; write -- run …, sweep …, ablation …, robustness … or partial …"
+                "{verb} has no shards; write -- {}",
+                verbs_with_shards().join(" …, -- ")
             )));
         };
         if verb.starts_with('-') {
@@ -64,7 +65,7 @@ impl ShardedCommand {
 
     /// Opens data sets, detectors and models as a task would, and looks at nothing else.
     pub fn try_here(&self) -> Result<(), Failure> {
-        self.as_parsed()?.open_shard()
+        self.as_parsed()?.shareable().map_or(Ok(()), |it| (it.open)())
     }
 
     /// The words after the verb and `--shard I/N` by which a task makes its shard in `folder`.
@@ -73,6 +74,12 @@ impl ShardedCommand {
         let output = ["-o", folder].map(str::to_owned);
         output.into_iter().chain(self.arguments.iter().cloned()).collect()
     }
+}
+
+fn verbs_with_shards() -> Vec<String> {
+    let command = Cli::command();
+    let has_shards = |it: &&clap::Command| it.get_arguments().any(|it| it.get_id() == "shard");
+    command.get_subcommands().filter(has_shards).map(|it| it.get_name().to_owned()).collect()
 }
 
 #[cfg(test)]
@@ -92,10 +99,11 @@ mod tests {
 
     #[test]
     fn every_study_that_has_shards_is_taken() {
-        for text in ["sweep data -L xi=2,3", "ablation data", "robustness --scans 2", "partial --per-class 9"]
-        {
-            assert!(read(text).is_ok(), "{text}");
+        for verb in verbs_with_shards() {
+            let command = read(&format!("{verb} -q")).unwrap();
+            assert!(command.as_parsed().unwrap().shareable().is_some(), "{verb}");
         }
+        assert_eq!(verbs_with_shards().join(" "), "run ablation sweep robustness reproduce partial");
     }
 
     #[test]
@@ -105,7 +113,8 @@ mod tests {
             ("run data --overwrite", "leave --overwrite away"),
             ("run data --shard 1/2 -o out", "leave -o out away"),
             ("run data --detector pca", "unexpected argument '--detector'"),
-            ("compare a b", "compare has no shards"),
+            ("compare a b", "compare has no shards; write -- run …, -- ablation …, "),
+            ("reproduce --choose", "cannot be used with"),
             ("-q run data", "write the verb first"),
             ("fly", "unrecognized subcommand 'fly'"),
         ] {

@@ -1,53 +1,40 @@
 //! How sure a median is, and a mean.
 
-use rand::{RngExt as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
-use reports::numbers::blocks::BlockCount;
-use reports::numbers::box_errors::NumberWithin;
-use reports::uncertainty::bootstrap::{Distribution, N_RESAMPLES};
+use crate::numbers::box_errors::NumberWithin;
+use crate::uncertainty::bootstrap::{Distribution, Resamples};
 
-/// The lower median of `values`, with its 95 % interval by a bootstrap of the blocks that the second of each pair names by
-/// their indices: whole blocks are drawn, as values of one block are not independent. The same seed draws the same blocks.
-/// `None` without values.
-pub fn median_within(values: &[(f64, usize)], blocks: BlockCount, seed: u64) -> Option<NumberWithin> {
+/// The lower median of `values`, with its 95 % interval over resamples of the blocks that the second of each pair names by
+/// their indices. `None` without values.
+pub fn median_within(values: &[(f64, usize)], resamples: &Resamples) -> Option<NumberWithin> {
     let mut sorted = values.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    within(|n_drawn| weighted_median(&sorted, n_drawn), blocks, seed)
+    within(|n_drawn| weighted_median(&sorted, n_drawn), resamples)
 }
 
 /// The same of the mean.
-pub fn mean_within(values: &[(f64, usize)], blocks: BlockCount, seed: u64) -> Option<NumberWithin> {
-    let mut of_groups = vec![(0.0, 0_u32); blocks.n_blocks as usize];
+pub fn mean_within(values: &[(f64, usize)], resamples: &Resamples) -> Option<NumberWithin> {
+    let mut of_groups = vec![(0.0, 0_u32); resamples.blocks().n_blocks as usize];
     for &(value, group) in values {
         of_groups[group] = (of_groups[group].0 + value, of_groups[group].1 + 1);
     }
-    let mean = |n_drawn: &[u32]| {
+    let mean = |n_drawn: &[u16]| {
         let n: u64 = of_groups.iter().zip(n_drawn).map(|(it, &n)| u64::from(it.1) * u64::from(n)).sum();
         let sum: f64 = of_groups.iter().zip(n_drawn).map(|(it, &n)| it.0 * f64::from(n)).sum();
         (n > 0).then(|| sum / n as f64)
     };
-    within(mean, blocks, seed)
+    within(mean, resamples)
 }
 
 /// A number that depends on how often each block is drawn, with its interval.
-fn within(number: impl Fn(&[u32]) -> Option<f64>, blocks: BlockCount, seed: u64) -> Option<NumberWithin> {
-    let n_groups = blocks.n_blocks as usize;
-    let of_all = number(&vec![1; n_groups])?;
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut n_drawn = vec![0_u32; n_groups];
-    let numbers = (0..N_RESAMPLES).map(|_| {
-        n_drawn.fill(0);
-        for _ in 0..n_groups {
-            n_drawn[rng.random_range(0..n_groups)] += 1;
-        }
-        number(&n_drawn)
-    });
-    let within = Distribution::new(numbers, blocks).map(|it| it.interval());
-    Some(NumberWithin { value: of_all, within })
+fn within(number: impl Fn(&[u16]) -> Option<f64>, resamples: &Resamples) -> Option<NumberWithin> {
+    let blocks = resamples.blocks();
+    let value = number(&vec![1; blocks.n_blocks as usize])?;
+    let within = Distribution::new(resamples.all_times_drawn().map(number), blocks).map(|it| it.interval());
+    Some(NumberWithin { value, within })
 }
 
 /// The least of ascending values to which half of the weight comes; `None` without weight.
-fn weighted_median(sorted: &[(f64, usize)], weight_of_group: &[u32]) -> Option<f64> {
+fn weighted_median(sorted: &[(f64, usize)], weight_of_group: &[u16]) -> Option<f64> {
     let total: u64 = sorted.iter().map(|it| u64::from(weight_of_group[it.1])).sum();
     let mut sum = 0;
     let middle = sorted.iter().find(|it| {
@@ -60,10 +47,14 @@ fn weighted_median(sorted: &[(f64, usize)], weight_of_group: &[u32]) -> Option<f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use reports::numbers::blocks::BlockKind;
+    use crate::numbers::blocks::{BlockCount, BlockKind};
+
+    fn tracks(n_groups: u64) -> Resamples {
+        Resamples::draw("street", BlockCount::of_dataset(n_groups, BlockKind::Tracks))
+    }
 
     fn interval(values: &[(f64, usize)], n_groups: u64) -> NumberWithin {
-        median_within(values, BlockCount::of_dataset(n_groups, BlockKind::Tracks), 1).unwrap()
+        median_within(values, &tracks(n_groups)).unwrap()
     }
 
     fn ends(it: NumberWithin) -> [f64; 2] {
@@ -72,7 +63,7 @@ mod tests {
 
     #[test]
     fn nothing_has_no_median_and_one_value_is_it() {
-        assert_eq!(median_within(&[], BlockCount::of_dataset(0, BlockKind::Tracks), 1), None);
+        assert_eq!(median_within(&[], &tracks(0)), None);
         assert_eq!(interval(&[(3.0, 0)], 1), NumberWithin { value: 3.0, within: None });
     }
 
@@ -95,12 +86,12 @@ mod tests {
     #[test]
     fn of_zeros_and_ones_the_mean_is_the_share_with_the_interval_of_shares() {
         let values: Vec<(f64, usize)> = (0..400).map(|it| (f64::from(u8::from(it % 4 == 0)), it)).collect();
-        let it = mean_within(&values, BlockCount::of_dataset(400, BlockKind::Tracks), 1).unwrap();
+        let it = mean_within(&values, &tracks(400)).unwrap();
         assert_eq!(it.value, 0.25);
         // 1.96 times the square root of 0.25 * 0.75 / 400 is 0.042.
         let [low, high] = ends(it);
         assert!((low - 0.208).abs() < 0.006 && (high - 0.292).abs() < 0.006, "{it:?}");
-        assert_eq!(mean_within(&[], BlockCount::of_dataset(0, BlockKind::Tracks), 1), None);
+        assert_eq!(mean_within(&[], &tracks(0)), None);
     }
 
     #[test]
