@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 RELEASE = ROOT / ".ci/release"
-COMMANDS = "harness/scanbench/src/commands"
+COMMANDS = "harness/scanbench/src/verbs"
 INSTALLERS = (
     ".github/action/gate.sh",
     ".gitlab/gate.yml",

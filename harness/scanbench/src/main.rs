@@ -8,16 +8,17 @@ use clap::Parser as _;
 use reports::files::unfinished;
 
 mod cli;
-mod commands;
+mod plumbing;
+mod verbs;
 
-use commands::Cli;
+use plumbing::exit_code::exit_code_of;
+use plumbing::interruption::watch_for_signals;
+use verbs::Cli;
 #[cfg(target_os = "linux")]
-use commands::Command;
-use commands::dispatch;
-use commands::exit_code::exit_code_of;
-use commands::interruption::watch_for_signals;
+use verbs::Command;
+use verbs::dispatch;
 #[cfg(target_os = "linux")]
-use commands::serve::supervise;
+use verbs::serve::supervise;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();

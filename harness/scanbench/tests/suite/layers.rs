@@ -237,7 +237,7 @@ fn one_file_each_asks_whether_viewer_and_network_were_built_in() {
         let asks = |file: &Path| code_of(file).replace("feature = \"schemas\"", "").contains("feature = ");
         asking.extend(files.into_iter().filter(|(_, file)| asks(file)).map(|(module, _)| module.join("::")));
     }
-    assert_eq!(asking, ["commands::remote", "commands::recorder"]);
+    assert_eq!(asking, ["plumbing::remote", "plumbing::recorder"]);
 }
 
 /// What opens files, or makes folders, without one of the doors.
@@ -272,10 +272,10 @@ const OPENING: [(&str, &str, &str); 19] = [
     ("harness/remote", "local_file", "the door of a crate that uses no other"),
     ("harness/remote", "transfer", "folders of what is fetched"),
     ("harness/remote", "unpack", "folders of what is unpacked"),
-    ("harness/scanbench", "commands::interruption", "what the system says of this program"),
-    ("harness/scanbench", "commands::provenance", "this program, and what the system says of the processor"),
-    ("harness/scanbench", "commands::serve", "pipes and memory of the program that serves"),
-    ("harness/scanbench", "commands::step_summary", "a file that the environment names"),
+    ("harness/scanbench", "plumbing::interruption", "what the system says of this program"),
+    ("harness/scanbench", "plumbing::provenance", "this program, and what the system says of the processor"),
+    ("harness/scanbench", "verbs::serve", "pipes and memory of the program that serves"),
+    ("harness/scanbench", "plumbing::step_summary", "a file that the environment names"),
 ];
 
 /// Whether `code` has `call`, and not as the end of a longer name.

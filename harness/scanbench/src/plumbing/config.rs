@@ -1,0 +1,183 @@
+//! From the command line to detectors and parameters.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use detector::params::PAPER_SENSOR;
+use evaluation::matching::criterion::Criterion;
+use evaluation::run::config::{RunConfig, TrainedModel};
+use evaluation::run::detector_list::{ChosenDetector, ListedDetector, built_in_named, detectors_named};
+use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
+use evaluation::run::kept_names::kept;
+use scans::dataset::DatasetDescription;
+
+use crate::cli::{ConfigArgs, CriterionName, MatchingArgs, NamedResults};
+use crate::plumbing::failure::{Failure, Usage};
+use crate::plumbing::standard_streams::{print_detail, print_diagnostic};
+
+/// The file that defines detectors and parameters, in the working directory or one above it.
+pub const CONFIGURATION_FILE: &str = "scanbench.toml";
+
+/// The detectors with these names, and the parameters that ship, overridden by the file and then by the options of
+/// `arguments`, whose short names are those of parameters of these detectors.
+pub fn chosen_detectors(
+    arguments: &ConfigArgs,
+    names: &[String],
+) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
+    let (chosen, config) = runnable_detectors(arguments, names)?;
+    refuse_unread_models(chosen.iter().map(|it| (it, &config)))?;
+    Ok((chosen, config))
+}
+
+/// The same before anybody has looked at which models they read: they may get more parameters.
+pub fn runnable_detectors(
+    arguments: &ConfigArgs,
+    names: &[String],
+) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
+    let (chosen, config) = choose(&load(arguments)?, arguments, names)?;
+    let is_read = |it: &&ChosenDetector| {
+        matches!(it, ChosenDetector::Foreign(ForeignDetector { work: ForeignWork::Results(_), .. }))
+    };
+    match chosen.iter().find(is_read) {
+        Some(it) => {
+            let problem =
+                format!("{:?} is results of another program, which only `scanbench run` judges", it.name());
+            Err(Usage(problem).into())
+        }
+        None => Ok((chosen, config)),
+    }
+}
+
+/// The same with detectors that left results: those that `left` names, and those of the file. Those of `left` that `names`
+/// does not have come last.
+pub fn chosen_with_results(
+    arguments: &ConfigArgs,
+    names: &[String],
+    left: &[NamedResults],
+) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
+    let mut config = load(arguments)?;
+    let mut names = names.to_vec();
+    for NamedResults { name, path } in left {
+        if config.foreign.iter().any(|it| it.name == name) {
+            return Err(Usage(format!("--detections: there is a detector {name:?} already")).into());
+        }
+        let folder = PathBuf::from(".");
+        let (work, vehicles) = (ForeignWork::Results(path.clone()), VehicleRule::default());
+        config.foreign.push(ForeignDetector { name: kept(name), folder, work, vehicles });
+        if !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
+    let (chosen, config) = choose(&config, arguments, &names)?;
+    refuse_unread_models(chosen.iter().map(|it| (it, &config)))?;
+    Ok((chosen, config))
+}
+
+/// Refuses directories of models that none of `compared_detectors` reads with its parameters: they would have no effect.
+pub fn refuse_unread_models<'a>(
+    compared_detectors: impl Iterator<Item = (&'a ChosenDetector, &'a RunConfig)>,
+) -> Result<(), Failure> {
+    let compared_detectors: Vec<(&ChosenDetector, &RunConfig)> = compared_detectors.collect();
+    for model in TrainedModel::ALL {
+        let directory = compared_detectors.iter().find_map(|(_, config)| config.directory_of(model));
+        let is_read = compared_detectors.iter().any(|(chosen, config)| {
+            chosen.vehicle_model(config).is_some_and(|it| it.parameter() == model.parameter())
+                // Without the models of vehicles, boxes are by the one that comes with the program.
+                || model == TrainedModel::Boxes
+                    && config.vehicle_models.is_some()
+                    && chosen.has_whole_boxes(config)
+        });
+        let Some(directory) = directory.filter(|_| !is_read) else { continue };
+        let reads: BTreeSet<String> = compared_detectors
+            .iter()
+            .map(|(chosen, config)| {
+                let read = chosen.vehicle_model(config).map_or("no model", TrainedModel::parameter);
+                format!("{} reads {read}", chosen.name())
+            })
+            .collect();
+        let reads: Vec<String> = reads.into_iter().collect();
+        let parameter = model.parameter();
+        let problem =
+            format!("{parameter} = {directory:?}: no chosen detector reads it; {}", reads.join(", "));
+        return Err(Usage(problem).into());
+    }
+    Ok(())
+}
+
+fn choose(
+    config: &RunConfig,
+    arguments: &ConfigArgs,
+    names: &[String],
+) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
+    let mut chosen = detectors_named(names, config)?;
+    let tables: Vec<String> = chosen.iter().map(ChosenDetector::table).collect();
+    let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
+    let config = config.overridden(&arguments.parameters, &tables)?;
+    for it in &mut chosen {
+        if let ChosenDetector::Foreign(foreign) = it {
+            *foreign = foreign.clone().identified(&config)?;
+        }
+    }
+    Ok((chosen, config))
+}
+
+/// The same of built-in detectors alone.
+pub fn built_in_detectors(
+    arguments: &ConfigArgs,
+    names: &[String],
+) -> Result<(Vec<ListedDetector>, RunConfig), Failure> {
+    let (listed, config) = built_in_methods(arguments, names)?;
+    let chosen: Vec<ChosenDetector> = listed.iter().map(|it| ChosenDetector::BuiltIn(*it)).collect();
+    refuse_unread_models(chosen.iter().map(|it| (it, &config)))?;
+    Ok((listed, config))
+}
+
+/// The same before anybody has looked at which models they read: variants of them may read others.
+pub fn built_in_methods(
+    arguments: &ConfigArgs,
+    names: &[String],
+) -> Result<(Vec<ListedDetector>, RunConfig), Failure> {
+    let config = load(arguments)?;
+    let listed = built_in_named(names, &config)?;
+    Ok((listed, choose(&config, arguments, names)?.1))
+}
+
+/// Judges by the criterion of `matching`, if it names one, whatever the configuration says.
+pub fn choose_criterion(config: &mut RunConfig, matching: &MatchingArgs) {
+    match matching.criterion {
+        Some(CriterionName::Points) => config.choose_criterion(Criterion::POINTS),
+        Some(CriterionName::BevIou) => config.choose_criterion(Criterion::BEV_IOU),
+        Some(CriterionName::Iou3d) => config.choose_criterion(Criterion::IOU_3D),
+        Some(CriterionName::Centre) => config.choose_criterion(Criterion::CENTRE),
+        None => {}
+    }
+}
+
+fn load(arguments: &ConfigArgs) -> Result<RunConfig, Failure> {
+    let found = if arguments.config.is_some() { None } else { configuration_file() };
+    if let Some(found) = &found {
+        print_detail(format_args!("Configuration: {}", found.display()));
+    }
+    Ok(RunConfig::load(arguments.config.as_deref().or(found.as_deref()))?)
+}
+
+/// The nearest file of that name in the working directory or above it.
+fn configuration_file() -> Option<PathBuf> {
+    let folder = std::env::current_dir().ok()?;
+    folder.ancestors().map(|it| it.join(CONFIGURATION_FILE)).find(|it| it.is_file())
+}
+
+/// Says so if it is not known how densely the sensor of `dataset` samples the street.
+pub fn warn_of_unknown_sensor(config: &RunConfig, dataset: &DatasetDescription) {
+    if config.for_dataset(&dataset.id, &dataset.sensor).is_none() {
+        warn_of_missing_curve(&dataset.sensor);
+    }
+}
+
+/// Says that the density curve of another sensor stands in for that of `sensor`.
+pub fn warn_of_missing_curve(sensor: &str) {
+    print_diagnostic(format_args!(
+        "warning: there is no density curve for the sensor {sensor:?}; the detector uses that of {PAPER_SENSOR}; \
+         fit one with scanbench fit-density, and give the file to --config"
+    ));
+}

@@ -1,0 +1,36 @@
+//! Parts that verbs share: terminal, data sets, detectors, the log of a run, recordings.
+
+pub mod failure;
+pub mod closed_streams;
+pub mod standard_streams;
+pub mod progress;
+pub mod interruption;
+pub mod exit_code;
+pub mod remote;
+pub mod config;
+pub mod counted_dataset;
+pub mod frame_facts;
+pub mod open_datasets;
+pub mod judged_streets;
+pub mod named_blocks;
+pub mod opened_results;
+pub mod open_scan;
+pub mod first_look;
+pub mod provenance;
+pub mod run_directory;
+pub mod paper_files;
+pub mod recorder;
+pub mod run_manifest;
+pub mod run_numbers;
+pub mod official_evaluation;
+pub mod scan_agreement;
+pub mod sinks;
+pub mod watched_run;
+pub mod shards;
+pub mod scan_study;
+pub mod result_file;
+pub mod object_sets;
+pub mod reproducible_command;
+pub mod open_run;
+pub mod step_summary;
+pub mod empty_folder;

@@ -1,0 +1,39 @@
+//! Runs read back from their directories.
+
+use std::path::Path;
+
+use reports::run_folder::run_archive::RunArchive;
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::run_folder::shard_record::ShardRecord;
+
+use crate::plumbing::failure::{Failure, Usage};
+use crate::plumbing::shards::work_output::finished_shard;
+
+/// The run in `directory`.
+pub fn open_run(directory: &Path) -> Result<RunArchive, Failure> {
+    refuse_other_than_run(directory)?;
+    RunArchive::read(directory).map_err(|error| Failure::damaged_run(directory, error))
+}
+
+/// Says what `directory` is if it is not that of a whole run.
+pub fn refuse_other_than_run(directory: &Path) -> Result<(), Failure> {
+    let name = directory.display();
+    if !directory.is_dir() {
+        return Err(Usage(format!("there is no run directory {name}")).into());
+    }
+    refuse_shard(directory)?;
+    if !directory.join(MANIFEST_JSON).exists() {
+        return Err(Usage(format!("{name} is not the directory of a run: it has no {MANIFEST_JSON}")).into());
+    }
+    Ok(())
+}
+
+/// A shard has no numbers of its own.
+pub fn refuse_shard(directory: &Path) -> Result<(), Failure> {
+    // Whoever reads the rest says what is wrong with it.
+    let Some(ShardRecord { index, count, study, .. }) = finished_shard(directory) else { return Ok(()) };
+    let (name, whole) = (directory.display(), study.name());
+    let words =
+        format!("{name} is shard {index} of {count}: `scanbench merge` puts all of `{whole}` together");
+    Err(Failure::NotComparable(words.into()))
+}

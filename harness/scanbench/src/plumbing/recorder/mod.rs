@@ -1,0 +1,109 @@
+//! What records runs and sweeps for Rerun, or, in a program that was built without the viewer, what stands in for it.
+//!
+//! Both have the same items; nothing else asks what was built in.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use evaluation::run::compared_detector::ComparedDetector;
+use evaluation::run::scan_recorder::{FigureView, RecordingEnding, Served};
+use reports::vocabulary::task::Task;
+
+use crate::cli::StreamArgs;
+use crate::plumbing::failure::Failure;
+use crate::plumbing::open_datasets::OpenedDataset;
+use crate::plumbing::standard_streams::print_diagnostic;
+
+#[cfg(feature = "viewer")]
+mod with_viewer;
+#[cfg(feature = "viewer")]
+pub use with_viewer::{
+    Recorder, begin, is_wanted, record_growths, record_sweep, records_growths, rerun_version,
+};
+#[cfg(not(feature = "viewer"))]
+mod without_viewer;
+#[cfg(not(feature = "viewer"))]
+pub use without_viewer::{
+    Recorder, begin, is_wanted, record_growths, record_sweep, records_growths, rerun_version,
+};
+
+/// When a recording appears under its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Appearance {
+    /// At once, in a folder that is itself unfinished.
+    AtOnce,
+    /// Once it is complete.
+    Whole,
+}
+
+/// What a recording is about.
+#[allow(dead_code, reason = "read by the viewer, where there is one")]
+pub struct RecordingPlan<'a> {
+    /// What was asked for.
+    pub arguments: &'a StreamArgs,
+    /// Where it is written unless the arguments say otherwise.
+    pub default_file: PathBuf,
+    /// When that appears.
+    pub appears: Appearance,
+    /// Its name in the viewer.
+    pub name: &'a str,
+    /// The task that it shows at first.
+    pub shown_task: Task,
+    /// The detectors.
+    pub detectors: &'a [&'a str],
+    /// How many scans there are, recorded or not.
+    pub n_scans: usize,
+    /// Whether the poses of the sensor are known for some scans at least.
+    pub has_poses: bool,
+    /// Whether it opens at its first scan, and not at the last.
+    pub at_the_start: bool,
+    /// What a tab of its own shows.
+    pub figures: &'static [FigureView],
+}
+
+/// Begins the recording `file` of what `compared_detectors` do on `datasets`, which is called `name`. Returns it, and that one
+/// scan in how many is recorded; `None` if none is wanted.
+pub fn begin_recording(
+    arguments: &StreamArgs,
+    figures: &'static [FigureView],
+    compared_detectors: &[ComparedDetector],
+    datasets: &[OpenedDataset],
+    name: &str,
+    file: PathBuf,
+) -> Result<Option<(Recorder, u64)>, Failure> {
+    // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
+    let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
+    let shown_task = if datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
+    let detectors: Vec<&str> = compared_detectors.iter().map(|it| it.name).collect();
+    let n_scans = datasets.iter().map(|it| it.part.len()).sum();
+    let recorder = begin(&RecordingPlan {
+        arguments,
+        default_file: file,
+        appears: Appearance::AtOnce,
+        name,
+        shown_task,
+        detectors: &detectors,
+        n_scans,
+        has_poses: datasets.iter().any(OpenedDataset::has_poses),
+        at_the_start: false,
+        figures,
+    })?;
+    Ok(recorder.map(|it| (it, u64::from(arguments.every(n_scans)))))
+}
+
+/// Says what went wrong at the end, and returns what still serves the recording.
+pub fn report_ending(ending: RecordingEnding) -> Option<Box<dyn Served>> {
+    if let Some(warning) = ending.warning {
+        print_diagnostic(format_args!("warning: {warning}"));
+    }
+    ending.served
+}
+
+/// Goes on serving the recording, of which everything is written, until the user ends it.
+pub fn serve_until_interrupted(served: &dyn Served, interrupted: &AtomicBool) {
+    print_diagnostic(format_args!("Serving the recording until Ctrl-C: rerun {}", served.url()));
+    while !interrupted.load(Ordering::Relaxed) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}

@@ -1,0 +1,54 @@
+//! Events of a run on their way: into its journal, and into its rows.
+
+use std::cell::RefCell;
+
+use evaluation::journal::Journal;
+
+use super::run_event::RunEvent;
+use super::run_rows::RunRows;
+use super::run_summary::RunSummary;
+use crate::plumbing::failure::Failure;
+
+/// Takes the events of a run as they come.
+pub struct RunLog<'a> {
+    /// `None` where nothing is kept to go on with.
+    journal: Option<&'a Journal>,
+    made: RefCell<EventsMade>,
+}
+
+/// What events have come to so far.
+#[derive(Default)]
+pub struct EventsMade {
+    /// For the manifest.
+    pub summary: RunSummary,
+    /// Of a run in one piece; rows of a shard are made when it is merged.
+    pub rows: Option<RunRows>,
+}
+
+impl EventsMade {
+    /// Adds `event`.
+    pub fn add(&mut self, event: &RunEvent) -> Result<(), Failure> {
+        self.summary.add(event);
+        Ok(self.rows.as_mut().map_or(Ok(()), |it| it.add(event, 0))?)
+    }
+}
+
+impl<'a> RunLog<'a> {
+    /// Goes on from what was `made`, and keeps events in `journal`.
+    pub fn new(journal: Option<&'a Journal>, made: EventsMade) -> Self {
+        Self { journal, made: made.into() }
+    }
+
+    /// Adds `event`.
+    pub fn add(&self, event: &RunEvent) -> Result<(), Failure> {
+        if let Some(journal) = self.journal {
+            journal.add(event)?;
+        }
+        self.made.borrow_mut().add(event)
+    }
+
+    /// What all events have come to.
+    pub fn into_made(self) -> EventsMade {
+        self.made.into_inner()
+    }
+}

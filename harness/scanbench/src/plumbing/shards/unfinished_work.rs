@@ -1,0 +1,291 @@
+//! Work that is not finished: what it has done so far is kept beside the directory that it will have.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use evaluation::journal::{Journal, JournalIdentity, OtherJournal};
+use evaluation::run::config::DETECTOR_TABLE;
+use reports::files::archive::ArchiveError;
+use reports::files::hidden_folder::HiddenFolder;
+use reports::files::new_file::make_folder;
+use reports::files::whole_file::is_unfinished_file;
+use reports::run_folder::run_target::ClaimedTarget;
+use reports::vocabulary::shard::Shard;
+use reports::vocabulary::study::Study;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::work_output::WorkOutput;
+use crate::plumbing::failure::Failure;
+use crate::plumbing::interruption::{set_grace, set_last_words};
+use crate::plumbing::standard_streams::print_diagnostic;
+
+/// A scheduler that ends a program waits this long for it, or longer: half a minute is usual.
+const GRACE: Duration = Duration::from_secs(25);
+
+/// The journal, in the folder of what is unfinished.
+const JOURNAL: &str = "journal";
+
+/// Endings of the other files that are left there.
+const ENDINGS: [&str; 4] = ["csv", "json", "rrd", "mcap"];
+
+/// What decides the rows of a result: its `manifest`, without what may differ when it is continued, and `rules` that this
+/// lacks.
+pub fn identity_of(manifest: &impl Serialize, rules: Value) -> JournalIdentity {
+    let mut value = serde_json::to_value(manifest).expect("a manifest has text keys only");
+    let identity = value.as_object_mut().expect("a manifest is an object");
+    // What other programs found is read when all is done.
+    for passing in ["created", "argv", "machine"] {
+        identity.remove(passing);
+    }
+    for (part, passing) in [("shard", "created"), ("partial", "peers")] {
+        if let Some(part) = identity.get_mut(part).and_then(Value::as_object_mut) {
+            part.remove(passing);
+        }
+    }
+    leave_out_idle_detectors(identity);
+    identity.insert("rules".to_owned(), rules);
+    std::mem::take(identity)
+}
+
+/// Takes the parameters of detectors of others that do not take part out of a manifest.
+fn leave_out_idle_detectors(manifest: &mut JournalIdentity) {
+    let names = |it: &Value| it["name"].as_str().map(str::to_owned);
+    let taking_part: Vec<String> =
+        manifest.get("detectors").and_then(Value::as_array).into_iter().flatten().filter_map(names).collect();
+    let Some(config) = manifest.get_mut("config").and_then(Value::as_object_mut) else { return };
+    if let Some(of_others) = config.get_mut(DETECTOR_TABLE).and_then(Value::as_object_mut) {
+        of_others.retain(|name, _| taking_part.contains(name));
+        if of_others.is_empty() {
+            config.remove(DETECTOR_TABLE);
+        }
+    }
+}
+
+/// A result in the making: a shard, or all in one piece.
+pub struct UnfinishedWork {
+    // Removes the folder if nobody could go on with it. Invariant: before the folders around it, which `claimed` removes.
+    passing: Option<HiddenFolder>,
+    /// What it leaves for now.
+    pub folder: PathBuf,
+    /// What it has done so far.
+    pub journal: Journal,
+    /// Where the result will be.
+    pub claimed: ClaimedTarget,
+    // What it has, such as `60 scans`, and which part it is, such as `shard 3/8`.
+    extent: String,
+    shard: Option<Shard>,
+    is_named: bool,
+}
+
+impl UnfinishedWork {
+    /// Opens what there is in `output`, called after the data sets `ids` unless it is named, or begins it; `extent` says
+    /// what it has, such as `60 scans`. What was done before is handed to `on_event`, which says
+    /// whether it can be of this work.
+    ///
+    /// A shard takes its time from now on when it is asked to end.
+    pub fn open<Event: DeserializeOwned>(
+        mut output: WorkOutput,
+        ids: &str,
+        identity: &JournalIdentity,
+        extent: String,
+        on_event: impl FnMut(Event) -> bool,
+    ) -> Result<Self, Failure> {
+        let claimed = output.target(ids)?;
+        let kept = kept_beside(&claimed);
+        let refused = |source| ArchiveError::Write { path: kept.clone(), source };
+        let passing = if output.is_kept {
+            make_beside(&claimed, &kept)?;
+            None
+        } else {
+            Some(HiddenFolder::beside(claimed.target(), "unfinished").map_err(refused)?)
+        };
+        let folder = passing.as_ref().map_or(&*kept, HiddenFolder::path).to_owned();
+        let other = if output.overwrites { OtherJournal::Discard } else { OtherJournal::Refuse };
+        let kind = match (output.shard, output.study) {
+            (Some(_), _) => "shard",
+            (None, Study::Sweep) => "sweep",
+            (None, _) => "run",
+        };
+        let had_journal = folder.join(JOURNAL).is_file();
+        let journal = Journal::open(&folder.join(JOURNAL), kind, identity, other, on_event);
+        if journal.is_err() && !had_journal {
+            // Nobody could continue from a journal that the disk does not take.
+            let _ = std::fs::remove_file(folder.join(JOURNAL)).and_then(|()| std::fs::remove_dir(&folder));
+        }
+        let journal = journal?;
+        remove_leftovers(&folder);
+        if let Some(line) = journal.damaged_line() {
+            let path = folder.join(JOURNAL);
+            print_diagnostic(format_args!(
+                "warning: line {line} of {path:?} is damaged; that and what follows is done again"
+            ));
+        }
+        let WorkOutput { shard, is_named, .. } = output;
+        let unfinished = Self { passing, folder, journal, claimed, extent, shard, is_named };
+        if output.is_kept {
+            set_last_words(unfinished.how_to_go_on());
+        }
+        if output.shard.is_some() {
+            set_grace(GRACE);
+        }
+        Ok(unfinished)
+    }
+
+    /// Says how much was done before, such as `7 of 60 scans`.
+    pub fn report_continuing(&self, done: &str) {
+        print_diagnostic(format_args!("Continuing with {done} from {}", self.folder.display()));
+    }
+
+    /// Returns `failure`, after printing how the work can be continued. Work in a directory that nobody has named leaves
+    /// nothing.
+    pub fn ended_by(self, failure: Failure) -> Failure {
+        if self.passing.is_none() {
+            print_diagnostic(self.how_to_go_on());
+        }
+        failure
+    }
+
+    fn how_to_go_on(&self) -> String {
+        let of_shard = self.shard.map_or_else(String::new, |it| format!(" of shard {it}"));
+        let again = if self.is_named {
+            "again".to_owned()
+        } else {
+            format!("with -o {}", self.claimed.target().display())
+        };
+        format!(
+            "What is finished of the {}{of_shard} is kept in {}; to continue, give the same command {again}",
+            self.extent,
+            self.folder.display()
+        )
+    }
+
+    /// Whether it is all in one piece, and no shard.
+    pub fn is_in_one_piece(&self) -> bool {
+        self.shard.is_none()
+    }
+
+    /// The journal of a shard, and of work that can be continued; `None` of work in a directory without a name.
+    pub fn kept_journal(&self) -> Option<&Journal> {
+        (self.passing.is_none() || self.shard.is_some()).then_some(&self.journal)
+    }
+
+    /// Which part it is and what that has, such as `Shard 3/8: 60 scans`.
+    pub fn part_in_words(&self) -> String {
+        format!("Shard {}: {}", self.shard.unwrap_or(Shard::ONLY), self.extent)
+    }
+
+    /// Whether there is anything to go on with.
+    pub fn is_begun(&self) -> bool {
+        self.journal.n_entries() > 0
+    }
+
+    /// The path of the result, and what is to be removed once that is there.
+    pub fn into_parts(self) -> (ClaimedTarget, Remains) {
+        let Self { folder, journal, claimed, passing, .. } = self;
+        (claimed, Remains { folder, journal, passing })
+    }
+
+    /// `failure`, after all of it was removed: there is nothing to go on with.
+    pub fn discarded_by(self, failure: Failure) -> Failure {
+        let (claimed, remains) = self.into_parts();
+        remains.clear();
+        // Removes the folders that were made for it.
+        drop(claimed);
+        failure
+    }
+
+    /// Leaves its files beside the directory, but nothing to go on with, and returns where they are.
+    pub fn leave_files(self) -> Result<PathBuf, Failure> {
+        let kept = kept_beside(&self.claimed);
+        let (claimed, Remains { folder, journal, passing }) = self.into_parts();
+        set_last_words(String::new());
+        drop(journal);
+        if passing.is_none() {
+            remove(std::fs::remove_file(folder.join(JOURNAL)), &folder);
+            return Ok(folder);
+        }
+        let refused = |source| ArchiveError::Write { path: kept.clone(), source };
+        make_beside(&claimed, &kept)?;
+        for name in names_of_results(&folder) {
+            std::fs::rename(folder.join(&name), kept.join(&name)).map_err(refused)?;
+        }
+        Ok(kept)
+    }
+}
+
+/// The folder of what is kept beside a directory until that is there.
+fn kept_beside(claimed: &ClaimedTarget) -> PathBuf {
+    let mut folder = claimed.target().as_os_str().to_owned();
+    folder.push(".unfinished");
+    folder.into()
+}
+
+/// Makes the folder `kept` unless it is there. One that is a link may lead to what is none of ours.
+fn make_beside(claimed: &ClaimedTarget, kept: &Path) -> Result<(), ArchiveError> {
+    let beside = claimed.target().parent().unwrap_or(Path::new(""));
+    let made = make_folder(beside, kept.file_name().unwrap_or_default());
+    made.map(|_| ()).map_err(|source| ArchiveError::Write { path: kept.to_owned(), source })
+}
+
+/// Removes what programs that were killed did not complete. Only who has the journal writes to `folder`.
+fn remove_leftovers(folder: &Path) {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    for path in entries.filter(|it| is_unfinished_file(&it.file_name())).map(|it| it.path()) {
+        remove(std::fs::remove_file(&path), &path);
+    }
+}
+
+/// The files of results in `folder`.
+fn names_of_results(folder: &Path) -> Vec<OsString> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let has_ending = |it: &OsString| {
+        Path::new(it).extension().and_then(OsStr::to_str).is_some_and(|it| ENDINGS.contains(&it))
+    };
+    entries.map(|it| it.file_name()).filter(has_ending).collect()
+}
+
+/// What work has left beside its result.
+pub struct Remains {
+    /// The folder.
+    pub folder: PathBuf,
+    /// What was done.
+    pub journal: Journal,
+    passing: Option<HiddenFolder>,
+}
+
+impl Remains {
+    /// Whether its folder is that of this program alone, and goes with it.
+    pub fn is_passing(&self) -> bool {
+        self.passing.is_some()
+    }
+
+    /// Removes the journal and files with the endings of results. Other files that somebody has put into the folder stay,
+    /// and the folder with them.
+    pub fn clear(self) {
+        let Self { folder, journal, passing } = self;
+        set_last_words(String::new());
+        // Some file systems keep a file that is open under another name.
+        drop(journal);
+        if passing.is_some() {
+            return;
+        }
+        for name in names_of_results(&folder).into_iter().chain([JOURNAL.into()]) {
+            let path = folder.join(name);
+            remove(std::fs::remove_file(&path), &path);
+        }
+        let is_empty = std::fs::read_dir(&folder).is_ok_and(|mut it| it.next().is_none());
+        if is_empty {
+            remove(std::fs::remove_dir(&folder), &folder);
+        }
+    }
+}
+
+/// The result is there: what cannot be removed is only in the way.
+fn remove(removed: std::io::Result<()>, path: &Path) {
+    if let Err(error) = removed {
+        print_diagnostic(format_args!("warning: cannot remove {}: {error}", path.display()));
+    }
+}

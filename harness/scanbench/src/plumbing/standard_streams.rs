@@ -1,0 +1,120 @@
+//! What the program says: results on stdout, everything else on stderr.
+//!
+//! The macros of the standard library panic when a stream is closed, which is what `| head` does.
+
+use std::fmt::Display;
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::path::Path;
+use std::sync::OnceLock;
+
+use crate::plumbing::closed_streams::stdout_was_closed;
+use crate::plumbing::failure::Failure;
+use reports::files::shown_text::{printable_lines, shown_lines};
+use reports::run_folder::command_line::shell_word;
+use reports::run_folder::run_directory::{REPORT_HTML, RUN_RRD};
+use reports::tables::formats::terminal::Terminal;
+
+/// How much is said on stderr.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verbosity {
+    /// Errors.
+    Quiet,
+    /// Progress, warnings and where results are, too.
+    Usual,
+    /// And what is done, scan by scan.
+    Verbose,
+}
+
+// One for the process, as stderr is.
+static VERBOSITY: OnceLock<Verbosity> = OnceLock::new();
+
+/// Settles how much is said, once and before anything is.
+pub fn set_verbosity(verbosity: Verbosity) {
+    VERBOSITY.get_or_init(|| verbosity);
+}
+
+/// Whether as much is said as `least` or more.
+pub fn is_said(least: Verbosity) -> bool {
+    *VERBOSITY.get().unwrap_or(&Verbosity::Usual) >= least
+}
+
+/// Columns of results where nobody looks at them on a terminal.
+const USUAL_WIDTH: usize = 100;
+
+/// Columns that tables have: `COLUMNS` if that is set, else those of the terminal on stdout, else a hundred.
+pub fn result_width() -> usize {
+    let wanted = std::env::var("COLUMNS").ok().and_then(|it| it.parse().ok()).filter(|it| *it > 0);
+    let of_terminal = || {
+        let (width, _) = std::io::stdout().is_terminal().then(terminal_size::terminal_size).flatten()?;
+        Some(usize::from(width.0))
+    };
+    wanted.or_else(of_terminal).unwrap_or(USUAL_WIDTH)
+}
+
+/// Tables as wide as [`result_width`].
+pub fn terminal() -> Terminal {
+    Terminal { width: Some(result_width()) }
+}
+
+/// Prints a result, which is never coloured. A reader that has seen enough and closed the stream is no error.
+pub fn print_result(result: impl Display) -> Result<(), Failure> {
+    print_text(&format!("{result}\n"))
+}
+
+/// Prints a text that ends as it should. What files of others say in it is shown, and not obeyed by the terminal.
+pub fn print_text(text: &str) -> Result<(), Failure> {
+    // Tables have no length that nobody reads.
+    print_bytes(printable_lines(text).as_bytes())
+}
+
+/// Prints what a verb came to, and then where its files are, which are `what`; of a quiet program that is the only result.
+///
+/// Where nobody takes the result, the files are there, too.
+pub fn print_result_in(what: &str, directory: &Path, result: impl Display) -> Result<(), Failure> {
+    if !is_said(Verbosity::Usual) {
+        return print_result(directory.display());
+    }
+    let printed = print_result(result);
+    print_diagnostic(format_args!("{what}: {}", directory.display()));
+    let [page, recording] = [REPORT_HTML, RUN_RRD].map(|it| directory.join(it));
+    if page.is_file() {
+        print_diagnostic(format_args!("Page: {}", page.display()));
+    }
+    if recording.is_file() {
+        print_diagnostic(format_args!("Recording: rerun {}", shell_word(&recording.display().to_string())));
+    }
+    printed
+}
+
+/// Prints a result that ends as it should, such as the content of a file.
+pub fn print_bytes(result: &[u8]) -> Result<(), Failure> {
+    if stdout_was_closed() {
+        return Err(Failure::unwritten("cannot write to stdout", std::io::Error::other("it is closed")));
+    }
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(result).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::unwritten("cannot write to stdout", error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints why the program fails. Where nobody listens, it is lost.
+pub fn print_error(line: impl Display) {
+    let _ = writeln!(std::io::stderr().lock(), "{}", shown_lines(&line.to_string()));
+}
+
+/// Prints a line that is no result, unless the program is to be quiet.
+pub fn print_diagnostic(line: impl Display) {
+    if is_said(Verbosity::Usual) {
+        print_error(line);
+    }
+}
+
+/// Prints a line about what is being done, if the program is to say so.
+pub fn print_detail(line: impl Display) {
+    if is_said(Verbosity::Verbose) {
+        print_error(line);
+    }
+}

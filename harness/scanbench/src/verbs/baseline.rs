@@ -1,0 +1,116 @@
+//! `scanbench baseline`.
+
+use std::path::Path;
+
+use jiff::Timestamp;
+use reports::run_folder::command_line::shell_word;
+use reports::run_folder::run_archive::RunArchive;
+use reports::tables::formats::format::Format as _;
+use reports::tables::verdict::brief::{Brief, Purpose};
+use reports::verdicts::accept::{
+    ACCEPTED_RUN, Acceptance, SCORES_MD, Succession, TOLERANCES_TOML, accept, refuse_uncommitted,
+};
+use reports::verdicts::annotated_tolerances::built_in_file;
+use reports::verdicts::least_loss::least_losses;
+use reports::verdicts::tolerances::Tolerances;
+use reports::verdicts::verdict::{JudgeError, judge};
+
+use crate::cli::{AcceptArgs, BaselineInitArgs};
+use crate::plumbing::failure::{Failure, Usage, WorseThanAccepted};
+use crate::plumbing::open_run::open_run;
+use crate::plumbing::provenance::utc_day;
+use crate::plumbing::standard_streams::{print_diagnostic, print_result, print_text, terminal};
+use crate::verbs::gate::tolerances;
+use crate::verbs::gate_workflow::{GATE_WORKFLOW, gate_workflow};
+
+/// Writes what it takes to hold later runs to a run: the run itself, tolerances of all its numbers, and a workflow.
+pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
+    let folder = &arguments.output;
+    for name in [ACCEPTED_RUN, SCORES_MD, TOLERANCES_TOML, GATE_WORKFLOW] {
+        refuse_existing(&folder.join(name))?;
+    }
+    let run = open_run(&arguments.run)?;
+    let beside =
+        [(TOLERANCES_TOML, built_in_file(&run)), (GATE_WORKFLOW, gate_workflow(&run.manifest, folder)?)];
+    let acceptance = Acceptance {
+        date: &utc_day(Timestamp::now()),
+        why: "the first accepted run",
+        succession: Succession::Comparable,
+    };
+    accept(&run, folder, acceptance, &beside)?;
+    let losses =
+        least_losses(&run, &Tolerances::built_in(&run)).lines().into_iter().map(|it| format!("\n{it}"));
+    print_result(format!("{}\n{}", next_steps(folder, &arguments.run), losses.collect::<String>()).trim_end())
+}
+
+/// What comes of `run`, which lies in `path`, beside what was accepted before in the baseline `directory`; `None` if there is
+/// nothing that it can be compared with.
+fn judged_by(directory: &Path, run: &RunArchive, path: &Path) -> Result<Option<Judged>, Failure> {
+    let Ok(before) = RunArchive::read(&directory.join(ACCEPTED_RUN)) else { return Ok(None) };
+    let tolerances = tolerances(directory, None, &before)?;
+    let verdict = match judge(&before, run, &tolerances) {
+        Ok(verdict) => verdict,
+        // Whether it may follow all the same is asked by whoever accepts it.
+        Err(JudgeError::NotComparable(_)) => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    let sides = [path, directory].map(|it| it.display().to_string());
+    let brief = Brief { verdict: &verdict, sides: [&sides[0], &sides[1]], purpose: Purpose::Accept };
+    Ok(Some(Judged { text: terminal().text(&brief), n_worse: verdict.n_worse() }))
+}
+
+/// A verdict on what is to be accepted.
+struct Judged {
+    text: String,
+    n_worse: usize,
+}
+
+fn refuse_existing(path: &Path) -> Result<(), Failure> {
+    if !path.exists() {
+        return Ok(());
+    }
+    Err(Usage(format!(
+        "{path:?} exists; name another folder, or accept the run instead of the one before: scanbench baseline accept"
+    ))
+    .into())
+}
+
+fn next_steps(folder: &Path, run: &Path) -> String {
+    let run = shell_word(&run.display().to_string());
+    let folder = folder.display().to_string();
+    let folder = shell_word(folder.trim_end_matches('/'));
+    format!(
+        "{folder}/{ACCEPTED_RUN}/             the accepted run\n\
+         {folder}/{SCORES_MD}        what was accepted when, and why\n\
+         {folder}/{TOLERANCES_TOML}  how much worse each number may become: change it as you like\n\
+         {folder}/{GATE_WORKFLOW}    runs and gates on GitHub, after every push\n\n  \
+           mkdir -p .github/workflows && mv {folder}/{GATE_WORKFLOW} .github/workflows/\n  \
+           git add .github {folder} && git commit -m 'Gate on the accepted run'\n  \
+           scanbench gate {run} --baseline {folder}     # after each change"
+    )
+}
+
+/// Makes a run the one that others are judged by.
+pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
+    if arguments.why.trim().is_empty() {
+        return Err(Usage("--why is empty; say why the scores changed".to_owned()).into());
+    }
+    let run = open_run(&arguments.run)?;
+    let directory = &arguments.baseline.baseline;
+    refuse_uncommitted(run.manifest.git.as_ref())?;
+    if let Some(judged) = judged_by(directory, &run, &arguments.run)? {
+        print_text(&judged.text)?;
+        if judged.n_worse > 0 && !arguments.worse {
+            return Err(WorseThanAccepted { n_worse: judged.n_worse }.into());
+        }
+    }
+    let acceptance = Acceptance {
+        date: &utc_day(Timestamp::now()),
+        why: &arguments.why,
+        succession: if arguments.new_baseline { Succession::Anew } else { Succession::Comparable },
+    };
+    let line = accept(&run, directory, acceptance, &[])?;
+    print_text(&format!("{line}\n"))?;
+    print_diagnostic(format_args!("Baseline: {}", directory.display()));
+    Ok(())
+}

@@ -1,0 +1,71 @@
+//! `scanbench compare`.
+
+use std::collections::BTreeSet;
+
+use reports::rows::partial_row::PartialRow;
+use reports::run_folder::run_archive::RunArchive;
+use reports::tables::formats::format::Format;
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::verdict::comparison::{
+    ComparedSlices, Comparison, DifferenceRow, compare_detectors, compare_runs,
+};
+
+use crate::cli::{CompareArgs, OutputArgs};
+use crate::plumbing::failure::{Failure, Usage};
+use crate::plumbing::open_run::open_run;
+use crate::plumbing::paper_files::{write_figure, write_table};
+use crate::plumbing::provenance::comparison_facts;
+use crate::plumbing::run_directory::claim_named;
+use crate::plumbing::standard_streams::{print_diagnostic, print_text, terminal};
+use reports::files::csv_rows::to_csv_bytes;
+use reports::plots::study_plots::comparison_plot;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::MANIFEST_JSON;
+
+/// Prints what lies between two runs, or two detectors of one run, and writes it where that is asked for.
+pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
+    let output = OutputArgs { output: arguments.output.clone(), overwrite: arguments.overwrite };
+    let directory = claim_named(&output)?;
+    let slices = if arguments.slices { ComparedSlices::Each } else { ComparedSlices::All };
+    let run = open_run(&arguments.run)?;
+    if run.manifest.partial.is_some() && arguments.slices {
+        let problem = "--slices is for runs of detectors; every step of partial clouds is compared anyway";
+        return Err(Usage(problem.to_owned()).into());
+    }
+    let comparison = match (&arguments.other, arguments.detectors.as_deref()) {
+        (Some(other), _) => compare_runs(&run, &open_run(other)?, slices)?,
+        (None, Some([first, second])) => of_detectors(&run, first, second, slices)?,
+        (None, _) => {
+            return Err(Usage("--detectors takes two names, such as kd-tree,hierarchical".to_owned()).into());
+        }
+    };
+    if let Some(directory) = directory {
+        let directory = RunDirectory::begin(directory)?;
+        directory.write_file(MANIFEST_JSON, format!("{:#}\n", comparison_facts(arguments)).as_bytes())?;
+        directory.write_file("comparison.csv", &to_csv_bytes(&DifferenceRow::all(&comparison))?)?;
+        write_figure(&directory, "comparison", &comparison_plot(&comparison))?;
+        write_table(&directory, "comparison", &comparison)?;
+        print_diagnostic(format_args!("Comparison: {}", directory.finish()?.display()));
+    }
+    let format: &dyn Format<Comparison> = if arguments.markdown { &Markdown } else { &terminal() };
+    let text = format.text(&comparison);
+    print_text(&text)
+}
+
+fn of_detectors(
+    run: &RunArchive,
+    first: &str,
+    second: &str,
+    slices: ComparedSlices,
+) -> Result<Comparison, Failure> {
+    let (what, known) = if run.manifest.partial.is_some() {
+        ("method", run.objects.iter().map(PartialRow::method).collect::<BTreeSet<_>>().into_iter().collect())
+    } else {
+        ("detector", run.manifest.detectors.iter().map(|it| it.name.as_str()).collect::<Vec<_>>())
+    };
+    if let Some(unknown) = [first, second].into_iter().find(|it| !known.contains(it)) {
+        let known = known.join(", ");
+        return Err(Usage(format!("the run has no {what} {unknown:?}; its {what}s are {known}")).into());
+    }
+    Ok(compare_detectors(run, first, second, slices)?)
+}

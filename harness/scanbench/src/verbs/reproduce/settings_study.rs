@@ -1,0 +1,213 @@
+//! The method under joint settings of all values that the papers leave open, and its rivals beside it.
+
+use std::sync::atomic::AtomicBool;
+
+use evaluation::reproduction::open_values::{OPEN_VALUES, OpenRange};
+use evaluation::reproduction::settings::{TaskCounts, count, latin_hypercube, plan, point, points_at};
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::{ChosenDetector, built_in_named};
+use evaluation::sweep::sweep_plan::SweepPoint;
+use reports::reproduction::sensitivity::{Sensitivity, SetRate, SetValue};
+use reports::vocabulary::task::Task;
+use simulator::catalogue::DEFAULT_DATASETS;
+
+use super::METHOD;
+use crate::cli::{CatalogueArgs, DatasetArgs, ReproduceArgs, SourceArgs};
+use crate::plumbing::failure::Failure;
+use crate::plumbing::first_look::look_first_at_all;
+use crate::plumbing::open_datasets::{OpenedDataset, open_datasets};
+use crate::plumbing::progress::progress_over_scans;
+
+/// What makes the method one to the letter: printed constants where good faith has others.
+pub const LETTER: &str = "vehicle_model.paper_as_printed=true";
+
+/// Seed of the streets for development: nothing that is judged is looked at here.
+const DEVELOPMENT_SEED: u64 = 9001;
+
+/// The parameter that says how detections are matched.
+const CRITERION: &str = "matching.criterion";
+
+/// Counts of detectors on data sets at points.
+pub struct CountedPoints {
+    /// Of each data set, of each point, of each detector.
+    pub counts: Vec<Vec<Vec<TaskCounts>>>,
+}
+
+impl CountedPoints {
+    /// Counts what `detectors` make of `datasets` at `points` of the parameters `names`.
+    pub fn of(
+        config: &RunConfig,
+        detectors: &[&str],
+        names: &[&str],
+        points: Vec<SweepPoint>,
+        datasets: &[OpenedDataset],
+        interrupted: &AtomicBool,
+    ) -> Result<Self, Failure> {
+        let chosen: Vec<String> = detectors.iter().map(|it| (*it).to_owned()).collect();
+        let chosen = built_in_named(&chosen, config)?.into_iter().map(ChosenDetector::from).collect();
+        let plan = plan(config, chosen, names, points);
+        let mut counts = Vec::new();
+        for it in datasets {
+            let progress = progress_over_scans(it.scan_indices.len(), &it.dataset.description().id);
+            counts.push(count(&plan, &*it.dataset, &it.scan_indices, interrupted, || progress.inc(1))?);
+            progress.finish_and_clear();
+        }
+        Ok(Self { counts })
+    }
+
+    /// The F-rate at a point on these data sets together; `None` where false detections are not known.
+    pub fn f_rate(
+        &self,
+        dataset_idxs: &[usize],
+        point_idx: usize,
+        detector_idx: usize,
+        task: Task,
+    ) -> Option<f64> {
+        let task_idx = Task::ALL.iter().position(|it| *it == task)?;
+        let of_datasets = dataset_idxs.iter().map(|it| self.counts[*it][point_idx][detector_idx][task_idx]);
+        let sum = of_datasets.reduce(|mut sum, it| {
+            sum += it;
+            sum
+        });
+        sum?.f_rate()
+    }
+
+    /// Number of data sets.
+    pub fn n_datasets(&self) -> usize {
+        self.counts.len()
+    }
+}
+
+/// All settings, with what came of them.
+pub struct SettingsStudy {
+    /// The rates.
+    pub sensitivity: Sensitivity,
+    methods: CountedPoints,
+    // At each criterion.
+    rivals: CountedPoints,
+    criterion_of_setting: Vec<usize>,
+}
+
+/// The rivals, and the task in which each is one.
+pub const RIVALS: [(&str, Task); 2] = [("kd-tree", Task::Objects), ("pca", Task::Vehicles)];
+
+/// The criteria of matching that a paper could mean.
+pub fn criteria() -> &'static [&'static str] {
+    let open = OPEN_VALUES.iter().find(|it| it.parameter == CRITERION);
+    match open.map(|it| it.range) {
+        Some(OpenRange::Words(words)) => words,
+        _ => &["points"],
+    }
+}
+
+/// The points at which only the criterion differs, in the order of [`criteria`].
+pub fn points_by_criterion(config: &RunConfig) -> Result<Vec<SweepPoint>, Failure> {
+    let points = criteria().iter().map(|it| point(config, &[CRITERION], vec![(*it).to_owned()]));
+    Ok(points.collect::<Result<_, _>>()?)
+}
+
+/// The streets for development, as simulated as what was asked for.
+fn development_streets(asked: &DatasetArgs) -> DatasetArgs {
+    let mut data = asked.clone();
+    data.datasets = vec![DEFAULT_DATASETS.to_owned()];
+    data.scans = None;
+    let SourceArgs { simulated_scans, sensor, .. } = asked.source.clone();
+    // What is said of recorded files, or of the simulator elsewhere, is not for these.
+    data.source = SourceArgs {
+        topic: None,
+        annotation_topic: None,
+        classes: Vec::new(),
+        format: None,
+        seed: Some(DEVELOPMENT_SEED),
+        simulated_scans,
+        sensor,
+        sensor_height: None,
+        transform: None,
+        columns: None,
+        cache: None,
+        catalogue: CatalogueArgs { catalogue: None },
+    };
+    data
+}
+
+impl SettingsStudy {
+    /// Runs the method under all settings that were asked for, on streets for development; `None` if none were.
+    pub fn run(
+        arguments: &ReproduceArgs,
+        config: &RunConfig,
+        interrupted: &AtomicBool,
+    ) -> Result<Option<Self>, Failure> {
+        let n = arguments.settings as usize;
+        if n == 0 {
+            return Ok(None);
+        }
+        let mut config = config.clone();
+        let datasets = look_first_at_all(
+            open_datasets(&development_streets(&arguments.data), &config.classes)?,
+            &mut config,
+        );
+        let names: Vec<&str> = OPEN_VALUES.iter().map(|it| it.parameter).collect();
+        let drawn = latin_hypercube(OPEN_VALUES.len(), n, arguments.settings_seed);
+        let points = points_at(&config, &OPEN_VALUES, &drawn)?;
+        let settings: Vec<Vec<String>> = points.iter().map(|it| it.values.clone()).collect();
+        let methods = CountedPoints::of(&config, &[METHOD], &names, points, &datasets, interrupted)?;
+        let rivals = RIVALS.map(|it| it.0);
+        let rivals = CountedPoints::of(
+            &config,
+            &rivals,
+            &[CRITERION],
+            points_by_criterion(&config)?,
+            &datasets,
+            interrupted,
+        )?;
+        let index = names.iter().position(|it| *it == CRITERION).expect("it is one of them");
+        let criterion_of =
+            |it: &Vec<String>| criteria().iter().position(|word| *word == it[index]).unwrap_or(0);
+        let criterion_of_setting: Vec<usize> = settings.iter().map(criterion_of).collect();
+        // All are simulated.
+        let all: Vec<usize> = (0..methods.n_datasets()).collect();
+        let rate = |(rival_idx, (rival, task)): (usize, &(&str, Task))| SetRate {
+            name: format!("{task}, F-rate"),
+            method: METHOD.to_owned(),
+            of_method: (0..n).map(|it| methods.f_rate(&all, it, 0, *task)).collect(),
+            rival: (*rival).to_owned(),
+            of_rival: criterion_of_setting
+                .iter()
+                .map(|&it| rivals.f_rate(&all, it, rival_idx, *task))
+                .collect(),
+        };
+        let values = OPEN_VALUES.iter().map(|it| SetValue {
+            parameter: it.parameter.to_owned(),
+            said: it.said.to_owned(),
+            range: it.range.to_string(),
+            chosen: config.value_of(it.parameter).map_or_else(String::new, ToString::to_string),
+        });
+        let sensitivity = Sensitivity {
+            values: values.collect(),
+            settings,
+            rates: RIVALS.iter().enumerate().map(rate).collect(),
+            seed: arguments.settings_seed,
+            scans: format!("simulated streets for development (seeds from {DEVELOPMENT_SEED})"),
+        };
+        Ok(Some(Self { sensitivity, methods, rivals, criterion_of_setting }))
+    }
+
+    /// Under how many settings the method leads the rival of the task, and of how many: on each data set, or on all
+    /// together.
+    pub fn n_leading(&self, task: Task, on_each: bool) -> Option<[usize; 2]> {
+        let rival_idx = RIVALS.iter().position(|it| it.1 == task)?;
+        let all = 0..self.methods.n_datasets();
+        let scenes: Vec<Vec<usize>> =
+            if on_each { all.map(|it| vec![it]).collect() } else { vec![all.collect()] };
+        let leads = |setting_idx: usize| {
+            scenes.iter().all(|scene| {
+                let method = self.methods.f_rate(scene, setting_idx, 0, task);
+                let rival =
+                    self.rivals.f_rate(scene, self.criterion_of_setting[setting_idx], rival_idx, task);
+                method.zip(rival).is_some_and(|(method, rival)| method > rival)
+            })
+        };
+        let n = self.criterion_of_setting.len();
+        Some([(0..n).filter(|&it| leads(it)).count(), n])
+    }
+}

@@ -1,0 +1,161 @@
+//! `scanbench selftest --protocol`: labels fed back under protocols of others.
+
+use std::collections::BTreeSet;
+
+use evaluation::protocols::chosen_protocols::{ChosenProtocols, ScanUnderProtocols, n_beyond_number};
+use reports::protocols::drawn_scans::DrawnScans;
+use reports::protocols::kitti_object::measures::is_sound;
+use reports::protocols::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolMetric};
+use reports::protocols::protocol_tally::{ProtocolQuestion, ProtocolTally};
+use reports::rows::scan_name::ScanName;
+use reports::vocabulary::metric::Direction;
+use reports::vocabulary::protocol::{Protocol, ProtocolFamily};
+use scans::dataset::source::DamagePolicy;
+
+use crate::plumbing::failure::{Failure, NothingEvaluated};
+use crate::plumbing::open_datasets::OpenedDataset;
+use crate::plumbing::progress::progress_over_scans;
+
+/// What the labels are said to be found by.
+const ECHO: &str = "labels";
+
+/// One data set and protocol.
+pub struct CheckedProtocol {
+    dataset: String,
+    protocol: Protocol,
+    n_numbers: usize,
+    // Those that are not the best there is.
+    imperfect: Vec<(ProtocolMetric, f64)>,
+    // Labels that the protocol takes no more of in a scan.
+    n_beyond_number: usize,
+}
+
+impl CheckedProtocol {
+    /// Whether every number of classes with labels is the best there is, as far as the protocol takes the labels.
+    pub fn is_perfect(&self) -> bool {
+        self.imperfect.is_empty() || self.n_beyond_number > 0
+    }
+}
+
+impl std::fmt::Display for CheckedProtocol {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { dataset, protocol, n_numbers, imperfect, n_beyond_number } = self;
+        let verdict = if self.is_perfect() { "ok" } else { "FAILED" };
+        write!(formatter, "{verdict:<6} {dataset}, protocol {protocol}: ")?;
+        if *n_beyond_number > 0 {
+            return write!(
+                formatter,
+                "takes {n_beyond_number} labels fewer than there are, so the best cannot be reached"
+            );
+        }
+        write!(formatter, "{} of {n_numbers} numbers are the best there is", n_numbers - imperfect.len())?;
+        imperfect
+            .iter()
+            .try_for_each(|(it, value)| write!(formatter, "; {} of {} is {value}", it.id, it.class))
+    }
+}
+
+/// Feeds the labels of every scan back under each of `protocols`.
+pub fn check_protocols(
+    opened: &OpenedDataset,
+    policy: DamagePolicy,
+    protocols: &[Protocol],
+) -> Result<Vec<CheckedProtocol>, Failure> {
+    let Some(chosen) = ChosenProtocols::of(protocols) else { return Ok(Vec::new()) };
+    chosen.check(&*opened.dataset)?;
+    let id = &opened.dataset.description().id;
+    let echoes = EchoedLabels::of(opened, policy, &chosen, protocols)?;
+    let checks = echoes.checked(id, protocols);
+    if let Some(nothing) = checks.iter().find(|it| it.n_numbers == 0) {
+        let reason =
+            format!("no label of {id:?} that counts has a class of the protocol {}", nothing.protocol);
+        return Err(NothingEvaluated { reason }.into());
+    }
+    Ok(checks)
+}
+
+/// What came of the labels of some scans.
+struct EchoedLabels {
+    tally: ProtocolTally,
+    names: Vec<ScanName>,
+    // Of each protocol, the labels that it takes no more of.
+    n_beyond_number: Vec<usize>,
+}
+
+impl EchoedLabels {
+    fn of(
+        opened: &OpenedDataset,
+        policy: DamagePolicy,
+        chosen: &ChosenProtocols,
+        protocols: &[Protocol],
+    ) -> Result<Self, Failure> {
+        let mut echoes = Self {
+            tally: ProtocolTally::default(),
+            names: Vec::new(),
+            n_beyond_number: vec![0; protocols.len()],
+        };
+        let id = &opened.dataset.description().id;
+        let progress = progress_over_scans(opened.scan_indices.len(), id);
+        for &scan_idx in &opened.scan_indices {
+            progress.inc(1);
+            match opened.dataset.read_scan(scan_idx) {
+                Ok(scan) => echoes.add(&chosen.scan(&*opened.dataset, scan_idx, &scan)?, protocols),
+                Err(error) => {
+                    let scan_id = &opened.dataset.scan_ids()[scan_idx];
+                    progress.suspend(|| opened.on_damage(policy, scan_id, error))?;
+                }
+            }
+        }
+        progress.finish_and_clear();
+        Ok(echoes)
+    }
+
+    fn add(&mut self, scan: &ScanUnderProtocols<'_>, protocols: &[Protocol]) {
+        let rows = scan.echoed_rows(ECHO);
+        self.tally.add(&rows);
+        self.names.push(scan.name().clone());
+        for (protocol, n) in protocols.iter().zip(&mut self.n_beyond_number) {
+            *n += n_beyond_number(&rows, *protocol);
+        }
+    }
+
+    fn checked(self, id: &str, protocols: &[Protocol]) -> Vec<CheckedProtocol> {
+        let scans = DrawnScans::undrawn(self.names);
+        let checks = protocols.iter().zip(self.n_beyond_number);
+        checks.map(|(protocol, n)| checked(id, *protocol, n, &self.tally, &scans)).collect()
+    }
+}
+
+fn checked(
+    dataset: &str,
+    protocol: Protocol,
+    n_beyond_number: usize,
+    tally: &ProtocolTally,
+    scans: &DrawnScans,
+) -> CheckedProtocol {
+    let rows = tally.rows(ProtocolQuestion { protocol, detector: ECHO }, scans);
+    let values: Vec<(ProtocolMetric, f64)> = rows.map_or_else(Vec::new, |it| {
+        let values = it.values(&vec![1; scans.names().len()]);
+        it.metrics().into_iter().zip(values).filter_map(|(metric, value)| Some((metric, value?))).collect()
+    });
+    // Of all classes together those without labels count as not found, where there is a number of the others, too.
+    let of_present: BTreeSet<String> =
+        values.iter().filter(|(it, _)| it.class == PRESENT_CLASSES).map(|(it, _)| it.id.clone()).collect();
+    // KITTI's own reading does not give the best of few annotations; ours has to.
+    let is_asked = |metric: &ProtocolMetric| match protocol.family() {
+        ProtocolFamily::KittiObjects => metric.class != ALL_CLASSES && is_sound(&metric.id),
+        ProtocolFamily::RankedBoxes => metric.class != ALL_CLASSES,
+        ProtocolFamily::Instances | ProtocolFamily::Ground => {
+            metric.class != ALL_CLASSES || !of_present.contains(&metric.id)
+        }
+    };
+    let values: Vec<(ProtocolMetric, f64)> = values.into_iter().filter(|(it, _)| is_asked(it)).collect();
+    let n_numbers = values.len();
+    let is_best = |(metric, value): &(ProtocolMetric, f64)| match metric.direction {
+        Direction::HigherIsBetter => *value == 1.0,
+        Direction::LowerIsBetter => *value == 0.0,
+        Direction::Neither => true,
+    };
+    let imperfect = values.into_iter().filter(|it| !is_best(it)).collect();
+    CheckedProtocol { dataset: dataset.to_owned(), protocol, n_numbers, imperfect, n_beyond_number }
+}

@@ -1,0 +1,157 @@
+//! `scanbench serve`: our own detectors under the protocol for other people's.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::path::Path;
+
+use detector::{Detector, DetectorOutput};
+use evaluation::process::message::{
+    Answer, AskedScan, Configuration, Introduction, PROTOCOL, Question, line_of, parse_line,
+};
+use evaluation::process::received_cloud::ReceivedCloud;
+use evaluation::process::supervisor::{READ_FD, WRITE_FD};
+use evaluation::process::written_answer::{AnswerWriter, Extent};
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::ListedDetector;
+use evaluation::run::process_detector::NOTHING;
+
+use crate::cli::ServeArgs;
+use crate::plumbing::config::{built_in_detectors, warn_of_missing_curve};
+use crate::plumbing::failure::{Failure, Usage};
+
+pub use evaluation::process::supervisor::supervise;
+
+/// Answers until it is asked to end.
+pub fn serve(arguments: &ServeArgs) -> Result<(), Failure> {
+    let served = if arguments.detector == NOTHING {
+        None
+    } else {
+        let names = std::slice::from_ref(&arguments.detector);
+        let (listed, config) = built_in_detectors(&arguments.config, names)?;
+        Some((listed[0], config))
+    };
+    let mut reading = BufReader::new(end_of(READ_FD, OpenOptions::new().read(true))?);
+    let writing = end_of(WRITE_FD, OpenOptions::new().write(true))?;
+    let mut server = Server {
+        served,
+        writing,
+        extent: Extent::default(),
+        cloud: None,
+        detector: None,
+        output: DetectorOutput::default(),
+        answer: AnswerWriter::default(),
+    };
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        let n_read = reading.read_until(b'\n', &mut line);
+        if n_read.map_err(|error| Failure::internal("cannot read questions", error))? == 0 {
+            return Ok(());
+        }
+        let answered = match parse_line::<Question>(&line) {
+            Ok((Question::Quit, _)) => return Ok(()),
+            Ok((question, _)) => server.answer(question),
+            Err(problem) => server.say(&Answer::Error { text: problem }),
+        };
+        answered.map_err(|error| Failure::internal("cannot answer", error))?;
+    }
+}
+
+/// The pipe whose number the variable `name` holds.
+fn end_of(name: &str, how: &OpenOptions) -> Result<File, Failure> {
+    let number: Option<u32> = std::env::var(name).ok().and_then(|it| it.parse().ok());
+    let Some(number) = number else {
+        let problem = format!("{name} is not set: serve is started by `scanbench run`, see docs/protocol.md");
+        return Err(Usage(problem).into());
+    };
+    let opened = how.open(format!("/proc/self/fd/{number}"));
+    opened.map_err(|error| Failure::usage(format!("{name} = {number} is no pipe"), error))
+}
+
+struct Server {
+    /// `None` finds nothing.
+    served: Option<(ListedDetector, RunConfig)>,
+    writing: File,
+    extent: Extent,
+    cloud: Option<ReceivedCloud>,
+    detector: Option<Box<dyn Detector>>,
+    output: DetectorOutput,
+    answer: AnswerWriter,
+}
+
+impl Server {
+    fn answer(&mut self, question: Question) -> io::Result<()> {
+        match question {
+            Question::Hello { protocol, .. } if protocol != PROTOCOL => {
+                self.say(&Answer::Error { text: format!("this is protocol {PROTOCOL}, not {protocol}") })
+            }
+            Question::Hello { extensions, .. } => {
+                self.extent = Extent::of(&extensions);
+                let name = self.served.as_ref().map_or(NOTHING, |(listed, _)| listed.name).to_owned();
+                let version = Some(env!("CARGO_PKG_VERSION").to_owned());
+                self.say(&Answer::Hello(Introduction { protocol: PROTOCOL, name, version }))
+            }
+            Question::Configure(configuration) => {
+                let answer = match self.configure(&configuration) {
+                    Ok(()) => Answer::Configured,
+                    Err(text) => Answer::Error { text },
+                };
+                self.say(&answer)
+            }
+            Question::Scan(asked) => match self.detect(&asked) {
+                Ok(()) => Ok(()),
+                Err(Problem::Broken(error)) => Err(error),
+                Err(Problem::Reported(text)) => self.say(&Answer::Error { text }),
+            },
+            Question::Quit => Ok(()),
+        }
+    }
+
+    fn say(&mut self, answer: &Answer) -> io::Result<()> {
+        self.writing.write_all(&line_of(answer, 0)?)
+    }
+
+    fn configure(&mut self, configuration: &Configuration) -> Result<(), String> {
+        let memory = ReceivedCloud::open(Path::new(&configuration.shared_memory));
+        self.cloud = Some(memory.map_err(|error| format!("{}: {error}", configuration.shared_memory))?);
+        let Some((listed, config)) = &self.served else { return Ok(()) };
+        if let Some(name) = configuration.parameters.keys().next() {
+            return Err(format!(
+                "no parameter {name}: parameters of {} are given to serve by -P",
+                listed.name
+            ));
+        }
+        let of_sensor = configuration.sensor.as_deref().and_then(|it| {
+            let found = config.for_sensor(it);
+            if found.is_none() {
+                warn_of_missing_curve(it);
+            }
+            found
+        });
+        let height_m = configuration.sensor_height_m.ok_or("the height of the sensor is needed")?;
+        self.detector = Some(listed.build(of_sensor.as_ref().unwrap_or(config), height_m));
+        Ok(())
+    }
+
+    /// Reads the points, detects and answers.
+    fn detect(&mut self, asked: &AskedScan) -> Result<(), Problem> {
+        let early = || Problem::Reported("scan before configure".to_owned());
+        let cloud = self.cloud.as_mut().ok_or_else(early)?.read(asked).map_err(Problem::Reported)?;
+        let message = if self.served.is_none() {
+            self.answer.write_nothing(asked.number, cloud.len()).map_err(Problem::Broken)?
+        } else {
+            self.detector.as_mut().ok_or_else(early)?.detect(cloud, &mut self.output);
+            let answer = self.answer.write(asked.number, &self.output, cloud.len(), self.extent);
+            answer.map_err(Problem::Reported)?
+        };
+        self.writing.write_all(message).map_err(Problem::Broken)
+    }
+}
+
+/// Why a scan has no result.
+enum Problem {
+    /// The host is told.
+    Reported(String),
+    /// Nobody can be told.
+    Broken(io::Error),
+}

@@ -1,0 +1,53 @@
+//! `scanbench view`.
+
+use reports::run_folder::command_line::shell_word;
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::vocabulary::reason::MistakeKind;
+use reports::worst::mistakes::{MistakeChoice, worst, worst_to_terminal};
+
+use crate::cli::{OutcomeName, ViewArgs};
+use crate::plumbing::failure::{Failure, NothingEvaluated, Usage};
+use crate::plumbing::open_run::open_run;
+use crate::plumbing::standard_streams::print_text;
+use crate::verbs::worst_scans::record;
+
+/// Lists the worst mistakes of a detector, and records the scans they are in.
+pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
+    let path = &arguments.run;
+    if path.is_dir() && !path.join(MANIFEST_JSON).exists() {
+        let (path, word) = (path.display(), shell_word(&path.display().to_string()));
+        return Err(Usage(format!(
+            "{path} is not the directory of a run; to see scans and labels, record them: `scanbench run {word} --scans 0`"
+        ))
+        .into());
+    }
+    let run = open_run(path)?;
+    if run.manifest.partial.is_some() {
+        let problem = "is a result of `partial`, which has no scans: open its partial.rrd";
+        return Err(Usage(format!("{} {problem}", path.display())).into());
+    }
+    let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
+    let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
+    if !names.contains(&detector) {
+        return Err(Usage(format!(
+            "the run has no detector {detector:?}; its detectors are {}",
+            names.join(", ")
+        ))
+        .into());
+    }
+    let choice = MistakeChoice {
+        detector,
+        task: arguments.task.task(),
+        kind: arguments.outcome.map(|it| match it {
+            OutcomeName::Missed => MistakeKind::Missed,
+            OutcomeName::False => MistakeKind::False,
+        }),
+        class: arguments.class.as_deref(),
+    };
+    let mistakes = worst(&run.matches, &choice, arguments.worst as usize);
+    if mistakes.is_empty() {
+        return Err(NothingEvaluated { reason: "the run has no mistakes of this kind".to_owned() }.into());
+    }
+    print_text(&worst_to_terminal(&mistakes))?;
+    record(arguments, &run.manifest, &mistakes)
+}

@@ -1,0 +1,238 @@
+//! The recording of the scans with the worst mistakes.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
+
+use clap::Parser as _;
+use evaluation::run::compared_detector::ComparedDetector;
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::ChosenDetector;
+use evaluation::run::foreign_detector::ForeignWork;
+use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
+use evaluation::run::side_by_side::SideBySide;
+use evaluation::run::sink::{JudgedScan, WatchedDataset};
+use reports::run_folder::command_line::shell_word;
+use reports::run_folder::manifest::Manifest;
+use reports::vocabulary::reason::MistakeKind;
+use reports::worst::mistakes::ListedMistake;
+
+use crate::cli::{RunArgs, ViewArgs};
+use crate::plumbing::config::{choose_criterion, chosen_detectors};
+use crate::plumbing::failure::{Failure, Usage};
+use crate::plumbing::first_look::look_first_at_all;
+use crate::plumbing::interruption::interruption_flag;
+use crate::plumbing::open_datasets::{OpenedDataset, open_datasets_past_damage};
+use crate::plumbing::progress::progress_over_scans;
+use crate::plumbing::recorder::{
+    self, Appearance, Recorder, RecordingPlan, is_wanted, report_ending, serve_until_interrupted,
+};
+use crate::plumbing::run_manifest::refuse_other_scans;
+use crate::plumbing::standard_streams::print_diagnostic;
+use crate::verbs::{Cli, Command};
+
+/// Runs the scans of `mistakes` again as `manifest` says, and records them, the first mistake's first.
+pub fn record(
+    arguments: &ViewArgs,
+    manifest: &Manifest,
+    mistakes: &[ListedMistake<'_>],
+) -> Result<(), Failure> {
+    if !is_wanted(&arguments.stream)? {
+        return Ok(());
+    }
+    let interrupted = interruption_flag();
+    let again = RunAgain::of(manifest, arguments.trust)?;
+    let scans = again.scans_of(mistakes)?;
+    let file = arguments.run.join("worst.rrd");
+    let written = arguments.stream.save_rrd.clone().flatten().unwrap_or(file.clone());
+    let names: Vec<&str> = again.detectors.iter().map(ChosenDetector::name).collect();
+    let name = format!("worst of {}", arguments.run.file_name().unwrap_or_default().to_string_lossy());
+    let Some(mut recording) = recorder::begin(&RecordingPlan {
+        arguments: &arguments.stream,
+        default_file: file,
+        appears: Appearance::Whole,
+        name: &name,
+        shown_task: arguments.task.task(),
+        detectors: &names,
+        n_scans: scans.len(),
+        has_poses: again.datasets.iter().any(OpenedDataset::has_poses),
+        at_the_start: true,
+        figures: &[],
+    })?
+    else {
+        return Ok(());
+    };
+    again.log(&scans, interrupted, &mut recording)?;
+    let served = report_ending(recording.finish()?);
+    print_diagnostic(format_args!("Recording: {}", written.display()));
+    if let Some(served) = served {
+        serve_until_interrupted(&*served, interrupted);
+    }
+    Ok(())
+}
+
+/// A scan with mistakes.
+struct WorstScan {
+    /// Data set, and scan within it.
+    indices: [usize; 2],
+    /// Where they are.
+    marks: Vec<Mark>,
+}
+
+/// Points at a mistake, if it has a box.
+fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
+    let kind = match mistake.kind {
+        MistakeKind::Missed => "missed",
+        MistakeKind::False => "false",
+    };
+    let text = format!("worst {rank}: {kind} {}, {}", mistake.class, mistake.reason);
+    Some(Mark { position_m: mistake.position_m?, text })
+}
+
+/// What is needed to run scans once more.
+struct RunAgain {
+    arguments: Box<RunArgs>,
+    config: RunConfig,
+    detectors: Vec<ChosenDetector>,
+    datasets: Vec<OpenedDataset>,
+}
+
+/// Somebody else may have chosen what is fetched, and from where.
+fn refuse_addresses(arguments: &RunArgs) -> Result<(), Usage> {
+    match arguments.data.datasets.iter().find(|it| it.contains("://")) {
+        Some(address) => Err(Usage(format!(
+            "the run names the data set {address:?}, which is not fetched unless you trust the run: add --trust, or --no-rrd for the list alone"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Shows the programs of a configuration that the run names, and refuses to start them unless the run is `trusted`: the user
+/// has not chosen them.
+fn show_programs(arguments: &RunArgs, detectors: &[ChosenDetector], trusted: bool) -> Result<(), Usage> {
+    let Some(config) = &arguments.config.config else { return Ok(()) };
+    for detector in detectors {
+        let ChosenDetector::Foreign(foreign) = detector else { continue };
+        let ForeignWork::Process(process) = &foreign.work else { continue };
+        let command = process.command.iter().map(|it| shell_word(it)).collect::<Vec<_>>().join(" ");
+        let program = format!("the detector {:?} of {config:?}, the program `{command}`", detector.name());
+        if !trusted {
+            return Err(Usage(format!(
+                "the run names {program}, which is not started unless you trust the run: add --trust, or --no-rrd for the list alone"
+            )));
+        }
+        print_diagnostic(format_args!("Starting {program}"));
+    }
+    Ok(())
+}
+
+impl RunAgain {
+    /// As `manifest` says; a run that is not `trusted` may name files of this machine, and nothing else.
+    fn of(manifest: &Manifest, trusted: bool) -> Result<Self, Failure> {
+        let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
+        let Ok(Command::Run(arguments)) = parsed else {
+            let line = manifest.argv.join(" ");
+            return Err(
+                Usage(format!("this program does not understand the command of the run: `{line}`")).into()
+            );
+        };
+        if !trusted {
+            refuse_addresses(&arguments)?;
+        }
+        let (detectors, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
+        show_programs(&arguments, &detectors, trusted)?;
+        choose_criterion(&mut config, &arguments.matching);
+        let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
+        if resolved != manifest.config {
+            return Err(Usage(
+                "the parameters differ from those of the run: a file or this program has changed".to_owned(),
+            )
+            .into());
+        }
+        let datasets =
+            open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
+        let datasets = look_first_at_all(datasets, &mut config);
+        refuse_other_scans(manifest, &datasets, arguments.data.scans.as_deref())?;
+        Ok(Self { arguments, config, detectors, datasets })
+    }
+
+    /// The scans of all mistakes, each once, in the order of the mistakes.
+    fn scans_of(&self, mistakes: &[ListedMistake<'_>]) -> Result<Vec<WorstScan>, Failure> {
+        let mut scans: Vec<WorstScan> = Vec::new();
+        for (rank, mistake) in (1..).zip(mistakes) {
+            let row = mistake.row;
+            let is_its = |it: &OpenedDataset| it.dataset.description().id == row.dataset;
+            let indices = self.datasets.iter().position(is_its).and_then(|dataset_idx| {
+                let ids = self.datasets[dataset_idx].dataset.scan_ids();
+                let scan_idx =
+                    ids.iter().position(|id| id.sequence == row.sequence && id.index == row.scan)?;
+                Some([dataset_idx, scan_idx])
+            });
+            let indices = indices.ok_or_else(|| {
+                Usage(format!(
+                    "scan {} {} of {:?} does not exist any more",
+                    row.sequence, row.scan, row.dataset
+                ))
+            })?;
+            let mark = mark(rank, mistake);
+            match scans.iter_mut().find(|it| it.indices == indices) {
+                Some(scan) => scan.marks.extend(mark),
+                None => scans.push(WorstScan { indices, marks: mark.into_iter().collect() }),
+            }
+        }
+        Ok(scans)
+    }
+
+    fn log(
+        &self,
+        scans: &[WorstScan],
+        interrupted: &AtomicBool,
+        recording: &mut Recorder,
+    ) -> Result<(), Failure> {
+        // Detectors of every data set that has had a scan.
+        let mut begun = BTreeMap::new();
+        let progress = progress_over_scans(scans.len(), "worst scans");
+        for (number, WorstScan { indices: [dataset_idx, scan_idx], marks }) in scans.iter().enumerate() {
+            let (dataset_idx, scan_idx) = (*dataset_idx, *scan_idx);
+            let opened = &self.datasets[dataset_idx];
+            let description = opened.dataset.description();
+            let config = self.config.for_scans_of(description);
+            let n_warmup = if begun.contains_key(&dataset_idx) { 0 } else { self.arguments.timing.warmup };
+            let detectors = begun.entry(dataset_idx).or_insert_with(|| {
+                let compared_detectors =
+                    self.detectors.iter().map(|it| ComparedDetector::of(it.clone(), &self.config));
+                let built = compared_detectors.map(|it| it.begin(description));
+                built.collect::<Vec<_>>()
+            });
+            let side_by_side = SideBySide {
+                dataset: &*opened.dataset,
+                scan_indices: &[scan_idx],
+                part: 0..1,
+                n_before: number,
+                matching: config.matching,
+                n_warmup: n_warmup.into(),
+                n_repeats: NonZeroUsize::MIN,
+                n_jobs: 1,
+                on_failure: self.arguments.on_detector_failure.rule(),
+                interrupted,
+            };
+            side_by_side.run(detectors, |results| -> Result<(), Failure> {
+                let watched = WatchedDataset {
+                    dataset: &*opened.dataset,
+                    scan_indices: &[scan_idx],
+                    n_scans: 1,
+                    n_before: number,
+                    criterion: config.matching.criterion,
+                };
+                let judged = JudgedScan::new(watched, &results);
+                if let Some(warning) = recording.record(&RecordedScan { judged: &judged, marks })? {
+                    progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
+                }
+                Ok(())
+            })?;
+            progress.inc(1);
+        }
+        progress.finish_and_clear();
+        Ok(())
+    }
+}
